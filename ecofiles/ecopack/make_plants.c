@@ -250,15 +250,6 @@ static enum eco_code import_model(struct make_plant *plant, struct eco_model *mo
 
 #define DRAFT_TEXELS 512u                /* of a side of a draft's texture */
 
-/* A draft is built of the texels that it keeps. */
-static enum eco_code shrink_images(struct eco_model *model, struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < model->image_count && !code; i++)
-		code = lod_texture_shrink(&model->images[i], DRAFT_TEXELS, error);
-	return code;
-}
-
 static enum eco_code build_plant(struct job *job, struct eco_error *error)
 {
 	struct make_plant *plant = &job->work->m->plants[job->plant];
@@ -278,10 +269,10 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	memcpy(plant->foot, model.foot, sizeof plant->foot);
 	plant->scale = model.scale;
 	main_times_stage(MAIN_STAGE_TEXTURES);
-	if (job->work->m->options->draft)
-		code = shrink_images(&model, error);
-	if (!code)
-		code = build_or_recall(job, &model, error);
+	/* a draft is built of the texels that it keeps */
+	for (uint32_t i = 0; i < model.image_count && job->work->m->options->draft; i++)
+		lod_texture_shrink(&model.images[i], DRAFT_TEXELS);
+	code = build_or_recall(job, &model, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	main_times_stage(MAIN_STAGE_TEXTURES);
 	if (!code)

@@ -70,9 +70,8 @@ static void choose_colors(struct make_summing *summing, uint32_t first, uint32_t
 	struct lod_summary_palette *palette = &summing->palette;
 	make_refer(m);
 	free(palette->color_of);
-	eco_check(lod_summary_palette_make(palette, &(struct lod_summary_input){ .scene = &m->scene,
-		.pools = summing->pools, .roots = (const struct lod_summary_root *const *)summing->roots }, first, count,
-		m->error));
+	lod_summary_palette_make(palette, &(struct lod_summary_input){ .scene = &m->scene,
+		.pools = summing->pools, .roots = (const struct lod_summary_root *const *)summing->roots }, first, count);
 	summing->palette_first = make_add_colors(m, (const uint8_t (*)[3])palette->rgb, palette->count);
 	make_refer(m);
 }

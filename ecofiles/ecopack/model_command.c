@@ -71,8 +71,6 @@ static void find_organs(struct seen *s)
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	s->organ = eco_alloc(s->model.triangle_count + 1u, 1);
-	if (setjmp(arena.failed))
-		eco_end("no memory");
 	memset(s->organ, ECO_ORGAN_FOUND, s->model.triangle_count + 1u);
 	lod_weld(&mesh, &s->model, WELD_BITS, &arena);
 	lod_organs_find(&organs, &mesh, &s->model, &arena);

@@ -337,29 +337,6 @@ static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const st
 
 /* ---- All ---- */
 
-static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const struct lod_organs *organs,
-	struct lod_arena *scratch)
-{
-	uint32_t *local = lod_arena_take(lines->arena, mesh->vertex_count, sizeof *local);
-	for (uint32_t c = 0; c < mesh->component_count; c++) {
-		if (organs->components[c].organ != ECO_ORGAN_WOOD)
-			continue;
-		struct lod_tube tube;
-		uint32_t own = lines->bones->count;
-		if (organs->components[c].stout) {
-			lay_thing(lines, mesh, &organs->components[c], c);
-			continue;
-		}
-		lod_tube_make(&tube, mesh, organs, c, local, scratch);
-		lay_lines(&tube, lines, c);
-		struct through through = find_lines(&tube, lines->bones, own, scratch);
-		measure(&tube, &through, lines->bones, own, organs, scratch);
-		for (uint32_t t = 0; t < tube.triangle_count; t++)
-			add_spans(lines, &tube, &through, t);
-		lod_arena_free(scratch);
-	}
-}
-
 /* Lines accumulate in the caller's arena; each component's work is freed at once, so it has an arena of its
  * own. */
 void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs,
@@ -367,14 +344,27 @@ void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const 
 {
 	*bones = (struct lod_bones){ .width_at =
 		lod_arena_take(arena, mesh->triangle_count, sizeof *bones->width_at) };
-	struct lod_arena *scratch = lod_arena_take(arena, 1, sizeof *scratch);
+	struct lod_arena scratch = { 0 };
 	struct lines *lines = lod_arena_take(arena, 1, sizeof *lines);
 	*lines = (struct lines){ .bones = bones, .arena = arena };
-	arena->inner = scratch;
-	if (setjmp(scratch->failed))
-		longjmp(arena->failed, 1);       /* freeing the arena frees the inner one */
-	make_guarded(lines, mesh, organs, scratch);
-	arena->inner = NULL;
+	uint32_t *local = lod_arena_take(arena, mesh->vertex_count, sizeof *local);
+	for (uint32_t c = 0; c < mesh->component_count; c++) {
+		struct lod_tube tube;
+		uint32_t own = bones->count;
+		if (organs->components[c].organ != ECO_ORGAN_WOOD)
+			continue;
+		if (organs->components[c].stout) {
+			lay_thing(lines, mesh, &organs->components[c], c);
+			continue;
+		}
+		lod_tube_make(&tube, mesh, organs, c, local, &scratch);
+		lay_lines(&tube, lines, c);
+		struct through through = find_lines(&tube, bones, own, &scratch);
+		measure(&tube, &through, bones, own, organs, &scratch);
+		for (uint32_t t = 0; t < tube.triangle_count; t++)
+			add_spans(lines, &tube, &through, t);
+		lod_arena_free(&scratch);
+	}
 }
 
 void lod_bones_sort(struct lod_bones *bones, uint32_t seed, struct lod_arena *arena)

@@ -3,7 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 #include "lod/light.h"
 
 #define SMALLEST_CHUNK 32u       /* elements: small first chunks draw coarse plants from few bytes */
@@ -15,8 +15,7 @@
 struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
 {
 	struct lod_plant *plant = draft->plant;
-	if (!eco_array_grow(&plant->ladders, &draft->ladder_capacity, plant->ladder_count, sizeof *plant->ladders))
-		longjmp(draft->arena->failed, 1);
+	eco_grow(&plant->ladders, &draft->ladder_capacity, plant->ladder_count, sizeof *plant->ladders);
 	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
 	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE,
 		.triangles = ECO_NONE, .impostor = ECO_NONE, .importance = 1 };
@@ -29,8 +28,7 @@ struct shape { uint8_t kind, coder, attributes; uint32_t elements, corners, imag
 static struct lod_list_draft *add_list(struct lod_draft *draft, const struct shape *shape)
 {
 	struct lod_plant *plant = draft->plant;
-	if (!eco_array_grow(&plant->lists, &draft->list_capacity, plant->list_count, sizeof *plant->lists))
-		longjmp(draft->arena->failed, 1);
+	eco_grow(&plant->lists, &draft->list_capacity, plant->list_count, sizeof *plant->lists);
 	struct lod_list_draft *list = &plant->lists[plant->list_count++];
 	*list = (struct lod_list_draft){ .list = { .kind = shape->kind, .coder = shape->coder,
 		.attributes = shape->attributes,
@@ -42,14 +40,14 @@ static struct lod_list_draft *add_list(struct lod_draft *draft, const struct sha
 	}
 	struct eco_elements *e = &list->elements;
 	e->extra_count = eco_list_extra_count(&list->list);
-	e->corners = lod_arena_own(draft->arena, shape->elements, sizeof *e->corners);
-	e->position = lod_arena_own(draft->arena, 3 * (size_t)shape->corners, sizeof *e->position);
+	e->corners = eco_alloc(shape->elements, sizeof *e->corners);
+	e->position = eco_alloc(3 * (size_t)shape->corners, sizeof *e->position);
 	if (shape->fine)
-		e->exact = lod_arena_own(draft->arena, 3 * (size_t)shape->corners, sizeof *e->exact);
+		e->exact = eco_alloc(3 * (size_t)shape->corners, sizeof *e->exact);
 	if (shape->attributes & ECO_ATTR_UV)
-		e->uv = lod_arena_own(draft->arena, 2 * (size_t)shape->corners, sizeof *e->uv);
+		e->uv = eco_alloc(2 * (size_t)shape->corners, sizeof *e->uv);
 	if (e->extra_count)
-		e->extra = lod_arena_own(draft->arena, (size_t)e->extra_count * shape->elements,
+		e->extra = eco_alloc((size_t)e->extra_count * shape->elements,
 			sizeof *e->extra);
 	return list;
 }
@@ -75,7 +73,7 @@ static uint32_t finish(struct lod_draft *draft, struct lod_list_draft *list, con
 {
 	list->list.element_count = list->elements.element_count;
 	list->list.primitive_count = list->elements.primitive_count;
-	list->ends = lod_arena_own(draft->arena, end_count, sizeof *ends);
+	list->ends = eco_alloc(end_count, sizeof *ends);
 	memcpy(list->ends, ends, end_count * sizeof *ends);
 	list->end_count = end_count;
 	return (uint32_t)(list - draft->plant->lists);

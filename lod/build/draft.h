@@ -1,5 +1,4 @@
-/* Writes the lists of a plant under construction. The caller owns the plant's arrays; without memory the
- * arena's handler is jumped to, which frees the plant with lod_plant_free. */
+/* Writes the lists of a plant under construction. The caller owns the plant's arrays. */
 #ifndef LOD_DRAFT_H
 #define LOD_DRAFT_H
 

@@ -225,9 +225,8 @@ static void draw_reference(struct lod_sights *sights, uint32_t view, struct lod_
 	sights->reference_pixels[view] = bits_of(sights->reference[view], sights->words);
 }
 
-enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage,
-	const double (*directions)[3], uint32_t count, uint32_t pixels, struct lod_arena *arena,
-	struct eco_error *error)
+void lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage,
+	const double (*directions)[3], uint32_t count, uint32_t pixels, struct lod_arena *arena)
 {
 	struct lod_raster raster;
 	struct lod_v3 center;
@@ -244,15 +243,11 @@ enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliag
 		sights->wood[i] = lod_arena_take(arena, sights->words, sizeof(uint64_t));
 		place_eye(&sights->eyes[i], directions[i], center, radius, pixels);
 	}
-	enum eco_code code =
-		lod_raster_init(&raster,
-		&(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true }, error);
-	if (code)
-		return code;
+	lod_raster_open(&raster,
+		&(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true });
 	for (uint32_t i = 0; i < count; i++)
 		draw_reference(sights, i, &raster);
 	lod_raster_free(&raster);
-	return ECO_OK;
 }
 
 /* ---- Drawing ---- */

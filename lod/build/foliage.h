@@ -63,9 +63,8 @@ struct lod_sights {
 	uint64_t **reference, **wood; /* masks per view: everything; wood alone (its pixels are in both) */
 	uint64_t *reference_pixels;          /* bits of `reference`, per view */
 };
-enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage,
-	const double (*directions)[3], uint32_t count, uint32_t pixels, struct lod_arena *arena,
-	struct eco_error *error);
+void lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage,
+	const double (*directions)[3], uint32_t count, uint32_t pixels, struct lod_arena *arena);
 
 /* Draws elements order[0..count) over the wood, each scaled by its area factor about the mean of its drawn
  * corners (`factor` NULL: `scale` for all). `shape`: an opaque triangle in place of an element; NULL, or

@@ -46,10 +46,9 @@ static uint32_t picture_side(const struct lod_plant *plant, const struct lod_pro
 	return side < HIGH_PX ? (uint32_t)HIGH_PX : side > SIDE_MAX ? (uint32_t)SIDE_MAX : (uint32_t)side;
 }
 
-static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *error)
+static void add_full_detail(struct lod_probe *probe)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < probe->plant->ladder_count && !code; i++) {
+	for (uint32_t i = 0; i < probe->plant->ladder_count; i++) {
 		const struct eco_ladder *ladder = &probe->plant->ladders[i];
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 		struct lod_way way;
@@ -57,43 +56,27 @@ static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *
 			continue;
 		lod_way_begin(&way, &probe->scene, ladder);
 		uint32_t count = lod_way_cuts(&way, way.full, 1, 0, cuts);
-		for (uint32_t k = 0; k < count && !code; k++)
-			code = lod_probe_add(probe, &cuts[k], error);
+		for (uint32_t k = 0; k < count; k++)
+			lod_probe_add(probe, &cuts[k]);
 	}
-	return code;
 }
 
-static enum eco_code compare_with_model(struct lod_probe *probe, double *loss, struct eco_error *error)
-{
-	if (!lod_probe_keep_model(probe))
-		return ECO_OK;
-	enum eco_code code = add_full_detail(probe, error);
-	if (code)
-		return code;
-	struct lod_probe_result result;
-	lod_probe_compare(probe, 1, &result);
-	*loss = result.worst;
-	return ECO_OK;
-}
-
-enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model,
-	const struct lod_plant_options *options, double *loss, struct eco_error *error)
+double lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options)
 {
 	struct lod_probe probe;
-	*loss = 0;
-	enum eco_code code = lod_probe_init(&probe, plant, model,
-		&(struct lod_probe_options){ .views = 1, .pixels = 1 }, error);
-	if (code)
-		return code;
+	struct lod_probe_result result = { 0 };
+	lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ .views = 1, .pixels = 1 });
 	uint32_t side = picture_side(plant, &probe);
 	lod_probe_free(&probe);
-	code = lod_probe_init(&probe, plant, model,
-		&(struct lod_probe_options){ VIEWS, side, options->each, options->ctx }, error);
-	if (code)
-		return code;
-	code = compare_with_model(&probe, loss, error);
+	lod_probe_init(&probe, plant, model,
+		&(struct lod_probe_options){ VIEWS, side, options->each, options->ctx });
+	if (lod_probe_keep_model(&probe)) {
+		add_full_detail(&probe);
+		lod_probe_compare(&probe, 1, &result);
+	}
 	lod_probe_free(&probe);
-	return code;
+	return result.worst;
 }
 
 static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *model,
@@ -107,7 +90,8 @@ static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *mo
 	lod_plant_free(plant);
 	enum eco_code code = lod_plant_build(plant, model, &finer, error);
 	lod_plant_enter(options, LOD_STAGE_CURVES);
-	return code ? code : lod_grid_loss(plant, model, options, loss, error);
+	*loss = code ? 0 : lod_grid_loss(plant, model, options);
+	return code;
 }
 
 static uint32_t predict(uint32_t bits, double loss)
@@ -124,8 +108,8 @@ static enum eco_code choose(struct lod_plant *plant, const struct eco_model *mod
 	const struct lod_plant_options *options, uint32_t *chosen, bool *found, struct eco_error *error)
 {
 	uint32_t bits = *chosen, failed = bits - 1;
-	double loss;
-	enum eco_code code = lod_grid_loss(plant, model, options, &loss, error);
+	double loss = lod_grid_loss(plant, model, options);
+	enum eco_code code = ECO_OK;
 	*found = true;
 	while (!code && loss > LOD_GRID_LOSS && bits < LOD_GRID_BITS_MAX) {
 		double before = loss;

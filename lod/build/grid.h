@@ -16,8 +16,8 @@ uint32_t lod_grid_bits_least(const struct eco_model *model);
 /* The worst 1 - Q of the plant's full detail against the source model's own triangles: the loss by
  * quantization, welding and everything else at import. 0 for a model that covers nothing. Uses only `each`
  * and `ctx` of the options. */
-enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model,
-	const struct lod_plant_options *options, double *loss, struct eco_error *error);
+double lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options);
 
 /* Takes a plant built with lod_grid_bits_least bits. If its loss is above LOD_GRID_LOSS it is built again
  * with the fewest bits that stay below. If more bits do not help, the loss is not the grid's, and the coarser

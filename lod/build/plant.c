@@ -1,12 +1,12 @@
 /* From a model to lists, stage by stage: weld, organs, elements and lines, order, cells, palette, ladders.
- * Each stage has a file of its own; this one calls them. All memory is taken from one arena, so that a lack
- * of memory and an interruption are a jump to one place. */
+ * Each stage has a file of its own; this one calls them. All memory is taken from one arena, so that an
+ * interruption is a jump to one place. */
 #include "lod/build/plant.h"
 
-#include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "lod/build/grid.h"
 #include "lod/build/plant_state.h"
 #include "lod/build/summary.h"
@@ -19,8 +19,6 @@
 
 const char *const lod_solver_names[LOD_SOLVER_COUNT] =
 	{ [LOD_SOLVER_GRID] = "grid", [LOD_SOLVER_SCALE] = "scale" };
-
-enum { FAILED_MEMORY = 1, FAILED_INTERRUPTED, FAILED_REPORTED };
 
 uint32_t lod_build_cell(const struct lod_build *b, struct lod_v3 point)
 {
@@ -40,8 +38,10 @@ struct eco_ladder *lod_build_ladder(struct lod_build *b, const struct lod_group 
 
 static void advance(struct lod_build *b, double share)
 {
-	if (!lod_plant_goes_on(b->options, share))
-		longjmp(b->arena.failed, FAILED_INTERRUPTED);
+	if (lod_plant_goes_on(b->options, share))
+		return;
+	b->code = eco_fail(b->error, ECO_INTERRUPTED, "%s: interrupted while it was built", b->plant->plant.name);
+	longjmp(b->stopped, 1);
 }
 
 /* ---- Groups ---- */
@@ -71,7 +71,7 @@ static struct lod_group *find_group(struct lod_build *b, const struct lod_compon
 static void number_images(struct lod_build *b)
 {
 	struct lod_plant *plant = b->plant;
-	plant->images = lod_arena_own(&b->arena, b->model->image_count, sizeof *plant->images);
+	plant->images = eco_alloc(b->model->image_count, sizeof *plant->images);
 	for (uint32_t image = 0; image < b->model->image_count; image++) {
 		bool used = false;
 		for (uint32_t g = 0; g < b->group_count; g++)
@@ -305,7 +305,7 @@ static void bound_anchors(struct lod_build *b)
 {
 	struct lod_plant *plant = b->plant;
 	uint32_t count = 1 + b->cells.count;
-	plant->anchors = lod_arena_own(&b->arena, count, sizeof *plant->anchors);
+	plant->anchors = eco_alloc(count, sizeof *plant->anchors);
 	plant->plant.anchor_count = count;
 	struct bound *bounds = lod_arena_take(&b->arena, count, sizeof *bounds);
 	for (int pass = 0; pass < 2; pass++)
@@ -365,7 +365,7 @@ static void make_palette(struct lod_build *b)
 	}
 	lod_palette_make(&b->palette, LOD_PALETTE_MAX, (const uint8_t (*)[3])rgb, weights, count, &b->arena);
 	lod_arena_release(&b->arena, mark);
-	b->plant->palette = lod_arena_own(&b->arena, b->palette.count, sizeof *b->plant->palette);
+	b->plant->palette = eco_alloc(b->palette.count, sizeof *b->plant->palette);
 	memcpy(b->plant->palette, b->palette.rgb, b->palette.count * sizeof *b->plant->palette);
 	b->plant->palette_count = b->palette.count;
 }
@@ -440,8 +440,7 @@ static void build(struct lod_build *b)
 	advance(b, 0.1);
 	count_everything(b);
 	lod_leaves_measure(b);
-	if ((b->code = lod_leaves_order(b, b->error)) != ECO_OK)
-		longjmp(b->arena.failed, FAILED_REPORTED);
+	lod_leaves_order(b);
 	lod_plant_enter(b->options, LOD_STAGE_LISTS);
 	find_groups(b);
 	find_cells(b);
@@ -474,32 +473,19 @@ enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *m
 	enum eco_code code = check(model, options, error);
 	if (code)
 		return code;
-	struct lod_build *b = calloc(1, sizeof *b);
-	if (!b)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory to build a plant");
+	struct lod_build *b = eco_alloc(1, sizeof *b);
 	b->plant = plant;
 	b->model = model;
 	b->options = options;
 	b->error = error;
 	strncpy(plant->plant.name, options->name ? options->name : "", sizeof plant->plant.name - 1);
-	switch (setjmp(b->arena.failed)) {
-	case 0:
+	if (!setjmp(b->stopped)) {
 		build(b);
 		if (plant->triangles_stored == 0)
-			code = eco_fail(error, ECO_BAD_INPUT, "%s: no triangle of its %u is left to draw: "
+			b->code = eco_fail(error, ECO_BAD_INPUT, "%s: no triangle of its %u is left to draw: "
 				"all are thinner than its grid, or transparent; is the model whole?", plant->plant.name, plant->triangles_in);
-		break;
-	case FAILED_INTERRUPTED:
-		code = eco_fail(error, ECO_INTERRUPTED, "%s: interrupted while it was built",
-			plant->plant.name);
-		break;
-	case FAILED_REPORTED:
-		code = b->code;
-		break;
-	default:
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: no memory for a model of %u triangles",
-			plant->plant.name, model->triangle_count);
 	}
+	code = b->code;
 	lod_arena_free(&b->arena);
 	free(b);
 	if (code)

@@ -87,7 +87,7 @@ static void rank_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uin
 }
 
 /* Fills b->order, growth and simple, which outlive the scratch memory. */
-static enum eco_code order_greedily(struct lod_build *b, struct eco_error *error)
+static void order_greedily(struct lod_build *b)
 {
 	uint32_t n = b->elements.count;
 	struct lod_foliage foliage;
@@ -97,18 +97,16 @@ static enum eco_code order_greedily(struct lod_build *b, struct eco_error *error
 	struct lod_arena_piece *mark = b->arena.last;
 	lod_foliage_from(&foliage,
 		&(struct lod_foliage_parts){ b->model, &b->mesh, &b->organs, &b->elements }, &b->arena);
-	enum eco_code code =
-		lod_rank_make(&rank, &foliage,
+	b->code = lod_rank_make(&rank, &foliage,
 		&(struct lod_rank_options){ .seed = b->options->seed, .random = b->options->random_leaves,
-		.progress = rank_goes_on, .each = rank_each, .ctx = b }, &b->arena, error);
-	if (!code) {
-		memcpy(b->order, rank.order, n * sizeof *b->order);
-		if (b->growth)
-			memcpy(b->growth, rank.growth, n * sizeof *b->growth);
-		memcpy(b->simple, rank.simple, n * sizeof *b->simple);
-	}
+		.progress = rank_goes_on, .each = rank_each, .ctx = b }, &b->arena, b->error);
+	if (b->code)
+		longjmp(b->stopped, 1);
+	memcpy(b->order, rank.order, n * sizeof *b->order);
+	if (b->growth)
+		memcpy(b->growth, rank.growth, n * sizeof *b->growth);
+	memcpy(b->simple, rank.simple, n * sizeof *b->simple);
 	lod_arena_release(&b->arena, mark);
-	return code;
 }
 
 /* Sorts elements by group, stable. */
@@ -125,19 +123,16 @@ static void sort_groups(struct lod_build *b)
 	lod_arena_release(&b->arena, mark);
 }
 
-enum eco_code lod_leaves_order(struct lod_build *b, struct eco_error *error)
+void lod_leaves_order(struct lod_build *b)
 {
-	enum eco_code code = ECO_OK;
 	b->order = lod_arena_take(&b->arena, b->elements.count, sizeof *b->order);
 	if (b->options->order != LOD_ORDER_GREEDY)
 		order_by_survival(b, b->options->order);
 	else if (!b->options->grid_bits || b->elements.count == 0)
 		order_by_survival(b, LOD_ORDER_COMBINED);
 	else
-		code = order_greedily(b, error);
-	if (!code)
-		sort_groups(b);
-	return code;
+		order_greedily(b);
+	sort_groups(b);
 }
 
 /* ---- Blades ---- */

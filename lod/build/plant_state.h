@@ -2,6 +2,8 @@
 #ifndef LOD_PLANT_STATE_H
 #define LOD_PLANT_STATE_H
 
+#include <setjmp.h>
+
 #include "lod/build/draft.h"
 #include "lod/build/foliage.h"
 
@@ -46,7 +48,8 @@ struct lod_build {
 	const struct eco_model *model;
 	const struct lod_plant_options *options;
 	struct eco_error *error;
-	enum eco_code code;          /* of a stage that failed and reported */
+	enum eco_code code;          /* of a stage that was stopped, and jumped to `stopped` */
+	jmp_buf stopped;
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	struct lod_elements elements;
@@ -80,7 +83,7 @@ struct eco_ladder *lod_build_ladder(struct lod_build *build, const struct lod_gr
 
 /* Centres, areas, blades' lines, points. Groups must be known. */
 void lod_leaves_measure(struct lod_build *build);
-enum eco_code lod_leaves_order(struct lod_build *build, struct eco_error *error);
+void lod_leaves_order(struct lod_build *build);
 void lod_leaves_represent(struct lod_build *build);
 
 /* Lines of cells: each is the part of a bone that a cell's triangles lie along, so that a cell's lines, levels

@@ -12,7 +12,6 @@
 #include "lod/sort.h"
 
 #define SEED 0x5EEDu
-#define NAMES (1u << 24)         /* primitives that are looked at one by one */
 
 /* ---- Primitives ---- */
 
@@ -160,10 +159,10 @@ static double weigh(struct patches *patches, const struct lod_plant *plant)
 	double total = balance(patches, plant), pixels = 0;
 	struct lod_tone_views views = { .draw = draw_parts, .ctx = patches };
 	uint32_t *seen = eco_alloc((size_t)patches->count + 1, sizeof *seen);
-	if (total > 0 && patches->count < NAMES - 1 && sphere_of(patches, views.center, &views.radius)
-			&& lod_tone_count(seen, &views))
-		for (uint32_t i = 0; i < patches->count; i++)
-			pixels += seen[i];
+	if (total > 0 && sphere_of(patches, views.center, &views.radius))
+		lod_tone_count(seen, &views);
+	for (uint32_t i = 0; i < patches->count; i++)
+		pixels += seen[i];
 	for (uint32_t i = 0; i < patches->count && pixels > 0; i++)
 		patches->items[i].weight = seen[i];
 	free(seen);

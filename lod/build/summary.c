@@ -356,7 +356,7 @@ static void choose(struct shares *s, struct lod_summary_palette *out)
 	uint16_t entry[LOD_SUMMARY_COLORS];
 	memset(entry, 0xff, sizeof entry);
 	make_palette(s, palette);
-	out->color_of = lod_arena_own(&s->arena, scene->palette_count, sizeof *out->color_of);
+	out->color_of = eco_alloc(scene->palette_count, sizeof *out->color_of);
 	for (uint32_t i = 0; i < scene->palette_count; i++) {
 		if (!s->weight[i])
 			continue;
@@ -369,17 +369,12 @@ static void choose(struct shares *s, struct lod_summary_palette *out)
 	}
 }
 
-enum eco_code lod_summary_palette_make(struct lod_summary_palette *palette,
-	const struct lod_summary_input *input, uint32_t tile_first, uint32_t tile_count,
-	struct eco_error *error)
+void lod_summary_palette_make(struct lod_summary_palette *palette, const struct lod_summary_input *input,
+	uint32_t tile_first, uint32_t tile_count)
 {
 	const struct eco_scene *scene = input->scene;
 	struct shares s = { .input = input };
 	*palette = (struct lod_summary_palette){ .count = 0 };
-	if (setjmp(s.arena.failed)) {
-		lod_arena_free(&s.arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the colours of summaries");
-	}
 	s.plant = lod_arena_take(&s.arena, scene->plant_count, sizeof *s.plant);
 	s.nested = lod_arena_take(&s.arena, count_placed(scene, tile_first, tile_first + tile_count),
 		sizeof *s.nested);
@@ -389,7 +384,6 @@ enum eco_code lod_summary_palette_make(struct lod_summary_palette *palette,
 	weigh_nested(&s);
 	choose(&s, palette);
 	lod_arena_free(&s.arena);
-	return ECO_OK;
 }
 
 /* ---- As a list ---- */

@@ -2,7 +2,7 @@
  * proportion to the plants' areas.
  *
  *   lod_pool_make(&pool, &plant, palette_first, count);             once per plant (lod/build/pool.h)
- *   lod_summary_palette_make(&palette, &input, first, count, &error);  once per eco file
+ *   lod_summary_palette_make(&palette, &input, first, count);  once per eco file
  *   lod_summary_make(&summary, &input);                             once per tile
  *   lod_summary_list(&summary, &scene, tile, &list, &elements, ...) as a list to be packed
  *
@@ -48,7 +48,7 @@ void lod_summary_make(struct lod_summary *summary, const struct lod_summary_inpu
  * which a plant counts with its area, rounded down to a power of two of the file's. So colours stay while a few
  * plants come, go or move. Nested files give the colours of their stored summaries.
  *
- *   lod_summary_palette_make(&palette, &input, tile_first, tile_count, &error);
+ *   lod_summary_palette_make(&palette, &input, tile_first, tile_count);
  *   input.color_of = palette.color_of;                      lod_summary_make(&summary, &input)
  *   free(palette.color_of); */
 #define LOD_SUMMARY_COLORS 32u
@@ -60,9 +60,8 @@ struct lod_summary_palette {
 
 /* Colours of points in tiles [tile_first, tile_first + tile_count), which are all of one eco file. The tile,
  * its count and color_of of `input` are not read. */
-enum eco_code lod_summary_palette_make(struct lod_summary_palette *palette,
-	const struct lod_summary_input *input, uint32_t tile_first, uint32_t tile_count,
-	struct eco_error *error);
+void lod_summary_palette_make(struct lod_summary_palette *palette, const struct lod_summary_input *input,
+	uint32_t tile_first, uint32_t tile_count);
 
 /* The summary as a list with a grid step of at most 1/4096 of the tile; the writer sets counts and chunks.
  * `palette_count`: colours that points name; the caller sets the list's palette_first. */

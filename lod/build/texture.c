@@ -115,20 +115,15 @@ static void diffuse(const struct level *level, int32_t *errors, uint8_t *texels)
 	}
 }
 
-/* A level as parts; they are left in *level if memory runs out. */
-static bool parts_of(struct lod_texture_level *parts, const struct level *level)
+static void parts_of(struct lod_texture_level *parts, const struct level *level, struct lod_arena *arena)
 {
-	parts->outline = (struct eco_texture_part){ level->width, level->height, 1, malloc(count_of(level)) };
-	parts->colors = (struct eco_texture_part){ level->width, level->height, 3, malloc(3 * count_of(level)) };
-	int32_t *errors = calloc(2 * ((size_t)level->width + 2), sizeof *errors);
-	bool good = parts->outline.texels && parts->colors.texels && errors;
-	if (good)
-		diffuse(level, errors, parts->outline.texels);
-	free(errors);
-	for (size_t i = 0; good && i < count_of(level); i++)
+	parts->outline = (struct eco_texture_part){ level->width, level->height, 1, eco_alloc(count_of(level), 1) };
+	parts->colors = (struct eco_texture_part){ level->width, level->height, 3, eco_alloc(count_of(level), 3) };
+	diffuse(level, lod_arena_take(arena, 2 * ((size_t)level->width + 2), sizeof(int32_t)),
+		parts->outline.texels);
+	for (size_t i = 0; i < count_of(level); i++)
 		for (int k = 0; k < 3; k++)
 			parts->colors.texels[3 * i + k] = lod_light_byte(level->texels[i].light[k]);
-	return good;
 }
 
 /* ---- Texels on the plant ---- */
@@ -180,11 +175,11 @@ static double texel_area(const struct eco_model *model, uint32_t id, uint32_t *s
 
 /* ---- Levels that are kept ---- */
 
-static bool make(struct lod_texture_levels *kept, const struct eco_model *model, uint32_t id,
-	struct lod_arena *arena)
+void lod_texture_levels_make(struct lod_texture_levels *kept, const struct eco_model *model, uint32_t id)
 {
+	struct lod_arena arena = { 0 };
 	struct level levels[LEVELS_MAX];
-	uint32_t finest, coarsest = 0, count = make_levels(levels, &model->images[id], arena);
+	uint32_t finest, coarsest = 0, count = make_levels(levels, &model->images[id], &arena);
 	double area = texel_area(model, id, &finest);
 	while (levels[coarsest].width > TEXTURE_SMALLEST || levels[coarsest].height > TEXTURE_SMALLEST)
 		coarsest++;
@@ -192,36 +187,24 @@ static bool make(struct lod_texture_levels *kept, const struct eco_model *model,
 	while (levels[finest].width > ECO_TEXTURE_SIDE_MAX || levels[finest].height > ECO_TEXTURE_SIDE_MAX)
 		finest++;
 	assert(coarsest < count && coarsest - finest < ECO_TEXTURE_LEVELS_MAX);
-	kept->texel_area = (float)ldexp(area, (int)(2 * finest));
-	bool good = true;
-	for (uint32_t i = coarsest + 1; good && i-- > finest;)
-		good = parts_of(&kept->levels[kept->count++], &levels[i]);
-	return good;
-}
-
-enum eco_code lod_texture_levels_make(struct lod_texture_levels *levels, const struct eco_model *model,
-	uint32_t id, struct eco_error *error)
-{
-	struct lod_arena arena = { 0 };
-	*levels = (struct lod_texture_levels){ 0 };
-	bool good = !setjmp(arena.failed) && make(levels, model, id, &arena);
+	*kept = (struct lod_texture_levels){ .texel_area = (float)ldexp(area, (int)(2 * finest)) };
+	for (uint32_t i = coarsest + 1; i-- > finest;)
+		parts_of(&kept->levels[kept->count++], &levels[i], &arena);
 	lod_arena_free(&arena);
-	if (good)
-		return ECO_OK;
-	lod_texture_levels_free(levels);
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for a texture of %u x %u texels",
-		model->images[id].width, model->images[id].height);
 }
 
 /* ---- Smaller images ---- */
 
-static void shrink(struct eco_image *image, uint32_t side_most, struct lod_arena *arena)
+void lod_texture_shrink(struct eco_image *image, uint32_t side_most)
 {
-	struct level level = first_level(image, arena);
+	struct lod_arena arena = { 0 };
+	if (image->width <= side_most && image->height <= side_most)
+		return;
+	struct level level = first_level(image, &arena);
 	while (level.width > side_most || level.height > side_most)
-		level = pull(&level, arena);
-	uint8_t *opaque = lod_arena_take(arena, count_of(&level), 1);
-	diffuse(&level, lod_arena_take(arena, 2 * ((size_t)level.width + 2), sizeof(int32_t)), opaque);
+		level = pull(&level, &arena);
+	uint8_t *opaque = lod_arena_take(&arena, count_of(&level), 1);
+	diffuse(&level, lod_arena_take(&arena, 2 * ((size_t)level.width + 2), sizeof(int32_t)), opaque);
 	image->width = level.width;
 	image->height = level.height;
 	for (size_t i = 0; i < count_of(&level); i++) {
@@ -229,19 +212,7 @@ static void shrink(struct eco_image *image, uint32_t side_most, struct lod_arena
 			image->rgba[4 * i + (size_t)k] = lod_light_byte(level.texels[i].light[k]);
 		image->rgba[4 * i + 3] = opaque[i];
 	}
-}
-
-enum eco_code lod_texture_shrink(struct eco_image *image, uint32_t side_most, struct eco_error *error)
-{
-	struct lod_arena arena = { 0 };
-	if (image->width <= side_most && image->height <= side_most)
-		return ECO_OK;
-	bool good = !setjmp(arena.failed);
-	if (good)
-		shrink(image, side_most, &arena);
 	lod_arena_free(&arena);
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a texture of %u x %u texels",
-		image->width, image->height);
 }
 
 void lod_texture_levels_free(struct lod_texture_levels *levels)
@@ -293,12 +264,10 @@ enum eco_code lod_texture_make(struct lod_texture *texture, const struct eco_mod
 	bool holes = eco_image_has_holes(&model->images[id]);
 	*texture = (struct lod_texture){ .colors = eco_alloc(ECO_TEXTURE_LEVELS_MAX, sizeof *texture->colors),
 		.outlines = holes ? eco_alloc(ECO_TEXTURE_LEVELS_MAX, sizeof *texture->outlines) : NULL };
-	enum eco_code code = lod_texture_levels_make(&levels, model, id, error);
-	if (!code) {
-		texture->texel_area = levels.texel_area;
-		code = write_levels(texture, &levels, error);
-		lod_texture_levels_free(&levels);
-	}
+	lod_texture_levels_make(&levels, model, id);
+	texture->texel_area = levels.texel_area;
+	enum eco_code code = write_levels(texture, &levels, error);
+	lod_texture_levels_free(&levels);
 	if (code)
 		lod_texture_free(texture);
 	return code;

@@ -33,7 +33,7 @@ void lod_texture_free(struct lod_texture *texture);
 
 /* Halves an image until no side has more than `side_most` texels, at least 1: with the colours and the share
  * of opaque texels that such a level of its texture has. */
-enum eco_code lod_texture_shrink(struct eco_image *image, uint32_t side_most, struct eco_error *error);
+void lod_texture_shrink(struct eco_image *image, uint32_t side_most);
 
 /* The levels before they are encoded, smallest first. */
 struct lod_texture_level { struct eco_texture_part outline, colors; };
@@ -43,8 +43,7 @@ struct lod_texture_levels {
 	float texel_area;            /* as of struct lod_texture; 0: no triangle shows the image */
 };
 
-enum eco_code lod_texture_levels_make(struct lod_texture_levels *levels, const struct eco_model *model,
-	uint32_t image, struct eco_error *error);
+void lod_texture_levels_make(struct lod_texture_levels *levels, const struct eco_model *model, uint32_t image);
 void lod_texture_levels_free(struct lod_texture_levels *levels);
 
 /* From a square of ground to the levels of its tile (ecofiles/format/ground_tile.h). Means are means of light

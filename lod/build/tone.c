@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "lod/build/foliage.h"
+#include "lod/build/model_draw.h"
 #include "lod/light.h"
 #include "lod/raster/raster.h"
 
@@ -61,13 +62,11 @@ static void draw_mesh(const void *ctx, struct lod_raster *raster)
 	}
 }
 
-bool lod_tone_count(uint32_t *seen, const struct lod_tone_views *views)
+void lod_tone_count(uint32_t *seen, const struct lod_tone_views *views)
 {
 	struct lod_raster raster;
 	double directions[VIEWS][3];
-	if (lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS,
-			.item = true }, NULL))
-		return false;
+	lod_raster_open(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true });
 	lod_directions_spread(directions, VIEWS, 1);
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		struct lod_eye eye;
@@ -82,7 +81,6 @@ bool lod_tone_count(uint32_t *seen, const struct lod_tone_views *views)
 		}
 	}
 	lod_raster_free(&raster);
-	return true;
 }
 
 void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lod_arena *arena)
@@ -96,9 +94,7 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 		for (uint32_t k = 0; k + 2 < input->elements->items[i].corners; k++)
 			names[input->elements->items[i].triangle[k]] = i + 1;
 	memset(seen, 0, count * sizeof *seen);
-	bool counted = count < 1u << 24 && lod_tone_count(seen, &views);
-	for (uint32_t i = 0; i < count && !counted; i++)
-		seen[i] = 1;
+	lod_tone_count(seen, &views);
 	lod_arena_release(arena, mark);
 }
 

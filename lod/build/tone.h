@@ -15,19 +15,18 @@ struct lod_tone_input {
 	const struct lod_elements *elements;     /* other triangles hide, and count for nothing */
 };
 
-/* seen[i]: the number of pixels in which element i is nearest, cut-outs taken as whole. All 1 if it cannot be
- * found: no memory, or more elements than a pixel can name. */
+/* seen[i]: the number of pixels in which element i is nearest, cut-outs taken as whole. */
 void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lod_arena *arena);
 
 /* Counts for each item the pixels in which it is nearest, in pictures of a sphere from all around. `draw` draws
- * everything; names: per item, 1 + the number that it counts for, or 0; NULL: its own. False without memory. */
+ * everything; names: per item, 1 + the number that it counts for, or 0; NULL: its own. */
 struct lod_tone_views {
 	double center[3], radius;
 	void (*draw)(const void *ctx, struct lod_raster *raster);
 	const void *ctx;
 	const uint32_t *names;
 };
-bool lod_tone_count(uint32_t *seen, const struct lod_tone_views *views);
+void lod_tone_count(uint32_t *seen, const struct lod_tone_views *views);
 
 /* rgb[0..count) in an order; area: of each, at least 0. If there are at most LOD_TONE_COLORS colours the
  * results are among them (assigned with as few changes as the means allow), so that the plant's palette

@@ -116,8 +116,6 @@ void must(enum eco_code code)
 		longjmp(failed, 1);
 }
 
-void must_have(struct lod_arena *arena) { memcpy(&arena->failed, &failed, sizeof failed); }
-
 /* ---- Units ---- */
 
 uint64_t bench_file_hash(const char *path)
@@ -408,8 +406,8 @@ static void say_left_out(void)
 
 static enum eco_code run_section(void)
 {
-	if (setjmp(failed))          /* an arena jumps without a word */
-		return section_error.code ? section_error.code : eco_fail(must_error, ECO_NO_MEMORY, "no memory");
+	if (setjmp(failed))
+		return section_error.code;
 	section->run(&bench);
 	return ECO_OK;
 }

@@ -37,13 +37,10 @@ struct bench_section {
 /* The whole program: reads the command line, runs sections (NULL ends), returns the exit status. */
 int bench_main(int argc, char **argv, const struct bench_section *const *sections);
 
-/* Ends the section, which has failed, unless `code` is ECO_OK; must_error, to which the call fails, says why. What
- * is taken from an arena after must_have ends the section where there is no memory. Functions of this header that
- * return no code end it so, too. */
+/* Ends the section, which has failed, unless `code` is ECO_OK; must_error, to which the call fails, says why. Functions
+ * of this header that return no code end it likewise. */
 extern struct eco_error *const must_error;
 void must(enum eco_code code);
-struct lod_arena;
-void must_have(struct lod_arena *arena);
 void bench_progress(struct bench *bench, double share, const char *what);
 void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Runs a shell command and waits. Ctrl-C ends this program, too. */

@@ -25,19 +25,9 @@ static void make(struct lod_foliage *foliage, const struct eco_model *model, str
 enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model,
 	struct lod_arena *arena, struct eco_error *error)
 {
-	jmp_buf callers;
-	volatile enum eco_code code = ECO_OK;
-	memcpy(&callers, &arena->failed, sizeof callers);
-	if (setjmp(arena->failed))
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the leaves of a model of %u triangles",
-			model->triangle_count);
-	else
-		make(foliage, model, arena);
-	memcpy(&arena->failed, &callers, sizeof callers);
-	if (!code && foliage->count == 0)
-		code = eco_fail(error, ECO_BAD_INPUT, "the model has no leaves or flowers: all of its %u "
-			"triangles are wood", model->triangle_count);
-	return code;
+	make(foliage, model, arena);
+	return foliage->count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the model has no leaves or flowers: all of "
+		"its %u triangles are wood", model->triangle_count);
 }
 
 struct opening {
@@ -57,7 +47,6 @@ static json_t *make_unit(void *ctx)
 	else
 		must(bench_crown_make(&leaves.model, must_error));
 	must(bench_foliage_make(&leaves.foliage, &leaves.model, &leaves.arena, must_error));
-	must_have(&leaves.arena);
 	must(lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = o->pixels,
 		.height = o->pixels, .silhouette = true }, must_error));
 	leaves.mask = lod_arena_take(&leaves.arena, (size_t)o->pixels * (o->pixels + 63) / 64,
@@ -82,8 +71,7 @@ json_t *bench_leaves_unit(struct bench *bench, const char *prefix, const char *s
 void bench_leaves_sights(struct bench_leaves *leaves, struct lod_sights *sights,
 	const double (*directions)[3], uint32_t count)
 {
-	must(lod_sights_make(sights, &leaves->foliage, directions, count, leaves->pixels, &leaves->arena,
-		must_error));
+	lod_sights_make(sights, &leaves->foliage, directions, count, leaves->pixels, &leaves->arena);
 }
 
 void bench_leaves_look(struct bench_leaves *leaves, struct lod_sights *sights, uint32_t count, uint32_t seed)

@@ -30,8 +30,8 @@ static void turn(double v[3])
 static void open_probe(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
 	uint32_t pixels)
 {
-	must(lod_probe_init(probe, plant, model, &(struct lod_probe_options){ .views = VIEWS, 
-		.pixels = pixels }, must_error));
+	lod_probe_init(probe, plant, model, &(struct lod_probe_options){ .views = VIEWS, 
+		.pixels = pixels });
 	for (uint32_t i = 0; i < probe->views; i++) {
 		struct lod_eye *eye = &probe->eyes[i];
 		for (int k = 0; k < 3; k++)
@@ -66,7 +66,7 @@ static void draw(struct lod_probe *probe, const struct eco_ladder *ladder, doubl
 	uint32_t count = lod_way_cuts(&way, vertices, lod_way_density(&way, vertices), 0, cuts);
 	lod_probe_clear(probe);
 	for (uint32_t i = 0; i < count; i++)
-		must(lod_probe_add(probe, &cuts[i], must_error));
+		lod_probe_add(probe, &cuts[i]);
 }
 
 static void measure_size(struct lod_probe *probe, const struct eco_ladder *ladder, json_t *rows)

@@ -75,7 +75,6 @@ UNIT_TEST(clouds_use_their_cap_and_look_like_their_tree)
 {
 	static const uint32_t caps[] = { 1, 2, 3, 5, 8, 13, 33, 70, 150 };
 	double q = -1;
-	assert_int_equal(setjmp(arena.failed), 0);
 	soup_tree(&soup, 240, 0, false);
 	const struct lod_billboard_plant *plant = lod_billboard_plant_make(&soup.model, &arena);
 	for (size_t i = 0; i < sizeof caps / sizeof *caps; i++) {
@@ -102,7 +101,6 @@ UNIT_TEST(hidden_parts_get_fewer_billboards)
 {
 	struct billboard_work work;
 	uint32_t above = 0, below = 0;
-	assert_int_equal(setjmp(arena.failed), 0);
 	soup_begin(&soup);
 	uint32_t material = soup_material(&soup, 60, 90, 40, ECO_NONE, false);
 	soup_tube(&soup, material, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 8 }, 0.05, 0.05, 4, 40);

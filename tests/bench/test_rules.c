@@ -110,7 +110,6 @@ UNIT_TEST(lee_shares_the_budget_among_layers)
 	const struct lod_lee_view from_x = { .eye = { 100, 0, 0 }, .forward = { -1, 0, 0 }, .layers = 4 };
 	struct lod_v3 center[200], normal[200] = { { 0, 0, 0 } };
 	uint32_t kept[200], layer_of[200];
-	assert_int_equal(setjmp(arena.failed), 0);
 	for (size_t r = 0; r < sizeof layered / sizeof *layered; r++) {
 		uint32_t count = 0, got[4] = { 0 };
 		for (uint32_t layer = 0; layer < 4; layer++)
@@ -131,7 +130,6 @@ UNIT_TEST(lee_ranks_leaves_by_distance_and_normal)
 {
 	struct lod_v3 center[8], normal[8];
 	uint32_t kept[8];
-	assert_int_equal(setjmp(arena.failed), 0);
 	for (uint32_t i = 0; i < 8; i++) {
 		double turn = (i + 0.5) * 2 * LOD_PI / 8;
 		center[i] = (struct lod_v3){ 3 * cos(turn), 3 * sin(turn), 5 };

@@ -15,7 +15,6 @@ static uint64_t bits_of(uint64_t word) { return (uint64_t)__builtin_popcountll(w
 static void begin(void)
 {
 	lod_arena_free(&arena);
-	assert_int_equal(setjmp(arena.failed), 0);
 }
 
 static struct eco_image holed(void)
@@ -35,8 +34,7 @@ static uint64_t differing(const struct lod_foliage *f, float scale, uint64_t *co
 	double directions[VIEWS][3];
 	uint64_t differ = 0;
 	lod_directions_spread(directions, VIEWS, 7);
-	assert_int_equal(lod_sights_make(&sights, f, (const double (*)[3])directions, VIEWS, PIXELS, &arena,
-		&error), ECO_OK);
+	lod_sights_make(&sights, f, (const double (*)[3])directions, VIEWS, PIXELS, &arena);
 	lod_raster_init(&raster,
 		&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true },
 		&error);

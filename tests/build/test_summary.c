@@ -277,8 +277,8 @@ static void make_colored(uint32_t plants, uint32_t colors, uint32_t count)
 static struct lod_summary_palette palette_of(const struct lod_summary_root *const *roots)
 {
 	struct lod_summary_palette palette;
-	assert_good(lod_summary_palette_make(&palette, &(struct lod_summary_input){ .scene = &w.b.scene,
-		.pools = w.pools, .roots = roots }, ROOT, 1, &cause));
+	lod_summary_palette_make(&palette, &(struct lod_summary_input){ .scene = &w.b.scene,
+		.pools = w.pools, .roots = roots }, ROOT, 1);
 	return palette;
 }
 

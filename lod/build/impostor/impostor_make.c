@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "lod/arena.h"
 #include "lod/build/model_draw.h"
 #include "lod/build/weld.h"
@@ -120,32 +121,27 @@ static void draw_part(void *pieces, uint32_t part)
 }
 
 /* The views of all tiles of a set, in memory of the arena. */
-static enum eco_code make_views(struct impostor_view **views, enum eco_impostor_set set,
-	const struct eco_impostor_body *body, const struct eco_model *model,
-	const struct lod_impostors_options *options, const uint8_t (*rgb)[3], struct lod_arena *arena,
-	struct eco_error *error)
+static struct impostor_view *make_views(enum eco_impostor_set set, const struct eco_impostor_body *body,
+	const struct eco_model *model, const struct lod_impostors_options *options, const uint8_t (*rgb)[3],
+	struct lod_arena *arena)
 {
 	struct drawing *d = lod_arena_take(arena, 1, sizeof *d);
-	enum eco_code code = ECO_OK;
 	*d = (struct drawing){ .tiles = eco_impostor_tiles(set), .parts = options->each ? PARTS : 1,
 		.body = body, .model = model,
 		.masks = lod_model_masks(model, arena), .rgb = rgb, .radius = eco_impostor_radius(body) };
-	*views = d->views = lod_arena_take(arena, d->tiles, sizeof **views);
+	d->views = lod_arena_take(arena, d->tiles, sizeof *d->views);
 	eco_impostor_axes(set, d->axes);
-	for (uint32_t i = 0; i < d->parts && !code; i++) {
-		code = lod_raster_init(&d->near[i], &(struct lod_raster_options){ .width = SIDE,
-			.height = SIDE, .item = true }, error);
-		if (!code)
-			code = lod_raster_init(&d->far[i], &(struct lod_raster_options){ .width = SIDE,
-				.height = SIDE }, error);
+	for (uint32_t i = 0; i < d->parts; i++) {
+		lod_raster_open(&d->near[i], &(struct lod_raster_options){ .width = SIDE, .height = SIDE,
+			.item = true });
+		lod_raster_open(&d->far[i], &(struct lod_raster_options){ .width = SIDE, .height = SIDE });
 	}
-	if (!code)
-		lod_each_run(options->each, options->ctx, d->parts, draw_part, d);
+	lod_each_run(options->each, options->ctx, d->parts, draw_part, d);
 	for (uint32_t i = 0; i < d->parts; i++) {
 		lod_raster_free(&d->near[i]);
 		lod_raster_free(&d->far[i]);
 	}
-	return code;
+	return d->views;
 }
 
 #define SETS 2u
@@ -283,15 +279,15 @@ static void put_colors(const struct impostor_view *view, const struct eco_impost
 
 /* ---- Levels ---- */
 
-static enum eco_code make_level(struct making *m, uint32_t number, struct eco_error *error)
+static void make_level(struct making *m, uint32_t number)
 {
 	struct eco_impostor_level *level = &m->out->levels[number];
 	const struct eco_impostor_size *size = &eco_impostor_sizes[number];
 	uint32_t tiles = eco_impostor_tiles(size->set), few = eco_impostor_tiles(ECO_IMPOSTOR_FEW);
 	int64_t rest = 0;
-	enum eco_code code = eco_impostor_level_make(level, number, error);
-	if (code)
-		return code;
+	struct eco_error error;
+	if (eco_impostor_level_make(level, number, &error))
+		eco_end(error.text);
 	m->out->level_count = number + 1;
 	for (uint32_t i = 0; i < tiles; i++) {
 		const struct impostor_view *view = &m->views[size->set][i];
@@ -301,7 +297,6 @@ static enum eco_code make_level(struct making *m, uint32_t number, struct eco_er
 	}
 	for (uint32_t i = 0; i < few; i++)
 		put_colors(&m->views[ECO_IMPOSTOR_FEW][i], level, i);
-	return ECO_OK;
 }
 
 static void find_thickness(struct making *m)
@@ -320,45 +315,31 @@ static bool goes_on(const struct lod_impostors_options *options, double share)
 	return !options->progress || options->progress(options->ctx, share);
 }
 
-static enum eco_code make_all(struct making *m, const struct eco_model *model,
-	const struct lod_impostors_options *options, struct eco_error *error)
-{
-	uint32_t levels = options->levels && options->levels < ECO_IMPOSTOR_LEVELS ? options->levels
-		: ECO_IMPOSTOR_LEVELS;
-	const uint8_t (*rgb)[3] = options->rgb ? options->rgb : lod_model_colors(model, m->arena);
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < levels && !code; i++) {
-		enum eco_impostor_set set = eco_impostor_sizes[i].set;
-		if (!goes_on(options, (double)i / levels))
-			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-		if (!m->views[set])
-			code = make_views(&m->views[set], set, &m->out->body, model, options, rgb,
-				m->arena, error);
-		if (!code && !i)
-			find_thickness(m);
-		if (!code)
-			code = make_level(m, i, error);
-	}
-	return code;
-}
-
 enum eco_code lod_impostors_make(struct lod_impostors *impostors, const struct eco_model *model,
 	const struct lod_impostors_options *options, struct eco_error *error)
 {
 	struct lod_arena arena = { 0 };
 	struct making m = { impostors, { NULL }, &arena };
+	uint32_t levels = options->levels && options->levels < ECO_IMPOSTOR_LEVELS ? options->levels
+		: ECO_IMPOSTOR_LEVELS;
 	memset(impostors, 0, sizeof *impostors);
-	if (setjmp(arena.failed)) {
-		lod_arena_free(&arena);
-		lod_impostors_free(impostors);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for pictures of a plant");
+	if (!find_body(&impostors->body, model))
+		return ECO_OK;
+	const uint8_t (*rgb)[3] = options->rgb ? options->rgb : lod_model_colors(model, &arena);
+	bool go = true;
+	for (uint32_t i = 0; i < levels && (go = goes_on(options, (double)i / levels)); i++) {
+		enum eco_impostor_set set = eco_impostor_sizes[i].set;
+		if (!m.views[set])
+			m.views[set] = make_views(set, &impostors->body, model, options, rgb, &arena);
+		if (!i)
+			find_thickness(&m);
+		make_level(&m, i);
 	}
-	enum eco_code code = find_body(&impostors->body, model)
-		? make_all(&m, model, options, error) : ECO_OK;
 	lod_arena_free(&arena);
-	if (code)
-		lod_impostors_free(impostors);
-	return code;
+	if (go)
+		return ECO_OK;
+	lod_impostors_free(impostors);
+	return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 }
 
 void lod_impostors_free(struct lod_impostors *impostors)
@@ -377,16 +358,13 @@ void lod_impostors_free(struct lod_impostors *impostors)
 #define BYTES_OF_TRIANGLE 12u
 #define BYTES_OF_TEXEL 1u
 
-static enum eco_code write_level(struct eco_bytes *bytes, const struct lod_impostors *made, uint32_t level,
-	struct eco_error *error)
+static struct eco_bytes write_level(const struct lod_impostors *made, uint32_t level)
 {
 	struct eco_writer w = { 0 };
-	enum eco_code code = eco_impostor_level_write(&w, &made->body, &made->levels[level], NULL, error);
-	if (code)
-		eco_writer_free(&w);
-	else
-		*bytes = (struct eco_bytes){ w.bytes, w.size };
-	return code;
+	struct eco_error error;
+	if (eco_impostor_level_write(&w, &made->body, &made->levels[level], NULL, &error))
+		eco_end(error.text);
+	return (struct eco_bytes){ w.bytes, w.size };
 }
 
 static size_t level_bytes_most(const struct eco_model *model)
@@ -416,36 +394,30 @@ enum eco_code lod_plant_add_impostor(struct lod_plant *plant, const struct eco_m
 	enum eco_code code = lod_impostors_make(&made, model, &how, error);
 	if (code)
 		return code;
-	plant->impostor = calloc(made.level_count + 1u, sizeof *plant->impostor);
-	if (!plant->impostor)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for an impostor");
-	for (uint32_t i = 0; i < made.level_count && !code; i++) {
-		code = write_level(&plant->impostor[i], &made, i, error);
-		if (!code && i && plant->impostor[i].size > level_bytes_most(model)) {
-			free(plant->impostor[i].at);
-			plant->impostor[i] = (struct eco_bytes){ 0 };
+	plant->impostor = eco_alloc(made.level_count, sizeof *plant->impostor);
+	for (uint32_t i = 0; i < made.level_count; i++) {
+		struct eco_bytes bytes = write_level(&made, i);
+		if (i && bytes.size > level_bytes_most(model)) {
+			free(bytes.at);
 			break;
 		}
-		plant->impostor_count += !code;
+		plant->impostor[plant->impostor_count++] = bytes;
 	}
 	lod_impostors_free(&made);
-	if (!code && plant->impostor_count) {
+	if (plant->impostor_count) {
 		plant->impostor_level = level_code(plant);
 		plant->ladders[plant->ladder_count - 1].impostor = plant->list_count;
 	}
-	return code;
+	return ECO_OK;
 }
 
-enum eco_code lod_plant_open_impostor(struct lod_impostor *impostor, const struct lod_plant *plant,
-	uint32_t level, struct eco_error *error)
+void lod_plant_open_impostor(struct lod_impostor *impostor, const struct lod_plant *plant, uint32_t level)
 {
 	struct eco_impostor_body body;
 	struct eco_impostor_level read;
-	enum eco_code code = eco_impostor_level_read(&read, &body, plant->impostor[level].at,
-		plant->impostor[level].size, error);
-	if (code)
-		return code;
-	code = lod_impostor_open(impostor, &body, &read, error);
+	struct eco_error error;
+	if (eco_impostor_level_read(&read, &body, plant->impostor[level].at, plant->impostor[level].size, &error)
+			|| lod_impostor_open(impostor, &body, &read, &error))
+		eco_end(error.text);
 	eco_impostor_level_free(&read);
-	return code;
 }

@@ -43,7 +43,6 @@ enum eco_code lod_plant_add_impostor(struct lod_plant *plant, const struct eco_m
 	const uint8_t (*rgb)[3], const struct lod_plant_options *options, struct eco_error *error);
 
 /* Opens a level as a client does. Close it. */
-enum eco_code lod_plant_open_impostor(struct lod_impostor *impostor, const struct lod_plant *plant,
-	uint32_t level, struct eco_error *error);
+void lod_plant_open_impostor(struct lod_impostor *impostor, const struct lod_plant *plant, uint32_t level);
 
 #endif

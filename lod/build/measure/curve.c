@@ -152,121 +152,110 @@ static void make_monotone(struct lod_curve_organ *curve)
 
 /* ---- One curve ---- */
 
-static enum eco_code keep_reference(struct lod_curve_organ *curve, bool *any, struct eco_error *error)
+static bool keep_reference(struct lod_curve_organ *curve)
 {
 	const struct lod_plant *plant = curve->probe->plant;
 	const struct eco_ladder *first = lod_curve_member(curve, 0);
 	const struct eco_curve all = { .share = 1, .scale = 1, .reach = 1 };
-	enum eco_code code = ECO_OK;
 	lod_probe_clear(curve->probe);
-	for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
 		const struct eco_ladder *ladder = &plant->ladders[i];
 		bool full = !(ladder->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE));
 		if (full && (curve->whole || (curve->far_only && ladder->organ == first->organ)))
-			code = lod_curve_add(curve, ladder, &all, error);
+			lod_curve_add(curve, ladder, &all);
 	}
-	if (!code && !curve->far_only && !curve->whole)
-		code = lod_curve_draw(curve, 1, 1, 0, error);
-	*any = !code && lod_probe_keep(curve->probe);
-	return code;
+	if (!curve->far_only && !curve->whole)
+		lod_curve_draw(curve, 1, 1, 0);
+	return lod_probe_keep(curve->probe);
 }
 
 /* Progress of the whole: `done` of `all` samples. */
 struct progress { const struct lod_plant_options *options; uint32_t done, all; };
 
-static enum eco_code advance(struct progress *progress, struct eco_error *error)
+/* False if it is to stop. */
+static bool advance(struct progress *progress)
 {
 	progress->done++;
-	if (progress->options->progress && !progress->options->progress(progress->options->ctx,
-			(double)progress->done / progress->all))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted while measuring curves");
-	return ECO_OK;
+	return !progress->options->progress || progress->options->progress(progress->options->ctx,
+		(double)progress->done / progress->all);
 }
 
-static enum eco_code measure_ways(struct lod_curve_organ *curve, struct progress *progress,
-	struct eco_error *error)
+static bool measure_ways(struct lod_curve_organ *curve, struct progress *progress)
 {
 	double step = 0;
 	uint32_t chosen = 0;
 	bool several = curve->forms && curve->units > 1;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = curve->sample_count; i-- > 0 && !code;) {
+	for (uint32_t i = curve->sample_count; i-- > 0;) {
 		struct lod_curve_sample *sample = &curve->samples[i];
 		if (sample->free && several) {
-			code = lod_curve_try_ways(curve, i, chosen ? &curve->samples[i + 1] : NULL, error);
+			lod_curve_try_ways(curve, i, chosen ? &curve->samples[i + 1] : NULL);
 			chosen = chosen ? chosen : i + 1;
 		} else if (sample->free) {
 			struct lod_curve_way way = { .reach = sample->share };
-			code = lod_curve_try_way(curve, sample->share, &way, step, chosen > 0, 1e30, error);
+			lod_curve_try_way(curve, sample->share, &way, step, chosen > 0, 1e30);
 			chosen = chosen ? chosen : i + 1;
 			sample->step = step = way.step;
 			sample->play = way.play;
 			sample->reach = curve->forms ? way.reach : 1;
 		}
-		if (!code)
-			code = advance(progress, error);
+		if (!advance(progress))
+			return false;
 	}
-	return code || !several ? code : lod_curve_settle(curve, chosen, error);
+	if (several)
+		lod_curve_settle(curve, chosen);
+	return true;
 }
 
-static enum eco_code measure_errors(struct lod_curve_organ *curve, struct progress *progress,
-	struct eco_error *error)
+static bool measure_errors(struct lod_curve_organ *curve, struct progress *progress)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < curve->sample_count && !code; i++) {
+	for (uint32_t i = 0; i < curve->sample_count; i++) {
 		struct lod_curve_sample *sample = &curve->samples[i];
+		struct lod_probe_result result;
 		if (!sample->free)
 			sample->step = 0;
-		code = lod_curve_draw(curve, sample->share, sample->reach, sample->step, error);
-		if (code)
-			break;
-		struct lod_probe_result result;
+		lod_curve_draw(curve, sample->share, sample->reach, sample->step);
 		lod_probe_compare(curve->probe, 1, &result);
 		sample->fp = result.fp;
 		sample->fn = result.fn;
-		code = advance(progress, error);
+		if (!advance(progress))
+			return false;
 	}
-	return code;
+	return true;
 }
 
 /* For other views: the same reach, at the best scale there. */
-static enum eco_code measure_scales(struct lod_curve_organ *curve, struct progress *progress,
-	struct eco_error *error)
+static bool measure_scales(struct lod_curve_organ *curve, struct progress *progress)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = curve->sample_count; i-- > 0 && !code;) {
+	for (uint32_t i = curve->sample_count; i-- > 0;) {
 		struct lod_curve_sample *sample = &curve->samples[i];
 		struct lod_curve_way way = { .reach = sample->reach };
 		if (sample->free) {
-			code = lod_curve_try_way(curve, sample->share, &way, sample->step, true, 1e30, error);
+			lod_curve_try_way(curve, sample->share, &way, sample->step, true, 1e30);
 			sample->step = way.step;
 			sample->play = way.play;
 		}
-		if (!code)
-			code = advance(progress, error);
+		if (!advance(progress))
+			return false;
 	}
-	return code;
+	return true;
 }
 
 /* A curve from all around, which also decides reaches; or, after it, the curve from above. */
-static enum eco_code measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress,
-	struct eco_error *error)
+static bool measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress)
 {
-	bool any;
-	enum eco_code code = keep_reference(curve, &any, error);
-	if (!code && !any)
+	if (!keep_reference(curve))
 		curve->sample_count = 0;
-	if (!code)
-		code = above ? measure_scales(curve, progress, error) : measure_ways(curve, progress, error);
+	if (!(above ? measure_scales : measure_ways)(curve, progress))
+		return false;
 	for (uint32_t i = 0; i < curve->sample_count; i++)
 		if (curve->samples[i].free)
 			lod_solved_add(&curve->solved, curve->samples[i].step > LOD_CURVE_STEP_LOW
 				&& curve->samples[i].step < LOD_CURVE_STEP_HIGH);
 	smooth_steps(curve);
-	if (!code)
-		code = measure_errors(curve, progress, error);
+	if (!measure_errors(curve, progress))
+		return false;
 	make_monotone(curve);
-	return code;
+	return true;
 }
 
 /* ---- Which ladders share a curve ---- */
@@ -338,17 +327,13 @@ static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint3
 }
 
 /* The first samples of a ladder with an impostor are its levels. */
-static enum eco_code append_impostor(struct lod_plant *plant, const struct lod_curve_organ *curve,
-	struct eco_error *error)
+static void append_impostor(struct lod_plant *plant, const struct lod_curve_organ *curve)
 {
 	struct lod_probe *probe = curve->probe;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < plant->impostor_count && !code; i++) {
+	for (uint32_t i = 0; i < plant->impostor_count; i++) {
 		struct lod_impostor impostor;
 		struct lod_probe_result result;
-		code = lod_plant_open_impostor(&impostor, plant, i, error);
-		if (code)
-			break;
+		lod_plant_open_impostor(&impostor, plant, i);
 		lod_probe_clear(probe);
 		lod_probe_add_impostor(probe, &impostor);
 		lod_probe_compare(probe, 1, &result);
@@ -358,7 +343,6 @@ static enum eco_code append_impostor(struct lod_plant *plant, const struct lod_c
 			.share = (float)((i + 1.0) / plant->impostor_count / curve->full),
 			.fp = (float)result.fp, .fn = (float)result.fn };
 	}
-	return code;
 }
 
 static bool has_impostor(const struct lod_curve_organ *curve)
@@ -367,15 +351,13 @@ static bool has_impostor(const struct lod_curve_organ *curve)
 		&& lod_curve_member(curve, 0)->impostor != ECO_NONE;
 }
 
-static enum eco_code append(struct lod_plant *plant, const struct lod_curve_organ *curve,
-	struct eco_error *error)
+static void append(struct lod_plant *plant, const struct lod_curve_organ *curve)
 {
 	uint32_t most = curve->sample_count + plant->impostor_count + 1;
 	plant->curves = eco_realloc(plant->curves, plant->curve_count + most, sizeof *plant->curves);
 	bool impostor = curve->sample_count && has_impostor(curve);
-	enum eco_code code = impostor ? append_impostor(plant, curve, error) : ECO_OK;
-	if (code)
-		return code;
+	if (impostor)
+		append_impostor(plant, curve);
 	plant->solved[LOD_SOLVER_SCALE].runs += curve->solved.runs;
 	plant->solved[LOD_SOLVER_SCALE].converged += curve->solved.converged;
 	for (uint32_t i = 0; i < curve->sample_count; i++) {
@@ -386,24 +368,22 @@ static enum eco_code append(struct lod_plant *plant, const struct lod_curve_orga
 			.scale = curve->scaled ? (float)lod_curve_scale(s->step) : 1,
 			.reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
 	}
-	return ECO_OK;
 }
 
-static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_organ *curve,
-	struct progress *progress, struct eco_error *error)
+static bool measure_both(struct lod_plant *plant, struct lod_curve_organ *curve, struct progress *progress)
 {
-	uint32_t first = plant->curve_count, count = 0, samples = 0;
-	enum eco_code code = measure_curve(curve, false, progress, error);
-	if (!code)
-		code = append(plant, curve, error);
-	count = plant->curve_count - first;
+	uint32_t first = plant->curve_count, samples;
+	if (!measure_curve(curve, false, progress))
+		return false;
+	append(plant, curve);
+	uint32_t count = plant->curve_count - first;
 	samples = curve->sample_count;
 	lod_probe_look(curve->probe, LOD_PROBE_ABOVE);
-	if (!code && !curve->draft)
-		code = measure_curve(curve, true, progress, error);
-	bool above = !code && !curve->draft && curve->sample_count == samples;
+	if (!curve->draft && !measure_curve(curve, true, progress))
+		return false;
+	bool above = !curve->draft && curve->sample_count == samples;
 	if (above)
-		code = append(plant, curve, error);
+		append(plant, curve);
 	lod_probe_look(curve->probe, LOD_PROBE_AROUND);
 	for (uint32_t i = 0; i < curve->member_count; i++) {
 		struct eco_ladder *ladder = &plant->ladders[curve->members[i]];
@@ -411,28 +391,26 @@ static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_orga
 		ladder->curve_count = count;
 		ladder->flags |= above && count ? ECO_LADDER_ABOVE : 0;
 	}
-	return code;
+	return true;
 }
 
-static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *probe, struct progress *progress,
-	bool *done, uint32_t *members, struct eco_error *error)
+static bool measure_all(struct lod_plant *plant, struct lod_probe *probe, struct progress *progress, bool *done,
+	uint32_t *members)
 {
-	enum eco_code code = ECO_OK;
-	for (int pass = 0; pass < 2 && !code; pass++) {       /* the first only counts, for progress */
+	for (int pass = 0; pass < 2; pass++) {       /* the first only counts, for progress */
 		memset(done, 0, plant->ladder_count * sizeof *done);
-		for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
+		for (uint32_t i = 0; i < plant->ladder_count; i++) {
 			struct lod_curve_organ curve;
 			if (done[i])
 				continue;
 			gather(&curve, probe, i, progress->options->draft, done, members);
-			if (pass == 0) {
+			if (pass == 0)
 				progress->all += (curve.draft ? 2 : 4) * curve.sample_count;
-				continue;
-			}
-			code = measure_both(plant, &curve, progress, error);
+			else if (!measure_both(plant, &curve, progress))
+				return false;
 		}
 	}
-	return code;
+	return true;
 }
 
 /* Replaces the plant's curves by measured ones and assigns them to the ladders: one for each organ and texture
@@ -445,9 +423,7 @@ static enum eco_code measure_plant(struct lod_plant *plant, const struct eco_mod
 	struct lod_probe_options size = { options->views ? options->views : options->draft ? VIEWS_DRAFT : 12,
 		options->pixels ? options->pixels : options->draft ? PIXELS_DRAFT : 256, options->each,
 		options->ctx };
-	enum eco_code code = lod_probe_init(&probe, plant, model, &size, error);
-	if (code)
-		return code;
+	lod_probe_init(&probe, plant, model, &size);
 	free(plant->curves);
 	plant->curves = NULL;
 	plant->curve_count = 0;
@@ -459,11 +435,11 @@ static enum eco_code measure_plant(struct lod_plant *plant, const struct eco_mod
 	struct progress progress = { options, 0, 0 };
 	bool *done = eco_alloc(plant->ladder_count + 1u, sizeof *done);
 	uint32_t *members = eco_alloc(plant->ladder_count + 1u, sizeof *members);
-	code = measure_all(plant, &probe, &progress, done, members, error);
+	bool good = measure_all(plant, &probe, &progress, done, members);
 	free(done);
 	free(members);
 	lod_probe_free(&probe);
-	return code;
+	return good ? ECO_OK : eco_fail(error, ECO_INTERRUPTED, "interrupted while measuring curves");
 }
 
 enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model,

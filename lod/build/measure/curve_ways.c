@@ -35,8 +35,8 @@ double lod_curve_scale(double step)
 
 /* ---- Drawing a share ---- */
 
-enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct eco_ladder *ladder,
-	const struct eco_curve *sample, struct eco_error *error)
+void lod_curve_add(const struct lod_curve_organ *curve, const struct eco_ladder *ladder,
+	const struct eco_curve *sample)
 {
 	struct lod_probe *probe = curve->probe;
 	struct eco_curve samples[2] = { *sample, { .share = 1, .scale = 1, .reach = 1 } };
@@ -57,22 +57,17 @@ enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct ec
 	uint32_t count = lod_way_cuts(&way, vertices, density, 0, cuts);
 	probe->scene.curves = probe->plant->curves;
 	probe->scene.curve_count = probe->plant->curve_count;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < count && !code; i++)
-		code = lod_probe_add(probe, &cuts[i], error);
-	return code;
+	for (uint32_t i = 0; i < count; i++)
+		lod_probe_add(probe, &cuts[i]);
 }
 
-enum eco_code lod_curve_draw(const struct lod_curve_organ *curve, double share, double reach, double step,
-	struct eco_error *error)
+void lod_curve_draw(const struct lod_curve_organ *curve, double share, double reach, double step)
 {
 	struct eco_curve sample = { .share = (float)share, .scale = (float)lod_curve_scale(step),
 		.reach = (float)reach };
-	enum eco_code code = ECO_OK;
 	lod_probe_clear(curve->probe);
-	for (uint32_t i = 0; i < curve->member_count && !code; i++)
-		code = lod_curve_add(curve, lod_curve_member(curve, i), &sample, error);
-	return code;
+	for (uint32_t i = 0; i < curve->member_count; i++)
+		lod_curve_add(curve, lod_curve_member(curve, i), &sample);
 }
 
 /* ---- Searching the scale ---- */
@@ -80,82 +75,66 @@ enum eco_code lod_curve_draw(const struct lod_curve_organ *curve, double share, 
 struct search { const struct lod_curve_organ *curve; double share, reach; uint32_t stride; double loss[STEPS];
 	};
 
-static enum eco_code loss_at(struct search *search, int step, double *loss, struct eco_error *error)
+static double loss_at(struct search *search, int step)
 {
 	double *known = &search->loss[step - LOD_CURVE_STEP_LOW];
 	if (*known < 0) {
-		enum eco_code code = lod_curve_draw(search->curve, search->share, search->reach, step, error);
-		if (code)
-			return code;
 		struct lod_probe_result result;
+		lod_curve_draw(search->curve, search->share, search->reach, step);
 		lod_probe_compare(search->curve->probe, search->stride, &result);
 		double balloons = result.fp + result.fn - WRONG_MOST;
 		*known = result.loss + (balloons > 0 ? balloons : 0);
 	}
-	*loss = *known;
-	return ECO_OK;
+	return *known;
 }
 
 /* Walks from *best in strides of `stride` while that lowers the loss. */
-static enum eco_code walk(struct search *search, int stride, int *best, struct eco_error *error)
+static void walk(struct search *search, int stride, int *best)
 {
-	double least, loss;
-	enum eco_code code = loss_at(search, *best, &least, error);
-	for (int way = -1; way <= 1 && !code; way += 2) {
-		for (bool moved = false;; moved = true) {
-			int next = *best + way * stride;
-			if (next < LOD_CURVE_STEP_LOW || next > LOD_CURVE_STEP_HIGH
-					|| (code = loss_at(search, next, &loss, error)) || !(loss < least)) {
-				if (moved)
-					return code;
-				break;
-			}
+	for (int way = -1; way <= 1; way += 2) {
+		bool moved = false;
+		for (int next = *best + way * stride; next >= LOD_CURVE_STEP_LOW && next <= LOD_CURVE_STEP_HIGH
+				&& loss_at(search, next) < loss_at(search, *best); next += way * stride) {
 			*best = next;
-			least = loss;
+			moved = true;
 		}
+		if (moved)
+			return;
 	}
-	return code;
 }
 
 /* The vertex of the parabola through a step and its neighbours, and how far from it the loss stays small. */
-static enum eco_code refine(struct search *search, int best, struct lod_curve_way *way,
-	struct eco_error *error)
+static void refine(struct search *search, int best, struct lod_curve_way *way)
 {
-	double low = 0, high = 0;
 	way->step = best;
 	way->play = 0;
-	enum eco_code code = loss_at(search, best, &way->loss, error);
-	if (code || best == LOD_CURVE_STEP_LOW || best == LOD_CURVE_STEP_HIGH)
-		return code;
-	code = loss_at(search, best - 1, &low, error);
-	if (!code)
-		code = loss_at(search, best + 1, &high, error);
-	if (code)
-		return code;
-	double bend = low - 2 * way->loss + high;
+	way->loss = loss_at(search, best);
+	if (best == LOD_CURVE_STEP_LOW || best == LOD_CURVE_STEP_HIGH)
+		return;
+	double low = loss_at(search, best - 1), high = loss_at(search, best + 1), bend = low - 2 * way->loss + high;
 	way->play = bend > LITTLE / 8 ? sqrt(2 * LITTLE / bend) : 4;
 	if (bend > 0)
 		way->step = best + 0.5 * (low - high) / bend;
-	return ECO_OK;
 }
 
-enum eco_code lod_curve_try_way(const struct lod_curve_organ *curve, double share, struct lod_curve_way *way,
-	double start, bool warm, double most, struct eco_error *error)
+void lod_curve_try_way(const struct lod_curve_organ *curve, double share, struct lod_curve_way *way,
+	double start, bool warm, double most)
 {
 	struct search search = { .curve = curve, .share = share, .reach = way->reach,
 		.stride = curve->draft || curve->probe->views >= 8 ? 2 : 1 };
 	for (int i = 0; i < STEPS; i++)
 		search.loss[i] = -1;
 	int best = (int)(start - LOD_CURVE_STEP_LOW + 0.5) + LOD_CURVE_STEP_LOW;
-	enum eco_code code = ECO_OK;
-	way->given_up = warm && !(code = loss_at(&search, best, &way->loss, error)) && way->loss > most;
-	if (way->given_up) {
+	way->given_up = false;
+	if (warm) {
 		way->step = best;
-		return ECO_OK;
+		way->loss = loss_at(&search, best);
+		way->given_up = way->loss > most;
 	}
-	for (int stride = warm ? 1 : 8; stride > 0 && !code; stride /= 2)
-		code = walk(&search, stride, &best, error);
-	return code ? code : refine(&search, best, way, error);
+	for (int stride = warm ? 1 : 8; stride > 0 && !way->given_up; stride /= 2)
+		walk(&search, stride, &best);
+	if (!way->given_up)
+		refine(&search, best, way);
 }
 
 /* ---- Reaches ---- */
@@ -202,14 +181,12 @@ static void place_ways(struct lod_curve_organ *curve, uint32_t at)
 	add_way(curve, sample, at, high);
 }
 
-enum eco_code lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at,
-	const struct lod_curve_sample *larger, struct eco_error *error)
+void lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at, const struct lod_curve_sample *larger)
 {
 	struct lod_curve_sample *sample = &curve->samples[at];
-	enum eco_code code = ECO_OK;
 	place_ways(curve, at);
 	double least = 1e30;
-	for (uint32_t i = sample->way_count; i-- > 0 && !code;) {
+	for (uint32_t i = sample->way_count; i-- > 0;) {
 		struct lod_curve_way *way = &sample->ways[i];
 		bool warm = i + 1 < sample->way_count;
 		double start = warm ? sample->ways[i + 1].step : 0;
@@ -218,10 +195,9 @@ enum eco_code lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at,
 				start = larger->ways[k].step;
 				warm = true;
 			}
-		code = lod_curve_try_way(curve, sample->share, way, start, warm, least + HOPELESS, error);
-		least = !code && way->loss < least ? way->loss : least;
+		lod_curve_try_way(curve, sample->share, way, start, warm, least + HOPELESS);
+		least = way->loss < least ? way->loss : least;
 	}
-	return code;
 }
 
 static bool ascends(const struct lod_curve_way *before, const struct lod_curve_way *after)
@@ -263,18 +239,16 @@ static void choose_ways(struct lod_curve_organ *curve, uint32_t count)
 		curve->samples[i].chosen = at;
 }
 
-enum eco_code lod_curve_settle(struct lod_curve_organ *curve, uint32_t count, struct eco_error *error)
+void lod_curve_settle(struct lod_curve_organ *curve, uint32_t count)
 {
-	enum eco_code code = ECO_OK;
-	for (bool settled = false; !settled && !code;) {
+	for (bool settled = false; !settled;) {
 		settled = true;
 		choose_ways(curve, count);
-		for (uint32_t i = 0; i < count && !code; i++) {
+		for (uint32_t i = 0; i < count; i++) {
 			struct lod_curve_sample *sample = &curve->samples[i];
 			struct lod_curve_way *way = &sample->ways[sample->chosen];
 			if (way->given_up) {
-				code = lod_curve_try_way(curve, sample->share, way, way->step, true, 1e30,
-					error);
+				lod_curve_try_way(curve, sample->share, way, way->step, true, 1e30);
 				settled = false;
 			}
 			sample->reach = way->reach;
@@ -282,6 +256,5 @@ enum eco_code lod_curve_settle(struct lod_curve_organ *curve, uint32_t count, st
 			sample->play = way->play;
 		}
 	}
-	return code;
 }
 

@@ -64,26 +64,23 @@ static inline uint64_t lod_curve_primitives(const struct lod_curve_organ *curve,
 double lod_curve_scale(double step);
 
 /* Adds a ladder of the plant to the probe's pictures, as drawn at that sample. */
-enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct eco_ladder *ladder,
-	const struct eco_curve *sample, struct eco_error *error);
+void lod_curve_add(const struct lod_curve_organ *curve, const struct eco_ladder *ladder,
+	const struct eco_curve *sample);
 /* Clears the probe's pictures and draws a share of all members. */
-enum eco_code lod_curve_draw(const struct lod_curve_organ *curve, double share, double reach, double step,
-	struct eco_error *error);
+void lod_curve_draw(const struct lod_curve_organ *curve, double share, double reach, double step);
 
 /* Searches the best scale for way->reach from step `start` on; sets step, loss and play. `warm`: `start` is
  * near the answer; if the loss there is more than `most` the way is given up. */
-enum eco_code lod_curve_try_way(const struct lod_curve_organ *curve, double share, struct lod_curve_way *way,
-	double start, bool warm, double most, struct eco_error *error);
+void lod_curve_try_way(const struct lod_curve_organ *curve, double share, struct lod_curve_way *way,
+	double start, bool warm, double most);
 
 /* Tries all ways of sample `at`, each from the best scale of the same rung at the next larger share (NULL:
  * none), or from that of its neighbour. */
-enum eco_code lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at,
-const struct lod_curve_sample *larger,
-	struct eco_error *error);
+void lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at, const struct lod_curve_sample *larger);
 
 /* Chooses a way for each of the first `count` samples, and with it reach, step and play: the ascending
  * sequence of ways with the least total loss. If it contains ways that were given up their scales are
  * searched, and the choice is repeated; losses only fall, so this ends. */
-enum eco_code lod_curve_settle(struct lod_curve_organ *curve, uint32_t count, struct eco_error *error);
+void lod_curve_settle(struct lod_curve_organ *curve, uint32_t count);
 
 #endif

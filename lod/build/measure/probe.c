@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 #include "lod/build/model_draw.h"
 #include "lod/geometry.h"
 #include "lod/vector.h"
@@ -56,21 +56,14 @@ static size_t view_pixels(const struct lod_probe *probe)
 }
 
 /* One raster, or, if views are drawn in parallel, as many as stay small together. */
-static enum eco_code make_rasters(struct lod_probe *probe, struct eco_error *error)
+static void make_rasters(struct lod_probe *probe)
 {
 	size_t most = probe->options.each ? PIXELS_AT_ONCE / (view_pixels(probe) + 1) + 1 : 1;
-	uint32_t wanted = most < probe->views ? (uint32_t)most : probe->views;
-	enum eco_code code = ECO_OK;
-	probe->rasters = calloc(wanted, sizeof *probe->rasters);
-	if (!probe->rasters)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u pictures", wanted);
-	while (!code && probe->raster_count < wanted) {
-		code = lod_raster_init(&probe->rasters[probe->raster_count],
-			&(struct lod_raster_options){ .width = probe->options.pixels,
-			.height = probe->options.pixels, .silhouette = true }, error);
-		probe->raster_count += !code;
-	}
-	return code;
+	probe->raster_count = most < probe->views ? (uint32_t)most : probe->views;
+	probe->rasters = lod_arena_take(&probe->arena, probe->raster_count, sizeof *probe->rasters);
+	for (uint32_t i = 0; i < probe->raster_count; i++)
+		lod_raster_open(&probe->rasters[i], &(struct lod_raster_options){ .width = probe->options.pixels,
+			.height = probe->options.pixels, .silhouette = true });
 }
 
 static void take_arrays(struct lod_probe *probe)
@@ -90,14 +83,6 @@ static void take_arrays(struct lod_probe *probe)
 	probe->masks = lod_model_masks(probe->model, arena);
 }
 
-static bool allocate(struct lod_probe *probe)
-{
-	if (setjmp(probe->arena.failed))
-		return false;
-	take_arrays(probe);
-	return true;
-}
-
 /* Chunks as in the pack: ladders ask how many triangles some elements have. */
 static void count_chunks(struct lod_probe *probe, struct eco_list *list, const struct lod_list_draft *draft)
 {
@@ -112,24 +97,16 @@ static void count_chunks(struct lod_probe *probe, struct eco_list *list, const s
 	}
 }
 
-enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant,
-	const struct eco_model *model, const struct lod_probe_options *options, struct eco_error *error)
+void lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_probe_options *options)
 {
 	memset(probe, 0, sizeof *probe);
 	probe->plant = plant;
 	probe->model = model;
 	probe->views = options->views;
 	probe->options = *options;
-	enum eco_code code = make_rasters(probe, error);
-	if (code) {
-		lod_probe_free(probe);
-		return code;
-	}
-	if (!allocate(probe)) {
-		lod_probe_free(probe);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u views of %u x %u pixels",
-			options->views, options->pixels, options->pixels);
-	}
+	make_rasters(probe);
+	take_arrays(probe);
 	probe->scene = (struct eco_scene){ .lists = probe->lists, .list_count = plant->list_count,
 		.ladders = plant->ladders,
 		.ladder_count = plant->ladder_count, .curves = plant->curves,
@@ -143,14 +120,12 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 	double radius = lod_model_sphere(model, probe->center);
 	probe->radius = radius > 0 ? radius : 1;
 	lod_probe_look(probe, LOD_PROBE_AROUND);
-	return ECO_OK;
 }
 
 void lod_probe_free(struct lod_probe *probe)
 {
 	for (uint32_t i = 0; i < probe->raster_count; i++)
 		lod_raster_free(&probe->rasters[i]);
-	free(probe->rasters);
 	free(probe->drawings);
 	free(probe->floats);
 	lod_arena_free(&probe->arena);
@@ -173,23 +148,16 @@ void lod_probe_add_impostor(struct lod_probe *probe, const struct lod_impostor *
 	probe->primitive_count++;
 }
 
-static bool reserve(struct lod_probe *probe, size_t floats)
+static void reserve(struct lod_probe *probe, size_t floats)
 {
-	if (!eco_array_grow(&probe->drawings, &probe->drawing_capacity, probe->drawing_count,
-			sizeof *probe->drawings))
-		return false;
+	eco_grow(&probe->drawings, &probe->drawing_capacity, probe->drawing_count, sizeof *probe->drawings);
 	if (probe->float_count + floats > probe->float_capacity) {
-		size_t capacity = (probe->float_count + floats) / 2 * 3 + 4096;
-		float *grown = realloc(probe->floats, capacity * sizeof *grown);
-		if (!grown)
-			return false;
-		probe->floats = grown;
-		probe->float_capacity = capacity;
+		probe->float_capacity = (probe->float_count + floats) / 2 * 3 + 4096;
+		probe->floats = eco_realloc(probe->floats, probe->float_capacity, sizeof *probe->floats);
 	}
-	return true;
 }
 
-enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, struct eco_error *error)
+void lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut)
 {
 	const struct lod_list_draft *draft = &probe->plant->lists[cut->list];
 	const struct eco_list *list = &draft->list;
@@ -198,9 +166,8 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 	size_t floats = lod_geometry_floats(list, count, holes);
 	struct lod_geometry geometry = { .color = NULL };
 	if (!count)
-		return ECO_OK;
-	if (!reserve(probe, floats))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory to measure %u primitives", count);
+		return;
+	reserve(probe, floats);
 	struct lod_drawing *drawing = &probe->drawings[probe->drawing_count++];
 	*drawing = (struct lod_drawing){ .list = list, .floats = probe->float_count, .uv = holes,
 		.area = list->unit_area * cut->scale,
@@ -211,7 +178,6 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 		&geometry);
 	probe->float_count += floats;
 	probe->primitive_count += drawing->count;
-	return ECO_OK;
 }
 
 /* ---- Drawing ---- */

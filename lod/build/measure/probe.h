@@ -1,7 +1,7 @@
 /* A plant seen from all around, or from above: the cover of its lists, measured with the rasteriser.
  *
- *   lod_probe_init(&probe, plant, model, &options, &error);
- *   lod_probe_clear(&probe); lod_probe_add(&probe, &cut, &error);      ranges of the plant's lists
+ *   lod_probe_init(&probe, plant, model, &options);
+ *   lod_probe_clear(&probe); lod_probe_add(&probe, &cut);              ranges of the plant's lists
  *   lod_probe_keep(&probe);                                            ... become the reference
  *   lod_probe_compare(&probe, 1, &result);                             others against the reference
  *   lod_probe_free(&probe);
@@ -30,7 +30,7 @@ struct lod_probe {
 	struct eco_list *lists;
 	struct eco_chunk *chunks;
 	bool *cut;                       /* per image of the plant: some of it is transparent */
-	struct lod_arena arena;          /* of the arrays but rasters, drawings and floats */
+	struct lod_arena arena;          /* of the arrays but drawings and floats */
 	const struct lod_mask *masks;    /* per image of the model (model_draw.h) */
 	uint32_t views;
 	double center[3], radius;
@@ -48,8 +48,8 @@ struct lod_probe {
 	struct lod_score *scores;        /* per view, of the last comparison */
 };
 
-enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant,
-	const struct eco_model *model, const struct lod_probe_options *options, struct eco_error *error);
+void lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_probe_options *options);
 void lod_probe_free(struct lod_probe *probe);
 
 void lod_probe_clear(struct lod_probe *probe);
@@ -60,7 +60,7 @@ void lod_probe_clear(struct lod_probe *probe);
 void lod_probe_look(struct lod_probe *probe, double low, double high);
 
 /* Adds a cut (list, first, end, scale) of the plant's lists. */
-enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, struct eco_error *error);
+void lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut);
 /* Adds an impostor, which must stay until lod_probe_clear. */
 void lod_probe_add_impostor(struct lod_probe *probe, const struct lod_impostor *impostor);
 /* The ranges added so far become the reference. False if it covers nothing in any view. */

@@ -401,13 +401,11 @@ static bool begin_list(struct ranking *r)
 	return true;
 }
 
-static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
+static bool make_steps(struct ranking *r)
 {
 	begin_anew(r);
-	if ((lod_rank_begins_with_points(r->options) && !begin_list(r))
-			|| !take_steps(r, r->count, r->points))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
-	return ECO_OK;
+	return (!lod_rank_begins_with_points(r->options) || begin_list(r))
+		&& take_steps(r, r->count, r->points);
 }
 
 /* Larger plants are seen from fewer directions, since more elements lie in each (lod/EXPERIMENTS.md, Views of
@@ -448,16 +446,13 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	const struct lod_arena_piece *mark = arena->last;
 	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
 	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
-	enum eco_code code = lod_crown_open(&r.crown, foliage, &crown, arena, error);
-	if (!code && !run(&r, (r.count + BATCH - 1) / BATCH, fit_batch))
-		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while fitting simple leaves");
-	if (!code && options->random)
+	lod_crown_open(&r.crown, foliage, &crown, arena);
+	bool good = run(&r, (r.count + BATCH - 1) / BATCH, fit_batch);
+	if (good && options->random)
 		shuffle(&r);
-	else if (!code)
-		code = make_steps(&r, error);
-	if (!code && !options->random && !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count,
-			r.order, r.growth, r.points == (uint32_t)(POINTS_MOST * r.count) }, arena))
-		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
+	else if (good)
+		good = make_steps(&r) && lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count,
+			r.order, r.growth, r.points == (uint32_t)(POINTS_MOST * r.count) }, arena);
 	lod_arena_release(arena, mark);
-	return code;
+	return good ? ECO_OK : eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 }

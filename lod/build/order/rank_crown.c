@@ -36,39 +36,33 @@ static uint32_t choose_pixels(const struct lod_foliage *foliage, struct lod_aren
 		: (uint32_t)(pixels / 64) * 64;
 }
 
-static enum eco_code open_level(struct lod_crown *crown, const double (*directions)[3], uint32_t pixels,
-	struct lod_arena *arena, struct eco_error *error)
+static void open_level(struct lod_crown *crown, const double (*directions)[3], uint32_t pixels,
+	struct lod_arena *arena)
 {
 	struct lod_crown_level *level = &crown->levels[crown->level_count++];
-	enum eco_code code = lod_sights_make(&level->sights, crown->foliage, directions, crown->views, pixels,
-		arena, error);
-	if (code)
-		return code;
+	lod_sights_make(&level->sights, crown->foliage, directions, crown->views, pixels, arena);
 	level->canvas = lod_arena_take(arena, crown->views, sizeof *level->canvas);
 	for (uint32_t v = 0; v < crown->views; v++)
 		level->canvas[v] = (struct lod_canvas){ .row_words = level->sights.words / pixels,
 			.reference = level->sights.reference[v],
 			.times = lod_arena_take(arena, level->sights.words, sizeof *level->canvas[v].times) };
-	return ECO_OK;
 }
 
-enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
-	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error)
+void lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
+	const struct lod_rank_options *options, struct lod_arena *arena)
 {
 	uint32_t views = options->views, pixels = options->pixels ? options->pixels
 		: choose_pixels(foliage, arena);
 	double (*directions)[3] = lod_arena_take(arena, views, sizeof *directions);
-	enum eco_code code = ECO_OK;
 	*crown = (struct lod_crown){ .foliage = foliage, .views = views };
 	lod_directions_spread(directions, views, options->seed);
 	if (options->directions)
 		memcpy(directions, options->directions, views * sizeof *directions);
-	for (uint32_t k = 0; k < LOD_CROWN_LEVELS && !code; k++)
+	for (uint32_t k = 0; k < LOD_CROWN_LEVELS; k++)
 		if (pixels >> (LOD_CROWN_LEVELS - 1 - k) >= PIXELS_FEWEST || k + 1 == LOD_CROWN_LEVELS)
-			code = open_level(crown, (const double (*)[3])directions,
-				pixels >> (LOD_CROWN_LEVELS - 1 - k), arena, error);
+			open_level(crown, (const double (*)[3])directions, pixels >> (LOD_CROWN_LEVELS - 1 - k),
+				arena);
 	crown->level = &crown->levels[crown->level_count - 1];
-	return code;
 }
 
 void lod_crown_set_level(struct lod_crown *crown, uint32_t count)

@@ -10,7 +10,7 @@
 
 /* The cover of a plant's outline in all its views at once: an element's gain, and adding it.
  *
- *   lod_crown_open(&crown, &foliage, &options, &arena, &error);
+ *   lod_crown_open(&crown, &foliage, &options, &arena);
  *   lod_crown_clear(&crown, views);                                      the wood alone
  *   lod_crown_gain(&crown, element, &edge, 1, views, &gain);             what it would add at that size
  *   lod_crown_add(&crown, element, edge, views); */
@@ -32,8 +32,8 @@ struct lod_crown {
 
 /* Views, pixels and the seed of their directions are of the options; pixels 0: leaves of the usual size are two
  * pixels wide. */
-enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
-	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error);
+void lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
+	const struct lod_rank_options *options, struct lod_arena *arena);
 
 /* Selects the level for `count` elements drawn so large that they fill the crown. */
 void lod_crown_set_level(struct lod_crown *crown, uint32_t count);

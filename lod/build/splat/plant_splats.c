@@ -71,28 +71,22 @@ static bool has_colorless(const struct eco_model *model)
 
 /* Colours of the model's triangles, the usual ones of their organs where the file says none; NULL if it says
  * all. The caller frees them. */
-static enum eco_code organ_colors(uint8_t (**rgb)[3], const struct eco_model *model, struct eco_error *error)
+static uint8_t (*organ_colors(const struct eco_model *model))[3]
 {
 	struct lod_arena arena = { 0 };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
-	*rgb = NULL;
 	if (!has_colorless(model))
-		return ECO_OK;
-	if (setjmp(arena.failed)) {
-		lod_arena_free(&arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the colours of %u triangles",
-			model->triangle_count);
-	}
+		return NULL;
 	lod_weld(&mesh, model, lod_grid_bits_least(model), &arena);
 	lod_organs_find(&organs, &mesh, model, &arena);
-	*rgb = lod_arena_own(&arena, model->triangle_count, sizeof **rgb);
+	uint8_t (*rgb)[3] = eco_alloc(model->triangle_count, sizeof *rgb);
 	for (uint32_t t = 0; t < model->triangle_count; t++)
-		memcpy((*rgb)[t], lod_mesh_material(model, model->material[t])->rgb, sizeof **rgb);
+		memcpy(rgb[t], lod_mesh_material(model, model->material[t])->rgb, sizeof *rgb);
 	for (uint32_t t = 0; t < mesh.triangle_count; t++)
-		memcpy((*rgb)[mesh.source[t]], organs.rgb[t], sizeof **rgb);
+		memcpy(rgb[mesh.source[t]], organs.rgb[t], sizeof *rgb);
 	lod_arena_free(&arena);
-	return ECO_OK;
+	return rgb;
 }
 
 /* The share of a splat in the plant's picture, in 2^-20 of its radius squared: the mean area of its three
@@ -119,16 +113,12 @@ static void append_colors(struct lod_plant *plant, const struct lod_palette *pal
 }
 
 /* A splat mixes leaves, wood and flowers, so its colour may be far from every colour of the plant: splats
- * have a palette of their own. False without memory. */
-static bool color_elements(struct lod_list_draft *draft, struct lod_plant *plant,
+ * have a palette of their own. */
+static void color_elements(struct lod_list_draft *draft, struct lod_plant *plant,
 	const struct lod_splats *splats)
 {
 	struct lod_arena arena = { 0 };
 	uint32_t count = draft->list.element_count;
-	if (setjmp(arena.failed)) {
-		lod_arena_free(&arena);
-		return false;
-	}
 	uint8_t (*rgb)[3] = lod_arena_take(&arena, count, sizeof *rgb);
 	uint32_t *weights = lod_arena_take(&arena, count, sizeof *weights);
 	struct lod_palette *palette = lod_arena_take(&arena, 1, sizeof *palette);
@@ -144,7 +134,6 @@ static bool color_elements(struct lod_list_draft *draft, struct lod_plant *plant
 			(int32_t)lod_palette_index(palette, rgb[i]);
 	append_colors(plant, palette);
 	lod_arena_free(&arena);
-	return true;
 }
 
 /* ---- The ladder ---- */
@@ -180,18 +169,15 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	const struct lod_plant_options *options, struct eco_error *error)
 {
 	struct lod_splats splats;
-	uint8_t (*rgb)[3];
+	uint8_t (*rgb)[3] = organ_colors(model);
 	/* a build with small curves is a draft in its splats, too */
 	bool small = options->draft || (options->pixels && options->pixels < 160);
 	struct lod_splats_options fit = { .views = small ? 12 : 0, .pixels = small ? 48 : 0,
 		.levels = options->draft ? LEVELS_DRAFT : 0, .draft = options->draft,
-		.progress = options->progress, .each = options->each,
+		.rgb = (const uint8_t (*)[3])rgb, .progress = options->progress, .each = options->each,
 		.ctx = options->ctx };
 	lod_plant_enter(options, LOD_STAGE_SPLATS);
-	enum eco_code code = organ_colors(&rgb, model, error);
-	fit.rgb = (const uint8_t (*)[3])rgb;
-	if (!code)
-		code = lod_splats_fit(&splats, model, &fit, error);
+	enum eco_code code = lod_splats_fit(&splats, model, &fit, error);
 	if (code) {
 		free(rgb);
 		return code;
@@ -202,9 +188,8 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 			splats.level_count * LEVEL_CHUNKS);
 		put_elements(draft, &splats);
 		add_ladder(plant, &splats);
-		if (!color_elements(draft, plant, &splats))
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u splats", list.element_count);
-		if (!code && !options->draft)
+		color_elements(draft, plant, &splats);
+		if (!options->draft)
 			code = lod_plant_add_impostor(plant, model, (const uint8_t (*)[3])rgb, options,
 				error);
 	}

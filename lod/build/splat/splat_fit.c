@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "lod/build/splat/splat_state.h"
 #include "lod/lanes.h"
 #include "lod/sort.h"
@@ -498,7 +499,7 @@ static bool store(struct fit *fit, uint32_t levels)
 	uint32_t count = 0;
 	for (uint32_t l = 0; l < levels; l++)
 		splats->level_end[l] = count += fit->size[l];
-	splats->items = lod_arena_own(&fit->arena, count, sizeof *splats->items);
+	splats->items = eco_alloc(count, sizeof *splats->items);
 	for (uint32_t l = 0; l < levels; l++) {
 		struct lod_splat *to = splats->items + lod_splats_first(splats, l);
 		round_level(fit, l, to);
@@ -518,11 +519,12 @@ static bool pays(double before, double loss)
 	return loss <= PAYS * before && loss <= before - PAYS_LEAST;
 }
 
-static enum eco_code run(struct fit *fit, const struct eco_model *model, struct eco_error *error)
+/* False if progress says stop. */
+static bool run(struct fit *fit, const struct eco_model *model)
 {
-	enum eco_code code = splat_views_make(&fit->views, model, fit->options, &fit->arena, error);
-	if (code || !gather(fit))
-		return code;
+	splat_views_make(&fit->views, model, fit->options, &fit->arena);
+	if (!gather(fit))
+		return true;
 	splat_views_coarsen(&fit->coarse, &fit->views, &fit->arena);
 	place(fit->splats, &fit->views);
 	choose_sizes(fit, model);
@@ -532,7 +534,7 @@ static enum eco_code run(struct fit *fit, const struct eco_model *model, struct 
 	for (uint32_t l = 0; l < levels; l++) {
 		start_level(fit, l);
 		if (!descend(fit, l, levels, false))
-			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+			return false;
 		if (fit->blades.levels && l == fit->blades.level && fit->cover < SPARSE)
 			keep_heads(fit);
 		if (fit->splats->loss[l] < ENOUGH)
@@ -541,25 +543,23 @@ static enum eco_code run(struct fit *fit, const struct eco_model *model, struct 
 	while (levels > 1 && !pays(fit->splats->loss[levels - 2], fit->splats->loss[levels - 1]))
 		levels--;
 	order_all(fit, levels);
-	return store(fit, levels) ? ECO_OK : eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	return store(fit, levels);
 }
 
 enum eco_code lod_splats_fit(struct lod_splats *splats, const struct eco_model *model,
 	const struct lod_splats_options *options, struct eco_error *error)
 {
-	struct fit *fit = calloc(1, sizeof *fit);
+	struct fit *fit = eco_alloc(1, sizeof *fit);
 	memset(splats, 0, sizeof *splats);
-	if (!fit)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory to fit splats");
 	fit->options = options;
 	fit->splats = splats;
-	enum eco_code code = setjmp(fit->arena.failed)
-		? eco_fail(error, ECO_NO_MEMORY, "no memory to fit splats") : run(fit, model, error);
+	bool good = run(fit, model);
 	lod_arena_free(&fit->arena);
 	free(fit);
-	if (code)
-		lod_splats_free(splats);
-	return code;
+	if (good)
+		return ECO_OK;
+	lod_splats_free(splats);
+	return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 }
 
 void lod_splats_free(struct lod_splats *splats)

@@ -37,8 +37,8 @@ struct splat_views {
 };
 
 /* Draws the model in all views. `views->covered` is 0 everywhere if it shows nothing. */
-enum eco_code splat_views_make(struct splat_views *views, const struct eco_model *model,
-	const struct lod_splats_options *options, struct lod_arena *arena, struct eco_error *error);
+void splat_views_make(struct splat_views *views, const struct eco_model *model,
+	const struct lod_splats_options *options, struct lod_arena *arena);
 
 /* The same views in pixels twice as wide and high, without light and samples: what large splats cover hardly
  * changes within one, so that they are fitted in a quarter of the work (lod/EXPERIMENTS.md, Coarse views). */

@@ -128,8 +128,8 @@ static void allocate(struct splat_views *views, struct lod_arena *arena)
 	}
 }
 
-enum eco_code splat_views_make(struct splat_views *views, const struct eco_model *model,
-	const struct lod_splats_options *options, struct lod_arena *arena, struct eco_error *error)
+void splat_views_make(struct splat_views *views, const struct eco_model *model,
+	const struct lod_splats_options *options, struct lod_arena *arena)
 {
 	uint32_t pixels = options->pixels ? options->pixels : 160, parts = options->each ? 4 : 1;
 	*views = (struct splat_views){ .count = options->views ? options->views : 55, .pixels = pixels,
@@ -138,22 +138,17 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 	look(views);
 	views->radius = lod_model_sphere(model, views->center);
 	if (!(views->radius > 0))
-		return ECO_OK;
+		return;
 	allocate(views, arena);
 	struct drawing d = { views, model, lod_model_masks(model, arena),
 		options->rgb ? options->rgb : lod_model_colors(model, arena),
-		lod_arena_take(arena, parts, sizeof *d.rasters), 0 };
-	enum eco_code code = ECO_OK;
-	while (!code && d.raster_count < parts) {
-		code = lod_raster_init(&d.rasters[d.raster_count], &(struct lod_raster_options){
-			.width = SIDE * pixels, .height = SIDE * pixels, .item = true }, error);
-		d.raster_count += !code;
-	}
-	if (!code)
-		lod_each_run(options->each, options->ctx, d.raster_count, draw_part, &d);
-	for (uint32_t i = 0; i < d.raster_count; i++)
+		lod_arena_take(arena, parts, sizeof *d.rasters), parts };
+	for (uint32_t i = 0; i < parts; i++)
+		lod_raster_open(&d.rasters[i], &(struct lod_raster_options){ .width = SIDE * pixels,
+			.height = SIDE * pixels, .item = true });
+	lod_each_run(options->each, options->ctx, parts, draw_part, &d);
+	for (uint32_t i = 0; i < parts; i++)
 		lod_raster_free(&d.rasters[i]);
-	return code;
 }
 
 void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *views,

@@ -215,7 +215,6 @@ void lod_billboard_cloud_make(struct lod_billboard_cloud *cloud, const struct lo
 	*cloud = (struct lod_billboard_cloud){ 0 };
 	if (!cap || !plant->tree.face_count)
 		return;
-	memcpy(&scratch.failed, &arena->failed, sizeof scratch.failed);
 	billboard_work_open(&work, plant, cap, &scratch);
 	settle(&work);
 	cloud->items = lod_arena_take(arena, work.quad_count, sizeof *cloud->items);

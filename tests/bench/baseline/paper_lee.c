@@ -141,8 +141,6 @@ static void add_cell(const struct paper_scene *s, uint32_t list, struct lod_lee_
 void paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s)
 {
 	struct lod_arena *arena = &lee->arena;
-	if (setjmp(arena->failed))
-		eco_end("no memory for the cells of plants");
 	lee->plants = lod_arena_take(arena, s->scene->plant_count, sizeof *lee->plants);
 	for (uint32_t i = 0; i < s->scene->plant_count; i++) {
 		const struct eco_plant *of = &s->scene->plants[i];
@@ -304,8 +302,6 @@ bool paper_lee(struct paper *p, double full_m, void *ctx)
 	struct paper_lee *lee = ctx;
 	struct each e = { p, lee, full_m };
 	const struct eco_scene *scene = p->s->scene;
-	if (setjmp(lee->arena.failed))
-		eco_end("no memory for cells");
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		p->p.gates[i] = gate_of(&e, &lee->plants[i]);
 	if (!paper_open(p, 0))

@@ -509,7 +509,6 @@ static void run(struct bench *bench)
 	double sum[ROWS][SHARES] = { { 0 } };
 	struct bench_walk walk = { .bench = bench, .leaves = BENCH_ELEMENTS_LEAST, .most = UINT32_MAX, .quick
 		= 3, .quick_made = 1 };
-	must_have(&arena);
 	write_pair(bench, &arena);
 	write_chain(bench, &arena);
 	lod_arena_free(&arena);

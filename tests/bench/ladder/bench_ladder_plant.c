@@ -65,8 +65,8 @@ static void place_eye(struct lod_probe *probe, struct lod_eye *eye, const double
 static void open_probe(struct study *s, const struct eco_model *model)
 {
 	double directions[TUNING + TESTS][3];
-	must(lod_probe_init(&s->probe, &s->plant, model,
-		&(struct lod_probe_options){ .views = TUNING + TESTS, .pixels = PIXELS }, must_error));
+	lod_probe_init(&s->probe, &s->plant, model,
+		&(struct lod_probe_options){ .views = TUNING + TESTS, .pixels = PIXELS });
 	lod_directions_spread(directions, TUNING, TUNING_SEED);
 	lod_directions_spread(directions + TUNING, TESTS, TEST_SEED);
 	for (uint32_t v = 0; v < TUNING + TESTS; v++)
@@ -81,7 +81,7 @@ static void add_at(struct study *s, const struct eco_ladder *ladder, uint64_t ve
 	double density = fmax(reach, lod_way_density(&way, vertices));
 	uint32_t count = lod_way_cuts(&way, vertices, density, 0, cuts);
 	for (uint32_t i = 0; i < count; i++)
-		must(lod_probe_add(&s->probe, &cuts[i], must_error));
+		lod_probe_add(&s->probe, &cuts[i]);
 }
 
 static void add_wood(struct study *s)
@@ -191,7 +191,7 @@ static double draw_cook(struct study *s, double lambda)
 			kept = (uint32_t)fmax(1, (uint32_t)fmin(n, 3.0 * cut.end / each + 0.5));
 			cut.scale = (float)(depth ? lod_cook_scale_depth(kept, n, s->share)
 				: lod_cook_scale(kept, n));
-			must(lod_probe_add(&s->probe, &cut, must_error));
+			lod_probe_add(&s->probe, &cut);
 		}
 		q = fmax(q, score(s, lambda).q);
 	}
@@ -259,8 +259,7 @@ static void add_impostor(struct study *s, struct bench_ladder_curve *curve)
 	struct lod_impostor impostor;
 	if (!s->plant.impostor_count)
 		return;
-	must(lod_plant_open_impostor(&impostor, &s->plant, s->plant.impostor_count - 1,
-		must_error));
+	lod_plant_open_impostor(&impostor, &s->plant, s->plant.impostor_count - 1);
 	lod_probe_clear(&s->probe);
 	lod_probe_add_impostor(&s->probe, &impostor);
 	add_point(curve, score(s, 1 / s->full));

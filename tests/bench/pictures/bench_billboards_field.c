@@ -155,7 +155,6 @@ static json_t *make_field(void *ctx)
 	static uint8_t rgb[PANELS * WIDTH * HEIGHT][3];
 	struct field *f = ctx;
 	struct lod_arena arena = { 0 };
-	must_have(&arena);
 	bench_model_read(f->file, &f->model);
 	place_plants(f);
 	const struct lod_billboard_plant *plant = lod_billboard_plant_make(&f->model, &arena);
