@@ -104,16 +104,12 @@ static void on_tick(void *ctx, double gone, uint64_t answers, uint64_t failures)
 	view_progress_show(&p->bar, fmin(gone, p->seconds), p->seconds, text);
 }
 
-static enum eco_code print_json(const struct view_load_summary *summary, struct eco_error *error)
+static void print_json(const struct view_load_summary *summary)
 {
-	json_t *json;
-	enum eco_code code = view_load_json(summary, &json, error);
-	if (code)
-		return code;
+	json_t *json = view_load_json(summary);
 	json_dumpf(json, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	putchar('\n');
 	json_decref(json);
-	return ECO_OK;
 }
 
 static enum eco_code report(struct options *o, const struct view_load_report *result,
@@ -126,9 +122,13 @@ static enum eco_code report(struct options *o, const struct view_load_report *re
 		&summary.scored_count, error);
 	if (code == ECO_INTERRUPTED)
 		code = ECO_OK;
-	if (!code)
-		code = o->json ? print_json(&summary, error) : view_load_print(&summary, stdout, error);
-	if (!code && o->csv)
+	if (code)
+		return code;
+	if (o->json)
+		print_json(&summary);
+	else
+		view_load_print(&summary, stdout);
+	if (o->csv)
 		code = view_load_csv(&summary, o->csv, error);
 	if (!code && !view_load_clean(result))
 		code = eco_fail(error, ECO_DAMAGED, "there were failures or violations, or no answer at all");

@@ -8,11 +8,11 @@
 #include "client-min/view_ask.h"
 #include "client-min/view_fetch.h"
 #include "client-min/draw/view_gl.h"
-#include "client-min/view_geojson.h"
 #include "client-min/view_options.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
 #include "ecofiles/base/json_read.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/format/image.h"
@@ -62,9 +62,7 @@ static enum eco_code save(const struct viewer *v, const char *format, uint32_t f
 static enum eco_code save_masks(struct viewer *v, uint32_t frame, struct eco_error *error)
 {
 	uint32_t count = v->options.width * v->options.height;
-	uint8_t *rgb = malloc((size_t)count * 3);
-	if (!rgb)
-		return eco_no_memory(error, "a picture");
+	uint8_t *rgb = eco_alloc(count, 3);
 	view_picture_compare(v->picture.cover, v->reference.cover, count, rgb);
 	enum eco_code code = save(v, "reference-%04u.png", frame, v->reference.rgb, 3, error);
 	if (!code)
@@ -79,9 +77,7 @@ static enum eco_code save_masks(struct viewer *v, uint32_t frame, struct eco_err
 
 static enum eco_code save_owners(struct viewer *v, uint32_t frame, struct eco_error *error)
 {
-	uint8_t *rgb = malloc((size_t)v->options.width * v->options.height * 3);
-	if (!rgb)
-		return eco_no_memory(error, "a picture");
+	uint8_t *rgb = eco_alloc((size_t)v->options.width * v->options.height, 3);
 	view_picture_owners(&v->picture, rgb);
 	enum eco_code code = save(v, "frame-%04u.owners.png", frame, rgb, 3, error);
 	free(rgb);
@@ -224,7 +220,9 @@ static enum eco_code save_part(void *ctx, const struct view_fetch_result *so_far
 	view_progress_clear(&v->progress);
 	view_report_line(&v->drawn, true, stdout);
 	code = save(v, format, v->drawn.frame, v->picture.rgb, 3, error);
-	return code ? code : view_frames_add(&v->report.parts, &v->drawn, error);
+	if (!code)
+		view_frames_add(&v->report.parts, &v->drawn);
+	return code;
 }
 
 /* Milliseconds until the script is at the next frame, if that looks elsewhere than was told. */
@@ -376,9 +374,8 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 		code = score_frame(v, &f, error);
 	if (!code)
 		code = view_explain_frame(&v->explain, v->fetch, number, &request, error);
-	if (!code)
-		code = view_frames_add(&v->report.frames, &f, error);
 	if (!code) {
+		view_frames_add(&v->report.frames, &f);
 		view_progress_clear(&v->progress);
 		view_report_line(&f, false, stdout);
 		if (v->options.digest)
@@ -501,7 +498,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code)
 		code = view_save_dir(o->dir, error);
 	if (!code && o->explain)
-		code = view_explain_open(&v->explain, o->explain, error);
+		view_explain_open(&v->explain, o->explain);
 	if (!code)
 		code = view_fetch_new(&v->fetch, &fetch, error);
 	v->sky = o->sky;
@@ -525,9 +522,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code && o->reference)
 		code = view_picture_init(&v->reference, o->width, o->height, error);
 	if (!code && o->compare)
-		v->error_map = malloc((size_t)o->width * o->height * sizeof *v->error_map);
-	if (!code && o->compare && !v->error_map)
-		code = eco_no_memory(error, "a picture");
+		v->error_map = eco_alloc((size_t)o->width * o->height, sizeof *v->error_map);
 	return code;
 }
 

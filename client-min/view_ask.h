@@ -6,8 +6,9 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "client-min/draw/view_picture.h"
 #include "client-min/view_fetch.h"
-#include "client-min/view_sky.h"
+#include "client-min/view_select.h"
 
 /* ---- The scene's place ---- */
 
@@ -35,11 +36,37 @@ enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, str
 /* out NULL: nothing is explained */
 struct view_explain { const char *path; char *text; size_t size; FILE *out; };
 
-enum eco_code view_explain_open(struct view_explain *explain, const char *path, struct eco_error *error);
+void view_explain_open(struct view_explain *explain, const char *path);
 enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame,
 	const struct eco_request *request, struct eco_error *error);
 enum eco_code view_explain_close(struct view_explain *explain, bool keep, struct eco_error *error);
 /* Writes the rows of a plan's JSON as lines. */
 enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, struct eco_error *error);
+
+/* ---- The plants that a view shows as GeoJSON (RFC 7946) for a GIS: a point each, the plant with the most
+ * pixels first; longitude and latitude of WGS 84 where the scene has a CRS, else the scene's metres.
+ *
+ *   species                 as its row states it; null: it states none; without a row as the scene names it
+ *   plant, height_m         what it is shown as: the pack's plant; height as it is drawn
+ *   file, row, line         of the inventory; null: it is of none that is known, the file has no lines
+ *   pixels                  in which it is nearest to the eye
+ *   distance_m              from the eye to its middle
+ *   drawn_as                representations, such as "triangles, lines"
+ *   at_m                    where it stands: metres from the scene's origin
+ *
+ * Plants that stand behind others, or are smaller than a pixel, are not there. Points that stand for many
+ * plants name none: "summary_pixels" beside the features counts theirs. */
+struct view_geojson_job {
+	const struct view_store *store;
+	const struct view_selection *selection;
+	const struct view_picture *picture;      /* drawn of these */
+	const struct view_map *map;
+	struct view_fetch *fetch;                /* asks for species and rows; NULL: not asked for */
+};
+/* *out is the caller's. ECO_NOT_FOUND: PROJ is not there; ECO_BAD_INPUT: it does not know the CRS. */
+enum eco_code view_geojson_make(const struct view_geojson_job *job, json_t **out, struct eco_error *error);
+/* The same as DIR/frame-0000.geojson. */
+enum eco_code view_geojson_save(const struct view_geojson_job *job, const char *dir, uint32_t frame,
+	struct eco_error *error);
 
 #endif

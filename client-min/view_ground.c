@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
+#include "lod/light.h"
+
 #define ANCHOR_MAX ((1 << 28) - 1)
 
 static enum eco_code same_grid(const struct view_ground *g, uint32_t i, struct eco_error *error)
@@ -159,4 +162,225 @@ bool view_ground_height(const struct view_ground *g, double x, double y, double 
 		return true;
 	}
 	return false;
+}
+
+/* ==== The image on the ground ==== */
+
+#define SIDE_LEAST (ECO_GROUND_IMAGE_SIDE >> (ECO_GROUND_IMAGE_LEVELS - 1))
+#define DEPTH_MAX 40                     /* sides of the smallest tile and of the root: 1 to 2^40 */
+
+/* ---- What view_image.glsl is written in ---- */
+
+#include "client-min/draw/view_glsl.h"
+
+typedef double wide;
+typedef const struct view_image *tree;
+typedef struct image_color image_color;
+typedef struct image_spot image_spot;
+typedef struct image_pixel image_pixel;
+#define image_color(...) ((struct image_color){ __VA_ARGS__ })
+#define image_spot(...) ((struct image_spot){ __VA_ARGS__ })
+#define widened(x) ((double)(x))
+#define whole(x) ((uint32_t)(x))
+
+#include "client-min/view_image.glsl"
+#include "client-min/draw/view_glsl_end.h"
+
+_Static_assert(LEAF == VIEW_IMAGE_LEAF && SIDE_LEAST == 32u, "view_image.glsl has the same numbers");
+
+static uint tree_node(tree t, uint i) { return t->nodes[i]; }
+
+static uint tree_level(tree t, uint leaf, uint level)
+{
+	(void)t;
+	return VIEW_IMAGE_TILE(leaf) * ECO_GROUND_IMAGE_LEVELS + level;
+}
+
+static struct image_color tree_texel(tree t, uint of, uint texel)
+{
+	const struct view_image_tile *tile = &t->tiles[of / ECO_GROUND_IMAGE_LEVELS];
+	const struct eco_texture_part *part = &tile->list->parts[of % ECO_GROUND_IMAGE_LEVELS];
+	const uint8_t *c = part->texels + (size_t)texel * part->channels;
+	float alpha = part->channels == 4 ? (float)c[3] / 255 : 1, share = alpha / 65535;
+	return image_color((float)lod_light_of[c[0]] * share, (float)lod_light_of[c[1]] * share,
+		(float)lod_light_of[c[2]] * share, alpha, 0);
+}
+
+struct view_image_color view_image_at(const struct view_image *image, const struct view_image_spot *spot)
+{
+	if (!image->count)
+		return (struct view_image_color){ .alpha = 0 };
+	double part = 1 / image->side_m;
+	struct image_color c = image_seen(image, (struct image_pixel){
+		(spot->at[0] - image->origin[0]) * part, (spot->at[1] - image->origin[1]) * part,
+		(float)(spot->along[0] * part), (float)(spot->along[1] * part), (float)(spot->across_m * part) });
+	return (struct view_image_color){ { c.red, c.green, c.blue }, c.alpha,
+		(float)((double)c.texel * image->side_m) };
+}
+
+/* ---- Tiles ---- */
+
+/* A tile's place among squares of its size, from the first tile's corner. */
+struct square { int64_t at[2]; int depth; };     /* depth: below the largest tiles */
+
+static enum eco_code no_quadtree(struct eco_error *error)
+{
+	return eco_fail(error, ECO_DAMAGED, "the tiles of the ground's image are no quadtree");
+}
+
+/* Levels are each twice as wide as the one before. */
+static bool has_levels(const struct view_image_tile *tile)
+{
+	bool good = tile->levels >= 1 && tile->levels <= ECO_GROUND_IMAGE_LEVELS;
+	for (uint32_t i = 0; i < tile->levels && good; i++) {
+		const struct eco_texture_part *part = &tile->list->parts[i];
+		good = part->texels && part->width == SIDE_LEAST << i && part->height == part->width;
+	}
+	return good;
+}
+
+static bool locate(const struct view_image *image, const struct view_image_tile *tile, double largest_m,
+	struct square *square)
+{
+	double side = eco_ground_image_side_m(&tile->list->list);
+	if (!(side > 0 && side >= ldexp(largest_m, -DEPTH_MAX)))
+		return false;
+	square->depth = (int)lround(log2(largest_m / side));
+	for (int k = 0; k < 2; k++) {
+		double at = (tile->list->list.grid_origin[k] - image->origin[k]) / side;
+		if (!(fabs(at) < 1e15))
+			return false;
+		square->at[k] = llround(at);
+	}
+	return fabs(ldexp(side, square->depth) / largest_m - 1) < 1e-6;
+}
+
+/* The least square whose corner is one of the largest tiles': that corner among these, and its side in them,
+ * 2^above. */
+struct root { int64_t low[2]; int above; };
+
+static struct root find_root(const struct square *squares, uint32_t count)
+{
+	struct root root = { { INT64_MAX, INT64_MAX }, 0 };
+	int64_t high[2] = { INT64_MIN, INT64_MIN };
+	for (uint32_t i = 0; i < count; i++)
+		for (int k = 0; k < 2; k++) {
+			int64_t at = squares[i].at[k] >> squares[i].depth;
+			root.low[k] = at < root.low[k] ? at : root.low[k];
+			high[k] = at > high[k] ? at : high[k];
+		}
+	while ((high[0] - root.low[0]) >> root.above || (high[1] - root.low[1]) >> root.above)
+		root.above++;
+	return root;
+}
+
+static bool add_quarters(struct view_image *image, uint32_t *room, uint32_t node)
+{
+	image->nodes[node] = image->node_count;
+	for (int k = 0; k < 4; k++) {
+		if (!eco_array_grow(&image->nodes, room, image->node_count, sizeof *image->nodes))
+			return false;
+		image->nodes[image->node_count++] = 0;
+	}
+	return true;
+}
+
+static enum eco_code put_tile(struct view_image *image, uint32_t *room, const struct root *root,
+	const struct square *square, uint32_t index, struct eco_error *error)
+{
+	uint32_t node = 0;
+	if (root->above + square->depth > DEPTH_MAX)
+		return no_quadtree(error);
+	for (int bit = root->above + square->depth - 1; bit >= 0; bit--) {
+		if (!image->nodes[node] && !add_quarters(image, room, node))
+			return eco_no_memory(error, "the image of the ground");
+		if (image->nodes[node] >= VIEW_IMAGE_LEAF)
+			return no_quadtree(error);
+		node = image->nodes[node];
+		for (int k = 0; k < 2; k++)
+			node += (uint32_t)(((square->at[k] - root->low[k] * ((int64_t)1 << square->depth)) >> bit
+				& 1) << k);
+	}
+	if (image->nodes[node])
+		return no_quadtree(error);
+	image->nodes[node] = VIEW_IMAGE_LEAF | (image->tiles[index].levels - 1) << 29 | index;
+	return ECO_OK;
+}
+
+static enum eco_code put_tiles(struct view_image *image, struct square *squares, struct eco_error *error)
+{
+	double largest_m = 0;
+	uint32_t room = 0;
+	bool good = image->count <= VIEW_IMAGE_TILE(UINT32_MAX);
+	for (uint32_t i = 0; i < image->count; i++)
+		largest_m = fmax(largest_m, eco_ground_image_side_m(&image->tiles[i].list->list));
+	memcpy(image->origin, image->tiles[0].list->list.grid_origin, sizeof image->origin);
+	for (uint32_t i = 0; i < image->count && good; i++)
+		good = has_levels(&image->tiles[i]) && locate(image, &image->tiles[i], largest_m, &squares[i]);
+	if (!good)
+		return no_quadtree(error);
+	struct root root = find_root(squares, image->count);
+	for (int k = 0; k < 2; k++)
+		image->origin[k] += (double)root.low[k] * largest_m;
+	image->side_m = ldexp(largest_m, root.above);
+	if (!eco_array_grow(&image->nodes, &room, 0, sizeof *image->nodes))
+		return eco_no_memory(error, "the image of the ground");
+	image->nodes[image->node_count++] = 0;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < image->count && !code; i++)
+		code = put_tile(image, &room, &root, &squares[i], i, error);
+	return code;
+}
+
+enum eco_code view_image_of(struct view_image *image, const struct view_image_tile *tiles, uint32_t count,
+	struct eco_error *error)
+{
+	struct square *squares = malloc(count * sizeof *squares + 1);
+	*image = (struct view_image){ .tiles = malloc(count * sizeof *tiles + 1), .count = count };
+	enum eco_code code = squares && image->tiles ? ECO_OK
+		: eco_no_memory(error, "the image of the ground");
+	if (!code && count) {
+		memcpy(image->tiles, tiles, count * sizeof *tiles);
+		code = put_tiles(image, squares, error);
+	}
+	free(squares);
+	if (code)
+		view_image_free(image);
+	return code;
+}
+
+static bool shows(const struct view_list *list, const struct eco_cut *cut)
+{
+	return list->list.kind == ECO_LIST_GROUND_IMAGE && cut->end && cut->end <= list->chunk_count
+		&& list->parts && list->parts[cut->end - 1].texels;
+}
+
+enum eco_code view_image_make(struct view_image *image, const struct view_store *store,
+	struct eco_error *error)
+{
+	const struct eco_plan *plan = view_store_plan(store);
+	struct view_image_tile *tiles = NULL;
+	uint32_t count = 0, room = 0;
+	enum eco_code code = ECO_OK;
+	*image = (struct view_image){ .tiles = NULL };
+	for (uint32_t i = 0; plan && i < plan->cut_count && !code; i++) {
+		const struct view_list *list = view_store_list(store, plan->cuts[i].list);
+		if (!shows(list, &plan->cuts[i]))
+			continue;
+		if (!eco_array_grow(&tiles, &room, count, sizeof *tiles))
+			code = eco_no_memory(error, "the image of the ground");
+		else
+			tiles[count++] = (struct view_image_tile){ list, plan->cuts[i].end };
+	}
+	if (!code && count)
+		code = view_image_of(image, tiles, count, error);
+	free(tiles);
+	return code;
+}
+
+void view_image_free(struct view_image *image)
+{
+	free(image->tiles);
+	free(image->nodes);
+	*image = (struct view_image){ .tiles = NULL };
 }

@@ -5,7 +5,7 @@
 #define VIEW_OPTIONS_H
 
 #include "client-min/view_fetch.h"
-#include "client-min/view_sky.h"
+#include "client-min/view_select.h"
 #include "ecofiles/base/options.h"
 
 enum view_engine { VIEW_ENGINE_NONE, VIEW_ENGINE_AUTO, VIEW_ENGINE_CPU, VIEW_ENGINE_EGL };

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "client-min/draw/view_mesh.h"
-#include "client-min/view_threads.h"
+#include "client-min/draw/view_picture.h"
 #include "lod/raster/flip.h"
 
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */

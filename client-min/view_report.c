@@ -2,7 +2,7 @@
 #include "client-min/draw/view_shader.h"
 #include "ecofiles/base/files.h"
 #include "ecofiles/base/json_read.h"
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -72,13 +72,10 @@ enum eco_code view_frame_check(const struct view_frame *f, struct eco_error *err
 	return ECO_OK;
 }
 
-enum eco_code view_frames_add(struct view_frames *frames, const struct view_frame *frame,
-	struct eco_error *error)
+void view_frames_add(struct view_frames *frames, const struct view_frame *frame)
 {
-	if (!eco_array_grow(&frames->items, &frames->room, frames->count, sizeof *frames->items))
-		return eco_no_memory(error, "the report");
+	eco_grow(&frames->items, &frames->room, frames->count, sizeof *frames->items);
 	frames->items[frames->count++] = *frame;
-	return ECO_OK;
 }
 
 const char *view_report_score(char text[VIEW_SCORE_BYTES], double v)
@@ -222,8 +219,9 @@ enum eco_code view_report_write(const struct view_report *report, const char *di
 		return eco_fail(error, ECO_BAD_USAGE, "the folder's name is too long");
 	json_t *root = report_json(report);
 	char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-	enum eco_code code = text && !eco_json_lost() ? eco_file_write(path, text, strlen(text), error)
-		: eco_fail(error, ECO_NO_MEMORY, "%s: no memory for it", path);
+	if (!text || eco_json_lost())
+		eco_end("no memory");
+	enum eco_code code = eco_file_write(path, text, strlen(text), error);
 	json_decref(root);
 	free(text);
 	return code;

@@ -49,8 +49,7 @@ struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct e
 /* ECO_DAMAGED if more was drawn, or came in one answer, than the frame's budgets. */
 enum eco_code view_frame_check(const struct view_frame *frame, struct eco_error *error);
 
-enum eco_code view_frames_add(struct view_frames *frames, const struct view_frame *frame,
-	struct eco_error *error);
+void view_frames_add(struct view_frames *frames, const struct view_frame *frame);
 /* is_part: what was there after so many bytes and milliseconds. */
 void view_report_line(const struct view_frame *frame, bool is_part, FILE *out);
 /* A line on memory, if anything had to go for want of it. */

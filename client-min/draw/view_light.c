@@ -7,7 +7,7 @@
 
 #include "client-min/draw/view_shadow.h"
 #include "client-min/draw/view_vec.h"
-#include "client-min/view_threads.h"
+#include "client-min/draw/view_picture.h"
 #include "lod/light.h"
 
 #define HAZE_M 5200.0

@@ -10,7 +10,7 @@
 
 #include "client-min/draw/view_mesh.h"
 #include "client-min/draw/view_vec.h"
-#include "client-min/view_threads.h"
+#include "client-min/draw/view_picture.h"
 #include "lod/impostor.h"
 #include "lod/raster/texel.h"
 #include "lod/splat.h"

@@ -13,8 +13,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "client-min/view_ask.h"
 #include "client-min/view_exchange.h"
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
+#include "ecofiles/base/random.h"
 
 #define EVENTS 256
 #define NAP_MS 100.0             /* the longest time between looks at whether all is over */
@@ -129,24 +131,22 @@ static void *run_loop(void *ctx)
 
 /* ---- All of them ---- */
 
-static enum eco_code open_loop(struct loop *loop, const struct view_session_host *host, uint32_t room,
-	struct eco_error *error)
+static void open_loop(struct loop *loop, const struct view_session_host *host, uint32_t room)
 {
 	CURLM *multi = curl_multi_init();
 	loop->host = *host;
 	loop->host.multi = multi;
 	loop->host.report = &loop->report;
 	loop->timer_ms = INFINITY;
-	loop->sessions = calloc(room, sizeof *loop->sessions);
+	loop->sessions = eco_alloc(room, sizeof *loop->sessions);
 	loop->epoll = epoll_create1(EPOLL_CLOEXEC);
-	if (!multi || !loop->sessions || loop->epoll < 0)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u clients", room);
+	if (!multi || loop->epoll < 0)
+		eco_end("no memory");
 	curl_multi_setopt(multi, CURLMOPT_SOCKETFUNCTION, on_socket);
 	curl_multi_setopt(multi, CURLMOPT_SOCKETDATA, loop);
 	curl_multi_setopt(multi, CURLMOPT_TIMERFUNCTION, on_timer);
 	curl_multi_setopt(multi, CURLMOPT_TIMERDATA, loop);
 	curl_multi_setopt(multi, CURLMOPT_MAXCONNECTS, (long)room * 8);
-	return ECO_OK;
 }
 
 static void close_loop(struct loop *loop)
@@ -154,17 +154,8 @@ static void close_loop(struct loop *loop)
 	for (uint32_t i = 0; i < loop->count; i++)
 		view_session_free(loop->sessions[i]);
 	curl_multi_cleanup(loop->host.multi);
-	if (loop->epoll >= 0)
-		close(loop->epoll);
+	close(loop->epoll);
 	free(loop->sessions);
-}
-
-static bool add_answers(struct view_answers *into, const struct view_answers *from)
-{
-	for (uint32_t i = 0; i < from->count; i++)
-		if (!view_answers_add(into, &from->items[i]))
-			return false;
-	return true;
 }
 
 static int by_due(const void *a, const void *b)
@@ -173,9 +164,10 @@ static int by_due(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-static bool collect(struct view_load_report *into, struct view_load_report *from)
+static void collect(struct view_load_report *into, struct view_load_report *from)
 {
-	bool good = add_answers(&into->answers, &from->answers);
+	for (uint32_t i = 0; i < from->answers.count; i++)
+		view_answers_add(&into->answers, &from->answers.items[i]);
 	for (int i = 0; i < VIEW_OUTCOMES; i++)
 		into->outcomes[i] += from->outcomes[i];
 	for (int i = 0; i < VIEW_LOAD_COUNTS; i++)
@@ -183,7 +175,6 @@ static bool collect(struct view_load_report *into, struct view_load_report *from
 	if (from->first_failure[0] && !into->first_failure[0])
 		memcpy(into->first_failure, from->first_failure, sizeof into->first_failure);
 	view_answers_free(&from->answers);
-	return good;
 }
 
 static double cpu_seconds(void)
@@ -243,13 +234,9 @@ static enum eco_code run_loops(struct view_load_report *report, const struct vie
 	double start_ms = view_clock_ms(), cpu_s = cpu_seconds();
 	struct view_session_host host = { .options = o, .start_ms = start_ms,
 		.end_ms = start_ms + o->seconds * 1e3 };
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < count; i++) {
-		loops[i].epoll = -1;
-		code = code ? code : open_loop(&loops[i], &host, o->clients, error);
-	}
-	if (!code)
-		code = open_sessions(loops, count, o, error);
+	for (uint32_t i = 0; i < count; i++)
+		open_loop(&loops[i], &host, (uint32_t)o->clients);
+	enum eco_code code = open_sessions(loops, count, o, error);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		loops[i].started = !pthread_create(&loops[i].thread, NULL, run_loop, &loops[i]);
 		if (!loops[i].started)
@@ -262,8 +249,7 @@ static enum eco_code run_loops(struct view_load_report *report, const struct vie
 	report->processors = (uint32_t)sysconf(_SC_NPROCESSORS_ONLN);
 	for (uint32_t i = 0; i < count; i++) {
 		close_loop(&loops[i]);
-		if (!collect(report, &loops[i].report) && !code)
-			code = eco_no_memory(error, "a report");
+		collect(report, &loops[i].report);
 	}
 	if (report->answers.count)
 		qsort(report->answers.items, report->answers.count, sizeof *report->answers.items, by_due);
@@ -276,10 +262,7 @@ enum eco_code view_load_run(struct view_load_report *report, const struct view_l
 	uint32_t processors = (uint32_t)sysconf(_SC_NPROCESSORS_ONLN);
 	uint32_t decoding = options->decoding < processors ? options->decoding : processors;
 	*report = (struct view_load_report){ 0 };
-	struct loop *loops = calloc(1 + decoding, sizeof *loops);
-	if (!loops)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu clients",
-			(unsigned long long)options->clients);
+	struct loop *loops = eco_alloc(1 + decoding, sizeof *loops);
 	enum eco_code code = run_loops(report, options, loops, 1 + decoding, error);
 	free(loops);
 	if (code)
@@ -312,16 +295,177 @@ bool view_load_clean(const struct view_load_report *report)
 const char *const view_outcome_names[VIEW_OUTCOMES] = { "answered", "connection", "broken", "late", "busy",
 	"refused", "damaged", "unfinished", "other" };
 
-bool view_answers_add(struct view_answers *answers, const struct view_answer *answer)
+void view_answers_add(struct view_answers *answers, const struct view_answer *answer)
 {
-	if (!eco_array_grow(&answers->items, &answers->room, answers->count, sizeof *answers->items))
-		return false;
+	eco_grow(&answers->items, &answers->room, answers->count, sizeof *answers->items);
 	answers->items[answers->count++] = *answer;
-	return true;
 }
 
 void view_answers_free(struct view_answers *answers)
 {
 	free(answers->items);
 	*answers = (struct view_answers){ 0 };
+}
+
+/* ==== Views ==== */
+
+#define FRAMES 240u
+#define EYE_M 1.7
+#define WALK_RADIUS_M 60.0
+#define FOV_DEG 50.0
+#define TURN 6.283185307179586
+
+struct extent {                          /* of a scene */
+	double low[3], high[3];
+	bool has_ground;
+};
+
+/* ---- Views made for a scene; z of an eye that walks and of all targets counts from the ground ---- */
+
+static double share_of(const struct extent *e, int axis, double share)
+{
+	return e->low[axis] + share * (e->high[axis] - e->low[axis]);
+}
+
+static double width_of(const struct extent *e)
+{
+	return fmax(fmax(e->high[0] - e->low[0], e->high[1] - e->low[1]), 10);
+}
+
+static void set(double at[3], double x, double y, double z)
+{
+	at[0] = x;
+	at[1] = y;
+	at[2] = z;
+}
+
+static void walk_view(const struct extent *e, uint32_t frame, struct eco_view *view)
+{
+	double radius = fmin(0.25 * width_of(e), WALK_RADIUS_M), angle = TURN * frame / FRAMES;
+	double x = share_of(e, 0, 0.5), y = share_of(e, 1, 0.5);
+	set(view->eye, x + radius * cos(angle), y + radius * sin(angle), EYE_M);
+	set(view->target, x + radius * cos(angle + 0.5), y + radius * sin(angle + 0.5), EYE_M);
+}
+
+/* A stripe of a fifth of the width after the other; every other one goes back. */
+static void flyover_view(const struct extent *e, uint32_t frame, struct eco_view *view)
+{
+	uint32_t stripes = 5, length = FRAMES / stripes, stripe = frame / length;
+	double along = (frame % length + 0.5) / length, back = stripe % 2 ? -1 : 1;
+	double x = share_of(e, 0, back > 0 ? along : 1 - along), y = share_of(e, 1, (stripe + 0.5) / stripes);
+	double above = fmax(0.15 * width_of(e), 2 * EYE_M);
+	set(view->eye, x, y, above + (e->has_ground ? 0 : e->high[2]));
+	set(view->target, x + back * 2 * above, y, 0);
+}
+
+static void random_view(const struct extent *e, uint64_t *random, struct eco_view *view)
+{
+	double of[5];
+	for (int i = 0; i < 5; i++)
+		of[i] = eco_random_unit(eco_random_next(random));
+	double most = fmax(0.5 * width_of(e), 2 * EYE_M);
+	set(view->eye, share_of(e, 0, of[0]), share_of(e, 1, of[1]), EYE_M * pow(most / EYE_M, of[2]));
+	set(view->target, share_of(e, 0, of[3]), share_of(e, 1, of[4]), 0);
+}
+
+static enum eco_code read_extent(struct view_fetch *fetch, struct extent *e, struct eco_error *error)
+{
+	char *text;
+	enum eco_code code = view_fetch_scene(fetch, &text, error);
+	if (code)
+		return code;
+	json_t *about = json_loads(text, 0, NULL), *need;
+	size_t i;
+	free(text);
+	if (json_unpack(about, "{s:{s:[F,F,F],s:[F,F,F]}}", "bounds", "low", &e->low[0], &e->low[1],
+			&e->low[2], "high", &e->high[0], &e->high[1], &e->high[2]))
+		code = eco_fail(error, ECO_BAD_INPUT, "the scene does not say its bounds, as ecoserve does");
+	json_array_foreach(json_object_get(about, "needs"), i, need)
+		e->has_ground |= json_is_string(need) && !strcmp(json_string_value(need), "ground");
+	json_decref(about);
+	return code;
+}
+
+static enum eco_code make_views(struct view_views *views, const struct view_views_options *o,
+	struct view_fetch *fetch, bool *above_ground, struct eco_error *error)
+{
+	struct extent e = { .has_ground = false };
+	uint64_t random = o->seed;
+	enum eco_code code = read_extent(fetch, &e, error);
+	if (code)
+		return code;
+	views->items = eco_alloc(FRAMES, sizeof *views->items);
+	views->count = FRAMES;
+	*above_ground = e.has_ground;
+	for (uint32_t i = 0; i < FRAMES; i++) {
+		struct eco_view *view = &views->items[i];
+		*view = (struct eco_view){ .up = { 0, 0, 1 }, .fov_y_deg = FOV_DEG };
+		if (!strcmp(o->camera, "walk"))
+			walk_view(&e, i, view);
+		else if (!strcmp(o->camera, "flyover"))
+			flyover_view(&e, i, view);
+		else
+			random_view(&e, &random, view);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code read_views(struct view_views *views, const char *path, bool *above_ground,
+	struct eco_error *error)
+{
+	struct eco_camera *camera = NULL;
+	enum eco_code code = eco_camera_load(&camera, path, error);
+	if (code)
+		return code;
+	views->count = eco_camera_frame_count(camera);
+	views->items = eco_alloc(views->count, sizeof *views->items);
+	*above_ground = eco_camera_above_ground(camera);
+	for (uint32_t i = 0; i < views->count; i++)
+		eco_camera_frame(camera, i, &views->items[i]);
+	eco_camera_free(camera);
+	return ECO_OK;
+}
+
+static enum eco_code stand_all(struct view_views *views, const struct view_views_options *o,
+	struct view_fetch *fetch, struct eco_error *error)
+{
+	struct view_store_options options = { 0 };
+	struct view_store *store = NULL;
+	enum eco_code code = view_store_new(&store, &options, error);
+	for (uint32_t i = 0; i < views->count && !code; i++) {
+		struct eco_request request = { .view = views->items[i] };
+		struct view_fetch_result result;
+		code = o->stop && *o->stop ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: view_stand(fetch, store, &request, &result, error);
+		views->items[i] = request.view;
+	}
+	view_store_free(store);
+	return code;
+}
+
+enum eco_code view_views_make(struct view_views *views, const struct view_views_options *o,
+	struct view_fetch *fetch, struct eco_error *error)
+{
+	bool above_ground = false, made = !strcmp(o->camera, "walk") || !strcmp(o->camera, "flyover")
+		|| !strcmp(o->camera, "random");
+	*views = (struct view_views){ 0 };
+	enum eco_code code = made ? make_views(views, o, fetch, &above_ground, error)
+		: read_views(views, o->camera, &above_ground, error);
+	if (!code && above_ground)
+		code = stand_all(views, o, fetch, error);
+	for (uint32_t i = 0; i < views->count && !code; i++) {
+		views->items[i].width = o->width;
+		views->items[i].height = o->height;
+		eco_view_snap(&views->items[i], o->snap_m);
+		code = eco_view_check(&views->items[i], error);
+	}
+	if (code)
+		view_views_free(views);
+	return code;
+}
+
+void view_views_free(struct view_views *views)
+{
+	free(views->items);
+	*views = (struct view_views){ 0 };
 }

@@ -5,7 +5,8 @@
  *   view_load_free(&report);
  *
  * Clients that only count what they get share one thread; those that decode it share one a processor, so that
- * decoding delays no one else's answers. A client (view_session.c) asks one thing at a time. */
+ * decoding delays no one else's answers. A client (view_session.c) asks one thing at a time. What needs memory
+ * that is not there, but for streams, ends the program (memory.h). */
 #ifndef VIEW_LOAD_H
 #define VIEW_LOAD_H
 
@@ -80,8 +81,7 @@ struct view_answer {
 
 struct view_answers { struct view_answer *items; uint32_t count, room; };    /* owns its items */
 
-/* False: no memory. */
-bool view_answers_add(struct view_answers *answers, const struct view_answer *answer);
+void view_answers_add(struct view_answers *answers, const struct view_answer *answer);
 void view_answers_free(struct view_answers *answers);
 
 /* ---- Runs ---- */
@@ -127,9 +127,9 @@ struct view_load_summary {               /* what a report is written from; nothi
 	const struct view_scored *scored; uint32_t scored_count;
 };
 
-/* All of these: ECO_NO_MEMORY, or ECO_IO for a file, which appears whole or not at all. */
-enum eco_code view_load_print(const struct view_load_summary *summary, FILE *out, struct eco_error *error);
-enum eco_code view_load_json(const struct view_load_summary *summary, json_t **json, struct eco_error *error);
+void view_load_print(const struct view_load_summary *summary, FILE *out);
+json_t *view_load_json(const struct view_load_summary *summary);         /* of the caller */
+/* The file appears whole or not at all. */
 enum eco_code view_load_csv(const struct view_load_summary *summary, const char *path,
 	struct eco_error *error);
 
@@ -142,7 +142,7 @@ enum eco_code view_score_sample(const struct view_load_options *options, const s
 	struct view_fetch *fetch, uint32_t count, struct view_scored *scored, uint32_t *done,
 	struct eco_error *error);
 
-/* ---- Views that clients ask for: view_views.c ---- */
+/* ---- Views that clients ask for ---- */
 
 /* Those of a camera script, or made for the scene. walk: round the middle of the scene, 1.7 m above the
  * ground, looking ahead. flyover: to and fro above it, looking down ahead. random: from anywhere in it and

@@ -7,6 +7,7 @@
 
 #include "client-min/view_reference.h"
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
 
 /* ---- Columns ---- */
 
@@ -57,50 +58,38 @@ static int by_value(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-/* False: no memory. */
-static bool make_column(const struct view_answers *answers, const struct column_kind *kind,
-	enum group group, struct column *column)
+/* The caller frees its values. */
+static struct column make_column(const struct view_answers *answers, const struct column_kind *kind,
+	enum group group)
 {
-	*column = (struct column){ .values = malloc((answers->count + 1) * sizeof *column->values) };
-	if (!column->values)
-		return false;
+	struct column column = { .values = eco_alloc(answers->count, sizeof *column.values) };
 	for (uint32_t i = 0; i < answers->count; i++) {
 		const struct view_answer *answer = &answers->items[i];
 		if (!is_of(answer, group) || !has_time(answer, kind))
 			continue;
 		float value = value_of(answer, kind);
-		column->of++;
+		column.of++;
 		if (!isnan(value))
-			column->values[column->count++] = value;
+			column.values[column.count++] = value;
 	}
-	qsort(column->values, column->count, sizeof *column->values, by_value);
-	return true;
-}
-
-static void free_column(struct column *column)
-{
-	free(column->values);
-	*column = (struct column){ 0 };
+	qsort(column.values, column.count, sizeof *column.values, by_value);
+	return column;
 }
 
 /* Bytes of each client together. */
-static bool client_bytes(const struct view_answers *answers, uint32_t clients,
-	struct column *column)
+static struct column client_bytes(const struct view_load_summary *s)
 {
-	uint64_t *bytes = calloc(clients + 1, sizeof *bytes);
-	*column = (struct column){ .values = calloc(clients + 1, sizeof *column->values),
-		.count = clients, .of = clients };
-	bool good = bytes && column->values;
-	for (uint32_t i = 0; i < answers->count && good; i++)
+	const struct view_answers *answers = &s->report->answers;
+	uint32_t clients = (uint32_t)s->options->clients;
+	uint64_t *bytes = eco_alloc(clients, sizeof *bytes);
+	float *values = eco_alloc(clients, sizeof *values);
+	for (uint32_t i = 0; i < answers->count; i++)
 		bytes[answers->items[i].client] += answers->items[i].bytes;
-	for (uint32_t i = 0; i < clients && good; i++)
-		column->values[i] = (float)bytes[i];
+	for (uint32_t i = 0; i < clients; i++)
+		values[i] = (float)bytes[i];
 	free(bytes);
-	if (good)
-		qsort(column->values, clients, sizeof *column->values, by_value);
-	else
-		free_column(column);
-	return good;
+	qsort(values, clients, sizeof *values, by_value);
+	return (struct column){ values, clients, clients };
 }
 
 /* The least value that a share of them does not exceed; NaN without values. */
@@ -133,20 +122,17 @@ static void print_values(FILE *out, const char *name, const struct column *colum
 	fputc('\n', out);
 }
 
-static bool print_group(const struct view_load_summary *s, enum group group, FILE *out)
+static void print_group(const struct view_load_summary *s, enum group group, FILE *out)
 {
-	struct column column;
 	fprintf(out, "%-17s", group ? group_names[group] : "times");
 	for (size_t i = 0; i < QUANTILES; i++)
 		fprintf(out, " %9s", quantiles[i].name);
 	fputc('\n', out);
 	for (size_t i = 0; i < KINDS; i++) {
-		if (!make_column(&s->report->answers, &kinds[i], group, &column))
-			return false;
+		struct column column = make_column(&s->report->answers, &kinds[i], group);
 		print_values(out, kinds[i].title, &column, 1, "ms");
-		free_column(&column);
+		free(column.values);
 	}
-	return true;
 }
 
 static void print_counts(const struct view_load_summary *s, FILE *out)
@@ -196,20 +182,16 @@ static void print_faults(const struct view_load_summary *s, FILE *out)
 	}
 }
 
-enum eco_code view_load_print(const struct view_load_summary *s, FILE *out, struct eco_error *error)
+void view_load_print(const struct view_load_summary *s, FILE *out)
 {
-	struct column column;
+	struct column column = client_bytes(s);
 	print_counts(s, out);
 	for (int group = 0; group < GROUPS; group++)
-		if (has_group(s->options, (enum group)group)
-				&& !print_group(s, (enum group)group, out))
-			return eco_no_memory(error, "a report");
-	if (!client_bytes(&s->report->answers, s->options->clients, &column))
-		return eco_no_memory(error, "a report");
+		if (has_group(s->options, (enum group)group))
+			print_group(s, (enum group)group, out);
 	print_values(out, "bytes/client", &column, 1e-3, "kB");
-	free_column(&column);
+	free(column.values);
 	print_faults(s, out);
-	return ECO_OK;
 }
 
 /* ---- JSON ---- */
@@ -219,6 +201,7 @@ static json_t *real(double value)
 	return isfinite(value) ? json_real(value) : json_null();
 }
 
+/* Frees its values. */
 static json_t *column_json(const struct column *column)
 {
 	json_t *o = json_object();
@@ -226,19 +209,16 @@ static json_t *column_json(const struct column *column)
 		json_object_set_new(o, quantiles[i].name, real(quantile(column->values,
 			column->count, quantiles[i].share)));
 	json_object_set_new(o, "reached", real(column->of ? (double)column->count / column->of : NAN));
+	free(column->values);
 	return o;
 }
 
-static bool add_group(const struct view_load_summary *s, enum group group, json_t *into)
+static void add_group(const struct view_load_summary *s, enum group group, json_t *into)
 {
-	struct column column;
 	for (size_t i = 0; i < KINDS; i++) {
-		if (!make_column(&s->report->answers, &kinds[i], group, &column))
-			return false;
+		struct column column = make_column(&s->report->answers, &kinds[i], group);
 		json_object_set_new(into, kinds[i].name, column_json(&column));
-		free_column(&column);
 	}
-	return true;
 }
 
 static json_t *options_json(const struct view_load_summary *s)
@@ -294,27 +274,21 @@ static json_t *counts_json(const struct view_load_summary *s)
 	return o;
 }
 
-enum eco_code view_load_json(const struct view_load_summary *s, json_t **out, struct eco_error *error)
+json_t *view_load_json(const struct view_load_summary *s)
 {
-	struct column column;
-	json_t *json = *out = counts_json(s);
-	bool good = json && client_bytes(&s->report->answers, s->options->clients, &column);
-	if (good) {
-		json_object_set_new(json, "client_bytes", column_json(&column));
-		free_column(&column);
-		good = add_group(s, GROUP_ALL, json);
-	}
-	for (int group = GROUP_ALL + 1; group < GROUPS && good; group++)
+	struct column column = client_bytes(s);
+	json_t *json = counts_json(s);
+	if (!json)
+		eco_end("no memory");
+	json_object_set_new(json, "client_bytes", column_json(&column));
+	add_group(s, GROUP_ALL, json);
+	for (int group = GROUP_ALL + 1; group < GROUPS; group++)
 		if (has_group(s->options, (enum group)group)) {
 			json_t *of = json_object();
-			good = add_group(s, (enum group)group, of);
+			add_group(s, (enum group)group, of);
 			json_object_set_new(json, group_names[group], of);
 		}
-	if (good)
-		return ECO_OK;
-	json_decref(json);
-	*out = NULL;
-	return eco_no_memory(error, "a report");
+	return json;
 }
 
 /* ---- CSV ---- */
@@ -337,14 +311,16 @@ enum eco_code view_load_csv(const struct view_load_summary *s, const char *path,
 	size_t size = 0;
 	FILE *out = open_memstream(&text, &size);
 	if (!out)
-		return eco_no_memory(error, "a report");
+		eco_end("no memory");
 	fputs("client,view,holds,due_ms,outcome,status,resumed,bytes,vertices,predicted_q", out);
 	for (size_t i = 0; i < KINDS; i++)
 		fprintf(out, ",%s", kinds[i].name);
 	fputc('\n', out);
 	for (uint32_t i = 0; i < s->report->answers.count; i++)
 		csv_line(out, &s->report->answers.items[i]);
-	enum eco_code code = fclose(out) ? eco_no_memory(error, "a report") : eco_file_write(path, text, size, error);
+	if (fclose(out))
+		eco_end("no memory");
+	enum eco_code code = eco_file_write(path, text, size, error);
 	free(text);
 	return code;
 }

@@ -8,6 +8,7 @@
 #include "client-min/view_exchange.h"
 #include "client-min/view_query.h"
 #include "client-min/view_select.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/version.h"
 
@@ -157,8 +158,7 @@ static void record(struct view_session *s, enum view_outcome outcome)
 	report->bytes += a->bytes;
 	report->resumed += a->resumed && !outcome;
 	report->nothing += a->nothing;
-	if (!view_answers_add(&report->answers, a))
-		note(s, "no memory for a record of an answer");
+	view_answers_add(&report->answers, a);
 }
 
 static void check_budgets(struct view_session *s)
@@ -370,9 +370,7 @@ enum eco_code view_session_new(struct view_session **out, struct view_session_ho
 	bool decodes, struct eco_error *error)
 {
 	const struct view_load_options *o = host->options;
-	struct view_session *s = *out = calloc(1, sizeof *s);
-	if (!s)
-		return eco_no_memory(error, "a client");
+	struct view_session *s = *out = eco_alloc(1, sizeof *s);
 	s->host = host;
 	s->number = number;
 	s->cold = view_load_is_one_of(number, o->cold, o->clients);

@@ -19,7 +19,7 @@ WEB_BASE := angle16 array_grow bytes range status text
 WEB_CHUNK := chunk chunk_columns chunk_decode chunk_ground chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor list model pack_check pack_record plan splat texture \
 	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
-WEB_VIEW := cache ground image list query record select sky store table threads
+WEB_VIEW := cache ground list query record select store table
 WEB_DRAW := gl gpu light mesh picture shader shader_impostor shadow shadow_cast
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
 	$(WEB_DRAW:%=client-min/draw/view_%.c) $(WEB_ROOMS)
@@ -85,7 +85,7 @@ $(W)/include/view_light_text.h $(W)/include/view_image_text.h $(W)/include/view_
 	@sed -e '/^[[:blank:]]*\/\*.*\*\/$$/d; /^\/\*/,/\*\/$$/d; /^$$/d; s/\\/\\\\/g; s/"/\\"/g; s/.*/"&\\n"/' $< >$@
 $(W)/obj/client-min/web/web_light.o: $(W)/include/view_light_text.h
 $(W)/obj/client-min/web/web_light.o: $(W)/include/view_image_text.h
-$(W)/obj/client-min/web/web_shadow.o: $(W)/include/view_shadow_text.h
+$(W)/obj/client-min/web/web_program.o: $(W)/include/view_shadow_text.h
 
 $(WEB_OBJECTS): | $(W)/include/draco/draco_features.h
 $(W)/obj/draco/%.o: | $(W)/include/draco/draco_features.h

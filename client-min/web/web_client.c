@@ -7,7 +7,7 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_shader.h"
 #include "client-min/view_query.h"
-#include "client-min/view_sky.h"
+#include "client-min/view_select.h"
 #include "client-min/web/web_light.h"
 #include "client-min/web/web_program.h"
 #include "ecofiles/base/bytes.h"

@@ -9,8 +9,8 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_light.h"
-#include "client-min/view_image.h"
-#include "client-min/web/web_shadow.h"
+#include "client-min/view_ground.h"
+#include "client-min/web/web_program.h"
 
 /* The image on the ground on the GPU: levels of tiles are uploaded once, one after the other, and stay until
  * there is no more room. */

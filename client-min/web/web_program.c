@@ -3,7 +3,9 @@
 #include <GLES3/gl3.h>
 #include <stddef.h>
 
+#include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_shader.h"
+#include "client-min/draw/view_shadow.h"
 
 #define PARTS_MAX 8
 
@@ -100,4 +102,205 @@ void web_present_free(struct web_present *p)
 	glDeleteProgram(p->program);
 	glDeleteVertexArrays(1, &p->vertex_array);
 	*p = (struct web_present){ 0 };
+}
+
+/* ==== Shadow maps ==== */
+
+#define TEXT(macro) TEXT_OF(macro)
+#define TEXT_OF(value) #value
+#define CELLS_WIDE "#define CELLS " TEXT(VIEW_SHADOW_CELLS) "\n"
+#define COUNT (VIEW_SHADOW_CELLS * VIEW_SHADOW_CELLS)
+
+/* ---- In shaders ---- */
+
+static const char shared_text[] =
+#include "view_shadow_text.h"
+	;
+
+/* A fragment a cell: 1 / distance of the nearest thing, the farthest, and the farthest plant. */
+static const char cells_text[] = WEB_IS_SUMMARY
+	"uniform usampler2D u_seen;\n"
+	"out uvec4 o_cell;\n"
+	"void main() {\n"
+	"	ivec2 size = textureSize(u_seen, 0), cell = ivec2(gl_FragCoord.xy);\n"
+	"	ivec2 from = cell * size / CELLS, end = (cell + 1) * size / CELLS;\n"
+	"	vec3 found = vec3(0.0, NOTHING, NOTHING);\n"
+	"	for (int y = from.y; y < end.y; y++)\n"
+	"		for (int x = from.x; x < end.x; x++) {\n"
+	"			uvec4 seen = texelFetch(u_seen, ivec2(x, y), 0);\n"
+	"			float near = uintBitsToFloat(seen.z);\n"
+	"			bool is_plant = seen.x != 0u || is_summary(seen);\n"
+	"			if (near > 0.0) found = vec3(max(found.x, near), min(found.y, near),\n"
+	"				is_plant ? min(found.z, near) : found.z);\n"
+	"		}\n"
+	"	o_cell = uvec4(floatBitsToUint(found), 0u);\n"
+	"}\n";
+
+/* A fragment a row of the map; each finds all of it. */
+static const char cells_language[] = CELLS_WIDE WEB_LANGUAGE "#define cells int\n";
+static const char rows_text[] =
+	"uniform usampler2D u_cells;\n"
+	"uniform ivec3 u_count;          // of cells; the picture's width and height\n"
+	"uniform mat3 u_axes;            // to the right, up, forward\n"
+	"uniform vec4 u_sun;             // and the map's size\n"
+	"uniform vec3 u_lens;            // tan_x, tan_y, whether the map has perspective\n"
+	"out uvec4 o_row;\n"
+	"int cells_count(int c) { return c; }\n"
+	"shadow_cell cells_at(int c, int i) {\n"
+	"	ivec2 cell = ivec2(i % CELLS, i / CELLS);\n"
+	"	vec2 part = 2.0 / vec2(u_count.yz), from = vec2(cell * u_count.yz / CELLS) * part,\n"
+	"		end = vec2((cell + 1) * u_count.yz / CELLS) * part;\n"
+	"	vec3 found = uintBitsToFloat(texelFetch(u_cells, cell, 0).xyz);\n"
+	"	return shadow_cell(from.x - 1.0, end.x - 1.0, 1.0 - end.y, 1.0 - from.y, found.x, found.y,\n"
+	"		found.z);\n"
+	"}\n"
+	"void main() {\n"
+	"	shadow_map m = map_of(u_count.x, shadow_eye(u_axes[0], u_axes[1], u_axes[2], u_lens.x,\n"
+	"		u_lens.y), u_sun.xyz, u_lens.z != 0.0, u_sun.w);\n"
+	"	int which = int(gl_FragCoord.x);\n"
+	"	shadow_row r = m.u;\n"
+	"	if (which == 1) r = m.v;\n"
+	"	if (which == 2) r = m.w;\n"
+	"	if (which == 3) r = m.up;\n"
+	"	o_row = floatBitsToUint(vec4(r.slope, r.at_eye));\n"
+	"}\n";
+
+const char web_shadow_text[] = "#define tops int\n"
+	VIEW_SHADOW_DEPTH
+	"uniform usampler2D u_rows;\n"
+	"uniform sampler2D u_tops;\n"
+#include "view_shadow_text.h"
+	"shadow_row row_of(int i) {\n"
+	"	vec4 r = uintBitsToFloat(texelFetch(u_rows, ivec2(i, 0), 0));\n"
+	"	return shadow_row(r.xyz, r.w);\n"
+	"}\n"
+	"bool tops_below(int t, float x, float y, float height) {\n"
+	"	return shadow_depth(height) >= texelFetch(u_tops, ivec2(int(x), int(y)), 0).r;\n"
+	"}\n"
+	"vec2 cast_at(vec3 to, vec3 n, bool facet) {\n"
+	"	shadow_light s = shadow_at(shadow_map(row_of(0), row_of(1), row_of(2), row_of(3),\n"
+	"		float(textureSize(u_tops, 0).x)), 0, to, n, facet);\n"
+	"	return vec2(s.lit, s.texel_m);\n"
+	"}\n";
+
+/* ---- Life ---- */
+
+static void make_texture(struct web_shadow *shadow, enum web_shadow_part part, unsigned format,
+	uint32_t width, uint32_t height)
+{
+	unsigned to = part == WEB_SHADOW_TOPS ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0;
+	glDeleteTextures(1, &shadow->textures[part]);
+	shadow->textures[part] = view_gpu_texture(format, width, height, GL_NEAREST);
+	glBindFramebuffer(GL_FRAMEBUFFER, shadow->framebuffers[part]);
+	glFramebufferTexture2D(GL_FRAMEBUFFER, to, GL_TEXTURE_2D, shadow->textures[part], 0);
+}
+
+static enum eco_code prepare(struct web_shadow *shadow, struct eco_error *error)
+{
+	unsigned *cells = &shadow->programs[WEB_SHADOW_CELLS], *rows = &shadow->programs[WEB_SHADOW_ROWS];
+	if (shadow->vertex_array)
+		return ECO_OK;
+	*cells = web_program(NULL, (const char *const[]){ CELLS_WIDE "#define NOTHING 1e30\n", cells_text }, 2,
+		"what shadows fall on", error);
+	*rows = *cells ? web_program(NULL, (const char *const[]){ cells_language, shared_text, rows_text }, 3,
+		"where shadows lie", error) : 0;
+	if (!*rows) {
+		web_shadow_free(shadow);
+		shadow->refused = true;
+		return ECO_UNSUPPORTED;
+	}
+	glGenVertexArrays(1, &shadow->vertex_array);
+	glGenFramebuffers(WEB_SHADOW_PARTS, shadow->framebuffers);
+	make_texture(shadow, WEB_SHADOW_CELLS, GL_RGBA32UI, VIEW_SHADOW_CELLS, VIEW_SHADOW_CELLS);
+	make_texture(shadow, WEB_SHADOW_ROWS, GL_RGBA32UI, 4, 1);
+	return ECO_OK;
+}
+
+static enum eco_code resize(struct web_shadow *shadow, uint32_t size, struct eco_error *error)
+{
+	GLint most = 0;
+	if (shadow->size == size)
+		return ECO_OK;
+	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+	if (size > (uint32_t)most)
+		return eco_fail(error, ECO_UNSUPPORTED, "a shadow map of %u x %u texels: the graphics driver has "
+			"at most %d x %d", size, size, most, most);
+	make_texture(shadow, WEB_SHADOW_TOPS, GL_DEPTH_COMPONENT32F, size, size);
+	shadow->size = size;
+	return ECO_OK;
+}
+
+void web_shadow_free(struct web_shadow *shadow)
+{
+	glDeleteTextures(WEB_SHADOW_PARTS, shadow->textures);
+	glDeleteFramebuffers(WEB_SHADOW_PARTS, shadow->framebuffers);
+	glDeleteVertexArrays(1, &shadow->vertex_array);
+	for (int i = 0; i < WEB_SHADOW_TOPS; i++)
+		glDeleteProgram(shadow->programs[i]);
+	*shadow = (struct web_shadow){ 0 };
+}
+
+/* ---- Drawing ---- */
+
+static void use(const struct web_shadow *shadow, enum web_shadow_part part, const char *texture, unsigned of)
+{
+	glUseProgram(shadow->programs[part]);
+	web_program_texture(shadow->programs[part], texture, 0, of);
+	glBindFramebuffer(GL_FRAMEBUFFER, shadow->framebuffers[part]);
+}
+
+static void fill_cells(const struct web_shadow *shadow, unsigned seen)
+{
+	use(shadow, WEB_SHADOW_CELLS, "u_seen", seen);
+	web_program_fill(shadow->vertex_array, (const int[4]){ 0, 0, VIEW_SHADOW_CELLS, VIEW_SHADOW_CELLS });
+}
+
+static void find_rows(const struct web_shadow *shadow, const struct view_light_job *job,
+	const struct view_light_sun *sun, const uint32_t picture[2])
+{
+	const struct lod_eye *eye = job->eye;
+	const double *const axes[3] = { eye->right, eye->up, eye->forward };
+	unsigned program = shadow->programs[WEB_SHADOW_ROWS];
+	float axis[9];
+	for (int i = 0; i < 9; i++)
+		axis[i] = (float)axes[i / 3][i % 3];
+	use(shadow, WEB_SHADOW_ROWS, "u_cells", shadow->textures[WEB_SHADOW_CELLS]);
+	glUniform3i(glGetUniformLocation(program, "u_count"), COUNT, (int)picture[0], (int)picture[1]);
+	glUniformMatrix3fv(glGetUniformLocation(program, "u_axes"), 1, GL_FALSE, axis);
+	glUniform4f(glGetUniformLocation(program, "u_sun"), sun->to[0], sun->to[1], sun->to[2],
+		(float)shadow->size);
+	glUniform3f(glGetUniformLocation(program, "u_lens"), (float)eye->tan_x, (float)eye->tan_y,
+		job->selection->sky.shadows == VIEW_SHADOWS_PERSPECTIVE);
+	web_program_fill(shadow->vertex_array, (const int[4]){ 0, 0, 4, 1 });
+}
+
+bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_sky *sky)
+{
+	struct view_light_sun sun;
+	view_light_sun(sky, 0, &sun);
+	return sky->shadows && !shadow->refused && sun.to[2] > VIEW_SHADOW_LOWEST;
+}
+
+enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_light_job *job,
+	const uint32_t picture[2], struct eco_error *error)
+{
+	const struct view_sky *sky = &job->selection->sky;
+	struct view_light_sun sun;
+	enum eco_code code = prepare(shadow, error);
+	if (!code)
+		code = resize(shadow, sky->shadow_size, error);
+	if (code)
+		return code;
+	view_light_sun(sky, 0, &sun);
+	fill_cells(shadow, view_gl_target(gl));
+	find_rows(shadow, job, &sun, picture);
+	return view_gl_cast(gl, &(struct view_gl_map){ job->store, sky->casters ? sky->casters : job->selection,
+		job->eye, shadow->framebuffers[WEB_SHADOW_TOPS], shadow->textures[WEB_SHADOW_ROWS],
+		shadow->size }, error);
+}
+
+void web_shadow_set(const struct web_shadow *shadow, unsigned program, int unit)
+{
+	web_program_texture(program, "u_rows", unit, shadow->textures[WEB_SHADOW_ROWS]);
+	web_program_texture(program, "u_tops", unit + 1, shadow->textures[WEB_SHADOW_TOPS]);
 }

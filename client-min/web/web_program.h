@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ecofiles/base/status.h"
+#include "client-min/draw/view_gl.h"
 
 /* GLSL: whether what is seen (view_gl_target) is a point of a summary. */
 #define WEB_IS_SUMMARY "bool is_summary(uvec4 seen) { return seen.y >> 24 == 129u; }\n"
@@ -46,5 +46,38 @@ enum eco_code web_present_prepare(struct web_present *present, struct eco_error 
 enum eco_code web_present_draw(struct web_present *present, unsigned lit, unsigned seen,
 	const struct web_place *place, struct eco_error *error);
 void web_present_free(struct web_present *present);
+
+/* ---- Shadow maps on the GPU: as view_shadow.h has them, by the same text (draw/view_shadow.glsl), from what
+ * view_gl_record has left in textures, without reading a pixel.
+ *
+ *   web_shadow_draw(&shadow, gl, &job, size, &error);       once a picture
+ *   web_shadow_set(&shadow, program, unit);                 a program with web_shadow_text
+ *   web_shadow_free(&shadow);
+ *
+ * The picture becomes cells, these become the map's rows, and casters are drawn by them. Nothing is made,
+ * nor compiled, before the first picture with shadows; where the driver refuses, that fails once, and
+ * pictures have none from then on. */
+
+enum web_shadow_part { WEB_SHADOW_CELLS, WEB_SHADOW_ROWS, WEB_SHADOW_TOPS, WEB_SHADOW_PARTS };
+struct web_shadow {                      /* zero is empty */
+	unsigned programs[WEB_SHADOW_TOPS], textures[WEB_SHADOW_PARTS], framebuffers[WEB_SHADOW_PARTS];
+	unsigned vertex_array;
+	uint32_t size;                   /* texels a side of the map */
+	bool refused;                    /* the driver does not compile what they need */
+};
+
+/* Whether a picture has any: they are asked for, can be had, and the sun is not too low. */
+bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_sky *sky);
+/* The map of the picture of that width and height that gl has recorded, of the job's selection. */
+enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_light_job *job,
+	const uint32_t picture[2], struct eco_error *error);
+void web_shadow_free(struct web_shadow *shadow);
+
+/* For fragment shaders: vec2 cast_at(vec3 to, vec3 n, bool facet), the share of sunlight that arrives at a
+ * place from the eye, -1 beyond the map, and how large a texel is there. facet: the surface has that one
+ * normal. */
+extern const char web_shadow_text[];
+/* Sets its uniforms in the program that is in use; takes texture units `unit` and the next. */
+void web_shadow_set(const struct web_shadow *shadow, unsigned program, int unit);
 
 #endif

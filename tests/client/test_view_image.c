@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_image.h"
+#include "client-min/view_ground.h"
 #include "ecofiles/format/ground_tile.h"
 #include "lod/light.h"
 #include "tests/support/unit_test.h"
