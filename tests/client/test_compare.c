@@ -22,29 +22,21 @@ static struct view_picture drawn(double share, double *ceiling)
 	return p;
 }
 
-UNIT_TEST(same_pictures_are_perfect)
+UNIT_TEST(the_same_is_perfect_and_less_is_worse_by_every_measure)
 {
-	struct view_measures m;
+	struct view_measures m[3];
 	double ceiling = NAN;
-	struct view_picture p = drawn(1, &ceiling);
-	assert_int_equal(view_measure_pair(&p, &p, NULL, &m, NULL), ECO_OK);
-	assert_true(m.score.q == 1 && m.score.owner_q == 1 && m.soft_q == 1 && m.picture_error == 0);
-	assert_true(ceiling > 0.8 && ceiling <= 1);
-	view_picture_free(&p);
-}
-
-UNIT_TEST(less_is_worse_by_every_measure)
-{
-	struct view_measures m[2];
-	struct view_picture full = drawn(1, NULL);
-	static const double shares[2] = { 0.5, 0.1 };
-	for (int i = 0; i < 2; i++) {
+	struct view_picture full = drawn(1, &ceiling);
+	static const double shares[] = { 1, 0.5, 0.1 };
+	for (int i = 0; i < 3; i++) {
 		struct view_picture p = drawn(shares[i], NULL);
 		assert_int_equal(view_measure_pair(&p, &full, NULL, &m[i], NULL), ECO_OK);
 		view_picture_free(&p);
 	}
-	assert_true(m[0].soft_q < 1 && m[1].soft_q < m[0].soft_q);
-	assert_true(m[0].picture_error > 0 && m[1].picture_error > m[0].picture_error);
+	assert_true(m[0].score.q == 1 && m[0].score.owner_q == 1 && m[0].soft_q == 1 && m[0].picture_error == 0);
+	assert_true(ceiling > 0.8 && ceiling <= 1);
+	assert_true(m[1].soft_q < 1 && m[2].soft_q < m[1].soft_q);
+	assert_true(m[1].picture_error > 0 && m[2].picture_error > m[1].picture_error);
 	view_picture_free(&full);
 }
 

@@ -19,23 +19,14 @@ static struct view_store *empty_store(void)
 }
 
 /* Draws what the store holds. */
-static struct view_picture draw(struct view_gl *with, const struct view_store *store,
-	const struct eco_view *view, bool ground, enum view_tint tint)
+static struct view_picture draw(struct view_store *store, enum view_tint tint)
 {
-	struct lod_eye eye;
-	struct view_selection selection;
-	struct view_picture picture;
-	struct eco_error error = { 0 };
-	lod_eye_make(&eye, view);
-	assert_int_equal(view_select_make(&selection, store, &eye, NULL), ECO_OK);
-	if (!ground)
-		view_ground_free(&selection.ground);
-	struct view_gl_job job = { store, &selection, &eye, 0.1, tint };
-	assert_int_equal(view_picture_init(&picture, view->width, view->height, NULL), ECO_OK);
-	view_gl_draw(with, &job, &picture, &error);
-	assert_string_equal(error.text, "");
-	assert_true(picture.vertices == selection.vertices);
-	view_select_free(&selection);
+	struct scene_held h = { .view = scene_view(), .store = store };
+	lod_eye_make(&h.eye, &h.view);
+	scene_select(&h);
+	struct view_picture picture = scene_draw(&h, true, tint);
+	assert_true(picture.vertices == h.selection.vertices);
+	view_select_free(&h.selection);
 	return picture;
 }
 
@@ -59,9 +50,8 @@ UNIT_TEST(empty_store_draws_an_empty_picture)
 {
 	if (!scene_gl)
 		skip();
-	struct eco_view view = scene_view();
 	struct view_store *store = empty_store();
-	struct view_picture p = draw(scene_gl, store, &view, false, VIEW_TINT_NONE);
+	struct view_picture p = draw(store, VIEW_TINT_NONE);
 	assert_int_equal(covered(&p), 0);
 	assert_true(p.vertices == 0);
 	view_picture_free(&p);
@@ -81,7 +71,7 @@ UNIT_TEST(gpu_keeps_what_some_store_holds)
 		skip();
 	struct scene_held h = scene_hold(&grove), part = scene_hold_view(&grove, scene_view(), 0.2);
 	struct view_store *empty = empty_store();
-	struct view_picture first = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE);
+	struct view_picture first = draw(h.store, VIEW_TINT_NONE);
 	uint64_t bytes = view_gl_bytes(scene_gl);
 	view_gl_keep(scene_gl, (const struct view_store *[]){ empty, h.store }, 2);
 	assert_true(bytes > 0 && view_gl_bytes(scene_gl) == bytes);
@@ -90,7 +80,7 @@ UNIT_TEST(gpu_keeps_what_some_store_holds)
 	uint64_t rest = view_gl_bytes(scene_gl);
 	assert_true(rest > 0 && rest < bytes);
 	for (int i = 0; i < 2; i++) {
-		struct view_picture again = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE);
+		struct view_picture again = draw(h.store, VIEW_TINT_NONE);
 		assert_same(&first, &again);
 		assert_true(view_gl_bytes(scene_gl) <= bytes);
 		view_picture_free(&again);
@@ -110,8 +100,8 @@ UNIT_TEST(tint_shows_all_four_kinds)
 		skip();
 	struct scene_held h = scene_hold(&grove);
 	uint32_t green = 0, red = 0, blue = 0, yellow = 0;
-	struct view_picture p = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_KIND),
-		plain = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE);
+	struct view_picture p = draw(h.store, VIEW_TINT_KIND),
+		plain = draw(h.store, VIEW_TINT_NONE);
 	/* the mask does not depend on shading */
 	assert_memory_equal(plain.owner, p.owner, 8 * (size_t)p.width * p.height);
 	view_picture_free(&plain);
@@ -140,23 +130,24 @@ UNIT_TEST(uploads_in_parts_draw_the_same)
 	struct view_gl_options options = { view.width, view.height };
 	struct eco_plan small, large;
 	struct eco_writer w;
-	struct view_gl *fresh;
+	struct view_gl *usual = scene_gl;
 	uint32_t held[L_COUNT];
 	scene_plan(&grove, &view, 0.1, &small);
 	scene_plan(&grove, &view, 1, &large);
-	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
+	assert_int_equal(view_gl_open(&scene_gl, &options, NULL), ECO_OK);
 	struct view_store *store = scene_store(&grove, &small, NULL);
-	struct view_picture first = draw(fresh, store, &view, true, VIEW_TINT_NONE);
+	struct view_picture first = draw(store, VIEW_TINT_NONE);
 	scene_holdings(store, held);
 	scene_stream(&grove, &large, held, &w);
 	assert_int_equal(scene_feed(store, &w, NULL), ECO_OK);
-	struct view_picture grown = draw(fresh, store, &view, true, VIEW_TINT_NONE);
-	view_gl_close(fresh);
-	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
-	struct view_picture whole = draw(fresh, store, &view, true, VIEW_TINT_NONE);
+	struct view_picture grown = draw(store, VIEW_TINT_NONE);
+	view_gl_close(scene_gl);
+	assert_int_equal(view_gl_open(&scene_gl, &options, NULL), ECO_OK);
+	struct view_picture whole = draw(store, VIEW_TINT_NONE);
 	assert_same(&grown, &whole);
 	assert_true(covered(&first) < covered(&whole));
-	view_gl_close(fresh);
+	view_gl_close(scene_gl);
+	scene_gl = usual;
 	view_picture_free(&first);
 	view_picture_free(&grown);
 	view_picture_free(&whole);
@@ -213,7 +204,7 @@ UNIT_TEST(own_colours_are_those_that_were_recorded)
 	if (!scene_gl)
 		skip();
 	struct scene_held h = scene_hold(&grove);
-	struct view_picture own = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_OWN), recorded;
+	struct view_picture own = draw(h.store, VIEW_TINT_OWN), recorded;
 	assert_int_equal(view_picture_init(&recorded, own.width, own.height, NULL), ECO_OK);
 	assert_int_equal(view_gl_read(scene_gl, &recorded, NULL), ECO_OK);
 	uint32_t ground = 0, plants = 0;

@@ -206,16 +206,23 @@ static bool has_turned(void *ctx)
 	return ++turn_asked == turns_at;
 }
 
+/* Of the server's port, or one where none listens. */
+static struct view_fetch *fetch_at(uint16_t port, struct view_fetch_options options)
+{
+	static char url[64];
+	struct view_fetch *fetch;
+	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", port);
+	options.url = url;
+	assert_ok(view_fetch_new(&fetch, &options, &error), error);
+	return fetch;
+}
+
 static enum eco_code ask(uint64_t body_max)
 {
-	char url[64];
-	struct view_fetch *fetch;
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
-	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", server.port);
-	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen",
-		.patience_ms = server.busy || server.patient ? 20000 : 0, .stall_ms = server.drips ? 300 : 0,
-		.resumes = server.resumes };
-	assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_OK);
+	struct view_fetch *fetch = fetch_at(server.port, (struct view_fetch_options){ .body_max = body_max,
+		.rule = "deussen", .patience_ms = server.busy || server.patient ? 20000 : 0,
+		.stall_ms = server.drips ? 300 : 0, .resumes = server.resumes });
 	view_fetch_mark(fetch, marks.bytes_count ? &marks : NULL, at_mark, &marks);
 	view_fetch_turn(fetch, turns_at ? has_turned : NULL, &turns_at);
 	reached_count = 0;
@@ -364,27 +371,18 @@ static enum eco_code fetch_explanation(struct view_fetch *fetch, char **text)
 	return view_fetch_explanation(fetch, &request, text, &error);
 }
 
-static enum eco_code fetch_plants(struct view_fetch *fetch, char **text)
-{
-	return view_fetch_plants(fetch, NULL, 0, 0, 1, text, &error);
-}
-
 UNIT_TEST(bodies_that_are_held_whole_are_bounded)
 {
 	static const char json[] = "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n";
 	static char blanks[1 << 16];
 	static const struct { const char *what; fetch_text *fetch; size_t most; } cases[] = {
-		{ "scene", fetch_scene, 8u << 20 }, { "explanation", fetch_explanation, 64u << 20 },
-		{ "plants", fetch_plants, 8u << 20 } };
+		{ "scene", fetch_scene, 8u << 20 }, { "explanation", fetch_explanation, 64u << 20 } };
 	memset(blanks, ' ', sizeof blanks);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		char url[64], *text = NULL;
-		struct view_fetch *fetch;
+		char *text = NULL;
 		start_server((struct server){ .head = json, .endless = true, .body = (const uint8_t *)blanks,
 			.size = sizeof blanks }, 0);
-		snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test", server.port);
-		struct view_fetch_options options = { .url = url, .resumes = 3 };
-		assert_ok(view_fetch_new(&fetch, &options, &error), error);
+		struct view_fetch *fetch = fetch_at(server.port, (struct view_fetch_options){ .resumes = 3 });
 		assert_int_equal(cases[i].fetch(fetch, &text), ECO_TOO_LARGE);
 		assert_null(text);
 		assert_non_null(strstr(error.text, "the answer is longer than"));
@@ -501,10 +499,8 @@ UNIT_TEST(a_lost_server_is_asked_again_when_it_says)
 	assert_true(result.broken == 2 && view_clock_ms() - begun_ms > 1000);
 	assert_non_null(strstr(error.text, "asked 3 times"));
 	begin(0);
-	struct view_fetch *fetch;
-	struct view_fetch_options options = { .url = "http://127.0.0.1:9/v1/scenes/x", .resumes = 20 };
+	struct view_fetch *fetch = fetch_at(9, (struct view_fetch_options){ .resumes = 20 });
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = ECO_BYTES_UNBOUNDED };
-	assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_OK);
 	assert_int_equal(view_fetch_stream(fetch, store, &request, &result, &error), ECO_IO);
 	assert_true(result.broken == 0 && strstr(error.text, "start ecoserve there"));
 	view_fetch_free(fetch);
@@ -522,9 +518,8 @@ UNIT_TEST(stop_flag_and_bad_urls_end_at_once)
 		assert_null(fetch);
 	}
 	begin(0);
-	struct view_fetch_options options = { .url = "http://127.0.0.1:9/v1/scenes/x", .stop = &flag };
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = ECO_BYTES_UNBOUNDED };
-	assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_OK);
+	fetch = fetch_at(9, (struct view_fetch_options){ .stop = &flag });
 	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);
 	assert_true(code == ECO_INTERRUPTED || code == ECO_IO);
 	view_fetch_free(fetch);
@@ -568,8 +563,6 @@ static double ground_at(double x, double y) { return 0.02 * x + 0.00045 * (x * x
 UNIT_TEST(views_stand_on_the_ground_below_eye_and_target)
 {
 	struct eco_writer then;
-	char url[64];
-	struct view_fetch *fetch;
 	uint32_t held[L_COUNT];
 	struct eco_request request = { .view = scene_view(), .next = { true, { 1, 2, 3 }, { 4, 5, 6 } } };
 	const struct eco_view view = request.view;
@@ -577,12 +570,10 @@ UNIT_TEST(views_stand_on_the_ground_below_eye_and_target)
 		held[i] = scene_needs(&grove, &plan, i);
 	scene_stream(&grove, &plan, held, &then);
 	start_server((struct server){ .head = ok, .again = 1, .then = &then }, 0);
-	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test", server.port);
-	assert_int_equal(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), ECO_OK);
+	struct view_fetch *fetch = fetch_at(server.port, (struct view_fetch_options){ .resumes = 0 });
 	assert_ok(view_stand(fetch, store, &request, &result, &error), error);
 	view_fetch_free(fetch);
-	pthread_join(server.thread, NULL);
-	close(server.listener);
+	stop_server();
 	double eye_m = ground_at(view.eye[0], view.eye[1]),
 	       target_m = ground_at(view.target[0], view.target[1]);
 	assert_true(fabs(eye_m) > 0.3 && fabs(request.view.eye[2] - view.eye[2] - eye_m) < 0.03);

@@ -33,13 +33,6 @@ static struct eco_plan plan_levels(uint32_t first, uint32_t end)
 	return plan;
 }
 
-static const uint8_t *payload_of(uint32_t level, size_t *size)
-{
-	uint32_t chunk = grove.lists[L_IMPOSTOR].chunk_first + level;
-	*size = grove.chunks[chunk].size_bytes;
-	return grove.payloads[chunk];
-}
-
 /* ---- What is held ---- */
 
 /* A plan of one level needs those before it, too; what is held already is not sent again. */
@@ -92,127 +85,73 @@ static const struct { enum eco_code code; const char *says; } faults[FAULTS] = {
 	[TOO_MANY_CHUNKS] = { ECO_DAMAGED, LIST ": its levels are too many, or not a chunk each" },
 };
 
-/* The scene, with a list, chunks and payloads of impostors that may be written to. */
-struct forged {
-	struct scene_builder b;
-	struct eco_list lists[L_COUNT];
-	struct eco_chunk *chunks;
-	uint8_t **payloads, *made[2];        /* made: of the first two levels, or NULL */
-	uint32_t first;                      /* chunk of the list */
-};
-
-static void forge(struct forged *f)
+/* The first two levels of the grove, with copies of payloads that may be written to, under hashes that are right. */
+static void damage(struct eco_list *list, struct eco_chunk *chunks, uint8_t **payloads, enum fault fault)
 {
-	uint32_t count = grove.scene.chunk_count;
-	*f = (struct forged){ .b = grove, .first = grove.lists[L_IMPOSTOR].chunk_first };
-	f->b.scene.lists = f->b.lists = memcpy(f->lists, grove.lists, sizeof f->lists);
-	f->chunks = malloc(count * sizeof *f->chunks);
-	f->payloads = malloc(count * sizeof *f->payloads);
-	f->b.scene.chunks = f->b.chunks = memcpy(f->chunks, grove.chunks, count * sizeof *f->chunks);
-	f->b.payloads = memcpy(f->payloads, grove.payloads, count * sizeof *f->payloads);
-}
-
-static void forged_free(struct forged *f)
-{
-	free(f->chunks);
-	free(f->payloads);
-	free(f->made[0]);
-	free(f->made[1]);
-}
-
-/* Chunk `to` has the payload of level `from`, or its first bytes, under a hash that is right. */
-static void put_level(struct forged *f, uint32_t to, uint32_t from, size_t size)
-{
-	size_t whole;
-	const uint8_t *payload = payload_of(from, &whole);
-	struct eco_chunk *chunk = &f->chunks[f->first + to];
-	free(f->made[to]);
-	f->made[to] = memcpy(malloc(whole), payload, whole);
-	chunk->size_bytes = (uint32_t)(size < whole ? size : whole);
-	chunk->id = eco_chunk_hash(f->made[to], chunk->size_bytes);
-	f->payloads[f->first + to] = f->made[to];
-}
-
-static void damage(struct forged *f, enum fault fault)
-{
-	struct eco_chunk *chunks = f->chunks + f->first;
-	struct eco_list *list = &f->lists[L_IMPOSTOR];
-	const float none = NAN;
-	put_level(f, 1, 1, SIZE_MAX);
-	switch (fault) {
-	case SWAPPED:
-	case TWICE:
-		put_level(f, fault == TWICE, fault == SWAPPED, SIZE_MAX);
-		break;
-	case NO_BODY:
-		memcpy(f->made[1], &none, sizeof none);
-		break;
-	case NO_LEVEL:
-		f->made[1][24] = LEVELS;
-		break;
-	case CUT_OFF:
-	case ONE_BYTE:
-		put_level(f, 1, 1, fault == ONE_BYTE ? 1 : chunks[1].size_bytes - 1);
-		break;
-	case TWO_PRIMITIVES:
-	case TWO_ELEMENTS:
-		chunks[0].primitive_count = 2;
-		chunks[0].element_count += fault == TWO_ELEMENTS;
-		break;
-	case TOO_MANY_CHUNKS:
-		list->primitive_count = list->element_count = list->chunk_count = LEVELS + 1;
-		break;
-	default:
-		break;
+	const uint32_t from[2] = { fault == SWAPPED, fault != TWICE };
+	const struct eco_chunk sound[2] = { chunks[0], chunks[1] };
+	const uint8_t *whole[2] = { payloads[0], payloads[1] };
+	for (int i = 0; i < 2; i++) {
+		uint32_t size = chunks[i].size_bytes = sound[from[i]].size_bytes;
+		payloads[i] = memcpy(malloc(size), whole[from[i]], size);
 	}
-	chunks[1].id = eco_chunk_hash(f->payloads[f->first + 1], chunks[1].size_bytes);
+	if (fault == NO_BODY)
+		memcpy(payloads[1], &(float){ NAN }, sizeof(float));
+	if (fault == NO_LEVEL)
+		payloads[1][24] = LEVELS;
+	if (fault == CUT_OFF || fault == ONE_BYTE)
+		chunks[1].size_bytes = fault == ONE_BYTE ? 1 : chunks[1].size_bytes - 1;
+	if (fault == TWO_PRIMITIVES || fault == TWO_ELEMENTS)
+		chunks[0].primitive_count = 2;
+	chunks[0].element_count += fault == TWO_ELEMENTS;
+	if (fault == TOO_MANY_CHUNKS)
+		list->primitive_count = list->element_count = list->chunk_count = LEVELS + 1;
+	for (int i = 0; i < 2; i++)
+		chunks[i].id = eco_chunk_hash(payloads[i], chunks[i].size_bytes);
 }
 
 /* Two levels, and a plan of the second. */
-static struct eco_writer stream_of(struct forged *f, enum fault fault)
+static struct eco_writer stream_of(enum fault fault)
 {
+	struct eco_list *list = &grove.lists[L_IMPOSTOR], kept = *list;
+	struct eco_chunk *chunks = grove.chunks + list->chunk_first, sound[2] = { chunks[0], chunks[1] };
+	uint8_t **payloads = grove.payloads + list->chunk_first, *whole[2] = { payloads[0], payloads[1] };
 	struct eco_plan plan = plan_levels(fault == NOT_HELD ? 2 : fault != BOTH_LEVELS,
 		fault == NOT_HELD ? 3 : 2);
 	struct eco_writer w = { 0 };
 	uint32_t number = 0;
 	plan.run_count = 0;
 	plan.vertices = 0;
+	damage(list, chunks, payloads, fault);
 	scene_frame(&w, &grove, ECO_FRAME_SCENE, &number, 0, 0);
 	scene_frame(&w, &grove, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
-	scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
+	scene_frame(&w, &grove, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
 	for (uint32_t i = 0; i < 2; i++)
-		scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, i);
+		scene_frame(&w, &grove, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, i);
 	wire_put_plan(&w, &number, &plan);
 	wire_put_end(&w, &number, 0, 0);
 	eco_plan_free(&plan);
+	*list = kept;
+	for (int i = 0; i < 2; i++) {
+		free(payloads[i]);
+		payloads[i] = whole[i];
+		chunks[i] = sound[i];
+	}
 	return w;
-}
-
-static struct view_store *feed(struct forged *f, enum fault fault, uint64_t memory_max, enum eco_code *code,
-	struct eco_error *error)
-{
-	struct view_store *store;
-	struct view_store_options options = { .memory_max = memory_max };
-	struct eco_writer w = stream_of(f, fault);
-	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
-	*code = scene_feed(store, &w, error);
-	eco_writer_free(&w);
-	return store;
 }
 
 UNIT_TEST(wrong_levels_are_refused_by_list_and_chunk)
 {
 	for (int fault = 0; fault < FAULTS; fault++) {
-		struct forged f;
 		struct eco_error error = { 0 };
-		enum eco_code code;
-		forge(&f);
-		damage(&f, (enum fault)fault);
-		struct view_store *store = feed(&f, (enum fault)fault, 0, &code, &error);
+		struct view_store *store;
+		struct eco_writer w = stream_of((enum fault)fault);
+		assert_int_equal(view_store_new(&store, &(struct view_store_options){ 0 }, NULL), ECO_OK);
+		enum eco_code code = scene_feed(store, &w, &error);
 		if (code != faults[fault].code || !strstr(error.text, faults[fault].says))
 			fail_msg("fault %d: code %d, '%s'", fault, code, error.text);
 		view_store_free(store);
-		forged_free(&f);
+		eco_writer_free(&w);
 	}
 }
 

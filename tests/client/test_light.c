@@ -1,5 +1,4 @@
-/* Light: both sides of a leaf, haze, a low sun's sky, and shadows in pictures of both engines, which are
- * there only when asked for. */
+/* Light: both sides of a leaf, haze, and a low sun's sky. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,11 +65,11 @@ UNIT_TEST(leaves_have_two_sides_and_let_light_through)
 
 /* ---- Pictures ---- */
 
-static struct view_picture draw(const struct scene_held *h, const struct view_sky *sky, bool by_gl)
+static struct view_picture draw(const struct scene_held *h, const struct view_sky *sky)
 {
 	struct scene_held under = *h;
 	under.selection.sky = *sky;
-	return scene_draw(&under, by_gl, VIEW_TINT_NONE);
+	return scene_draw(&under, false, VIEW_TINT_NONE);
 }
 
 /* The mean of a colour over ground, or over the sky's lowest pixels. */
@@ -90,43 +89,14 @@ static double mean_of(const struct view_picture *p, int channel, bool ground)
 	return sum / fmax(count, 1);
 }
 
-UNIT_TEST(shadows_are_drawn_alike_by_both_engines)
-{
-	if (!scene_gl)
-		skip();
-	struct scene_held h = scene_hold(&grove);
-	scene_select(&h);
-	const struct view_sky none = { .shadows = VIEW_SHADOWS_NONE };
-	for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
-		struct view_sky sky = { .shadows = (enum view_shadows)kind, .shadow_size = 1024 };
-		struct view_picture soft, hard, soft_off, hard_off;
-		soft = draw(&h, &sky, false);
-		hard = draw(&h, &sky, true);
-		soft_off = draw(&h, &none, false);
-		hard_off = draw(&h, &none, true);
-		double with = picture_compare(&soft, &hard).bytes, without = picture_compare(&soft_off, &hard_off).bytes,
-			by = picture_compare(&soft, &soft_off).bytes;
-		print_message("engines differ by %.3f of 255 with shadows, %.3f without; shadows by %.3f\n", with,
-			without, by);
-		assert_true(with < without + 0.3 && by > 1);
-		assert_memory_equal(soft.cover, soft_off.cover, (size_t)soft.width * soft.height);
-		assert_memory_equal(soft.owner, soft_off.owner, 8 * (size_t)soft.width * soft.height);
-		view_picture_free(&soft);
-		view_picture_free(&hard);
-		view_picture_free(&soft_off);
-		view_picture_free(&hard_off);
-	}
-	scene_release(&h);
-}
-
 UNIT_TEST(nearer_haze_hides_more)
 {
 	struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	struct view_picture usual, same, near;
-	usual = draw(&h, &(struct view_sky){ .haze_m = 0 }, false);
-	same = draw(&h, &(struct view_sky){ .haze_m = 5200 }, false);
-	near = draw(&h, &(struct view_sky){ .haze_m = 30 }, false);
+	usual = draw(&h, &(struct view_sky){ .haze_m = 0 });
+	same = draw(&h, &(struct view_sky){ .haze_m = 5200 });
+	near = draw(&h, &(struct view_sky){ .haze_m = 30 });
 	assert_memory_equal(usual.rgb, same.rgb, 3 * (size_t)usual.width * usual.height);
 	print_message("blue of ground: %.1f, in haze %.1f; of the sky %.1f\n", mean_of(&usual, 2, true),
 		mean_of(&near, 2, true), mean_of(&near, 2, false));
@@ -152,7 +122,7 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 	double red[3];
 	for (int i = 0; i < 3; i++) {
 		struct view_picture p;
-		p = draw(&h, skies[i], false);
+		p = draw(&h, skies[i]);
 		red[i] = mean_of(&p, 0, false) / mean_of(&p, 2, false);
 		view_picture_free(&p);
 	}
@@ -164,5 +134,5 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 
 int main(void)
 {
-	return unit_tests_run(scene_open_gl, scene_close);
+	return unit_tests_run(scene_open, scene_close);
 }

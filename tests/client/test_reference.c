@@ -93,21 +93,6 @@ UNIT_TEST(opengl_and_software_agree)
 	}
 }
 
-UNIT_TEST(software_stops_when_told)
-{
-	struct eco_view view = scene_view();
-	struct view_picture p;
-	static volatile sig_atomic_t stop = 1;
-	struct scene_held d = scene_hold_view(&grove, view, 1);
-	scene_select(&d);
-	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, &stop,
-		VIEW_TINT_NONE };
-	assert_int_equal(view_picture_init(&p, view.width, view.height, NULL), ECO_OK);
-	assert_int_equal(view_reference_draw(&job, &p, NULL), ECO_INTERRUPTED);
-	view_picture_free(&p);
-	scene_release(&d);
-}
-
 static uint64_t sum_of(const uint8_t *counts, uint32_t pixels)
 {
 	uint64_t sum = 0;
@@ -116,7 +101,7 @@ static uint64_t sum_of(const uint8_t *counts, uint32_t pixels)
 	return sum;
 }
 
-/* One sample a pixel is the mask; more are about as many; parts and threads leave no trace. */
+/* One sample a pixel is the mask; more are about as many; parts and threads leave no trace. Drawing stops when told. */
 UNIT_TEST(samples_count_what_is_covered)
 {
 	struct eco_view view = scene_view();
@@ -135,6 +120,10 @@ UNIT_TEST(samples_count_what_is_covered)
 	draw_software(&d, &view, 5, &other);
 	assert_memory_equal(p.owner, other.owner, pixels * sizeof *p.owner);
 	assert_memory_equal(p.rgb, other.rgb, 3 * pixels);
+	static volatile sig_atomic_t stop = 1;
+	job.stop = &stop;
+	assert_int_equal(view_reference_draw(&job, &other, NULL), ECO_INTERRUPTED);
+	job.stop = NULL;
 	view_picture_free(&other);
 	double covered = (double)sum_of(counts, pixels);
 	for (coverage.samples = 4; coverage.samples <= 8; coverage.samples += 4) {

@@ -163,16 +163,12 @@ UNIT_TEST(selection_draws_what_the_plan_says)
 {
 	for (int step = 0; step < 12; step++) {
 		struct eco_view view = scene_view();
-		struct eco_plan plan;
-		struct lod_eye eye;
-		struct view_selection s;
 		view.eye[0] += 5 * step;
 		view.eye[1] += step;
-		scene_plan(&grove, &view, 0.5 + step / 24.0, &plan);
-		lod_eye_make(&eye, &view);
-		struct view_store *store = scene_store(&grove, &plan, NULL);
-		assert_good(view_select_make(&s, store, &eye, &cause));
-		assert_true(s.vertices == plan.vertices && s.visible_plants == plan.visible_plants);
+		struct scene_held h = scene_hold_view(&grove, view, 0.5 + step / 24.0);
+		scene_select(&h);
+		const struct view_selection s = h.selection;
+		assert_true(s.vertices == h.plan.vertices && s.visible_plants == h.plan.visible_plants);
 		uint32_t pairs = 0;
 		for (uint32_t c = 0; c < s.cut_count; c++)
 			for (uint32_t m = s.member_first[c]; m < s.member_first[c + 1]; m++, pairs++) {
@@ -182,9 +178,7 @@ UNIT_TEST(selection_draws_what_the_plan_says)
 				assert_int_equal(found, 1);
 			}
 		assert_int_equal(pairs, s.cut_first[s.instance_count]);
-		view_select_free(&s);
-		view_store_free(store);
-		eco_plan_free(&plan);
+		scene_release(&h);
 	}
 }
 

@@ -268,12 +268,6 @@ UNIT_TEST(little_memory_draws_the_same_pictures)
 		same_picture(&ample, &tight, &request);
 	}
 	struct view_store_stats a = view_store_stats(ample.store), t = view_store_stats(tight.store);
-	print_message("%llu of %llu bytes of memory: %llu chunks went, %llu of %llu bytes fetched again, %u "
-		"answers for "
-		"%u views\n", (unsigned long long)tight.memory_max, (unsigned long long)a.memory_bytes,
-		(unsigned long long)t.evictions, (unsigned long long)t.again_bytes,
-			(unsigned long long)tight.bytes,
-		tight.answers, tight.requests);
 	assert_true(a.evictions == 0 && a.again_bytes == 0 && ample.answers == ample.requests);
 	assert_true(a.memory_bytes > tight.memory_max && t.evictions > 50 && t.chunks_again > 50);
 	assert_true(t.again_bytes > 10000 && t.again_bytes <= t.chunk_bytes && tight.bytes > ample.bytes);

@@ -120,25 +120,14 @@ UNIT_TEST(what_is_no_quadtree_is_refused)
 	make(&m);
 	struct eco_list *last = &m.lists[3].list;
 	const struct eco_list kept = *last;
+	/* where another lies; on a quarter of a larger one; no half of a half */
+	static const double places[][3] = { { 100, 0, 50 }, { 50, 50, 50 }, { 100, 50, 33 }, { NAN, 50, 50 },
+		{ INFINITY, 50, 50 }, { 1e300, 50, 50 }, { 1e17, 50, 50 }, { 100, 50, NAN }, { 100, 50, 0 },
+		{ 100, 50, -1 }, { 100, 50, 1e-300 }, { 100, 50, 1e300 } };
 	assert_int_equal(code_of(&m, TILES), ECO_OK);
-	last->grid_origin[1] = 0;                                  /* where another lies */
-	assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
-	*last = kept;
-	last->grid_origin[0] = 50;                                 /* on a quarter of a larger one */
-	assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
-	*last = kept;
-	last->grid_step[0] = 33.0 / SIDE;                          /* no half of a half */
-	assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
-	const double far[] = { NAN, INFINITY, 1e300, 1e17 };
-	for (int i = 0; i < 4; i++) {
-		*last = kept;
-		last->grid_origin[0] = far[i];
-		assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
-	}
-	*last = kept;
-	const double steps[] = { NAN, 0, -1, 1e-300, 1e300 };
-	for (int i = 0; i < 5; i++) {
-		last->grid_step[0] = steps[i];
+	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+		memcpy(last->grid_origin, places[i], 2 * sizeof *places[i]);
+		last->grid_step[0] = places[i][2] / SIDE;
 		assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
 	}
 	*last = kept;
