@@ -1,5 +1,4 @@
 /* Arrays that grow: what is in them stays, and what cannot be had leaves them as they were. */
-#include <stdlib.h>
 
 #include "ecofiles/base/array_grow.h"
 #include "tests/support/unit_test.h"

@@ -1,5 +1,4 @@
 
-#include <string.h>
 
 #include "ecofiles/base/bytes.h"
 #include "tests/support/unit_test.h"

@@ -82,7 +82,4 @@ UNIT_TEST(it_ends_when_it_is_cancelled)
 	close(file);
 }
 
-int main(void)
-{
-	return unit_tests_run(fill, NULL);
-}
+UNIT_MAIN(fill, NULL)

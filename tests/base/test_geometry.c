@@ -26,8 +26,3 @@ UNIT_TEST(a_near_crowd_is_at_least_half_as_large_as_the_largest)
 	assert_ptr_equal(eco_cluster_near(crowds, 4, there), &crowds[0]);
 	assert_null(eco_cluster_near(crowds, 0, here));
 }
-
-int main(void)
-{
-	return unit_tests_run(NULL, NULL);
-}

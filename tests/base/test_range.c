@@ -1,7 +1,5 @@
 /* Range-coded bits come back as they were written, in as many bytes as they are worth; anything can be read.
  */
-#include <math.h>
-#include <string.h>
 
 #include "ecofiles/base/range.h"
 #include "tests/support/unit_test.h"

@@ -1,5 +1,4 @@
 /* Texts that are kept once: each keeps its number and its place, however many there are. */
-#include <stdio.h>
 #include <string.h>
 
 #include "ecofiles/base/text.h"

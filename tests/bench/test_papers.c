@@ -142,7 +142,4 @@ UNIT_TEST(every_entry_names_a_section_with_such_tables_and_pictures)
 	json_decref(papers);
 }
 
-int main(void)
-{
-	return unit_tests_run(open_folder, scratch_close);
-}
+UNIT_MAIN(open_folder, scratch_close)

@@ -248,7 +248,4 @@ UNIT_TEST(plants_behind_others_lose_leaves)
 	paper_sight_free(cook.sight);
 }
 
-int main(void)
-{
-	return unit_tests_run(open_scene, close_scene);
-}
+UNIT_MAIN(open_scene, close_scene)

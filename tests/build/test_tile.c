@@ -1,5 +1,4 @@
 /* Tiling: every thing in one leaf, bounds that hold bodies, leaves of few, order that a pack can rely on. */
-#include <stdbool.h>
 #include <stdlib.h>
 
 #include "ecofiles/base/random.h"

@@ -107,7 +107,4 @@ UNIT_TEST(narrow_pictures_break_their_words)
 	}
 }
 
-int main(void)
-{
-	return unit_tests_run(scene_open, scene_close);
-}
+UNIT_MAIN(scene_open, scene_close)

@@ -1,6 +1,4 @@
 /* Drawing with OpenGL: what is counted, hidden, coloured, and kept on the GPU between frames. */
-#include <stdlib.h>
-#include <string.h>
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_light.h"
@@ -235,7 +233,4 @@ UNIT_TEST(programs_are_compiled_before_something_is_drawn_by_them)
 	view_gl_close(fresh);
 }
 
-int main(void)
-{
-	return unit_tests_run(scene_open_gl, scene_close);
-}
+UNIT_MAIN(scene_open_gl, scene_close)

@@ -588,7 +588,4 @@ UNIT_TEST(views_stand_on_the_ground_below_eye_and_target)
 	eco_writer_free(&then);
 }
 
-int main(void)
-{
-	return unit_tests_run(set_up, tear_down);
-}
+UNIT_MAIN(set_up, tear_down)

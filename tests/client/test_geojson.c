@@ -115,7 +115,4 @@ UNIT_TEST(a_crs_that_is_none_is_an_error)
 	assert_non_null(strstr(error.text, "EPSG:7"));
 }
 
-int main(void)
-{
-	return unit_tests_run(make_picture, free_picture);
-}
+UNIT_MAIN(make_picture, free_picture)

@@ -1,8 +1,6 @@
 /* Tiled ground on its way: coarse before fine, within the bytes there are and before plants give way, never
  * twice; and drawn alike by OpenGL and in software. */
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
@@ -178,7 +176,4 @@ UNIT_TEST(opengl_and_software_draw_the_same_ground)
 	view_gl_close(gl);
 }
 
-int main(void)
-{
-	return unit_tests_run(open_all, close_all);
-}
+UNIT_MAIN(open_all, close_all)

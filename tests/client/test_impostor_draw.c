@@ -145,7 +145,4 @@ UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 	scene_release(&h);
 }
 
-int main(void)
-{
-	return unit_tests_run(open_all, scene_close);
-}
+UNIT_MAIN(open_all, scene_close)

@@ -155,7 +155,4 @@ UNIT_TEST(wrong_levels_are_refused_by_list_and_chunk)
 	}
 }
 
-int main(void)
-{
-	return unit_tests_run(open_all, scene_close);
-}
+UNIT_MAIN(open_all, scene_close)

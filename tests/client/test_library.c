@@ -326,7 +326,4 @@ UNIT_TEST(impostors_are_looked_at_along_rays)
 	free(body.bytes);
 }
 
-int main(void)
-{
-	return unit_tests_run(open_pack, close_pack);
-}
+UNIT_MAIN(open_pack, close_pack)

@@ -1,6 +1,5 @@
 /* Light: both sides of a leaf, haze, and a low sun's sky. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "client-min/draw/view_gl.h"
@@ -132,7 +131,4 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 	scene_release(&h);
 }
 
-int main(void)
-{
-	return unit_tests_run(scene_open, scene_close);
-}
+UNIT_MAIN(scene_open, scene_close)

@@ -142,7 +142,4 @@ UNIT_TEST(samples_count_what_is_covered)
 	scene_release(&d);
 }
 
-int main(void)
-{
-	return unit_tests_run(open_all, close_all);
-}
+UNIT_MAIN(open_all, close_all)

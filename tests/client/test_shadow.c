@@ -390,7 +390,4 @@ UNIT_TEST(no_map_without_a_sun_or_anything_seen)
 	close_view(&l);
 }
 
-int main(void)
-{
-	return unit_tests_run(open_all, scene_close);
-}
+UNIT_MAIN(open_all, scene_close)

@@ -236,7 +236,4 @@ UNIT_TEST(summary_records_carry_owners)
 	scene_release(&h);
 }
 
-int main(void)
-{
-	return unit_tests_run(scene_open, scene_close);
-}
+UNIT_MAIN(scene_open, scene_close)

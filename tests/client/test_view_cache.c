@@ -2,7 +2,6 @@
  * again what it gave up; and the order in which chunks go, against a model that looks at all of them. */
 #include <math.h>
 #include <stdbool.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -385,7 +384,4 @@ UNIT_TEST(what_comes_behind_a_plan_leaves_what_it_needs)
 		}
 }
 
-int main(void)
-{
-	return unit_tests_run(open_pack, close_pack);
-}
+UNIT_MAIN(open_pack, close_pack)

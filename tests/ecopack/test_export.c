@@ -329,7 +329,4 @@ UNIT_TEST(what_a_killed_export_of_chunks_left_is_removed)
 	close(locked);
 }
 
-int main(void)
-{
-	return unit_tests_run(make_pack, NULL);
-}
+UNIT_MAIN(make_pack, NULL)

@@ -2,7 +2,6 @@
  * nothing is lost or freed twice. */
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/ecopack/run.h"
 #include "tests/support/unit_test.h"

@@ -343,7 +343,4 @@ static int set_up(void **state)
 	return 0;
 }
 
-int main(void)
-{
-	return unit_tests_run(set_up, scratch_close);
-}
+UNIT_MAIN(set_up, scratch_close)

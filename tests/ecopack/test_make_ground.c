@@ -2,7 +2,6 @@
  * covers every pixel below the horizon. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "client-min/view_reference.h"
@@ -228,7 +227,4 @@ static int prepare(void **state)
 	return 0;
 }
 
-int main(void)
-{
-	return unit_tests_run(prepare, scratch_close);
-}
+UNIT_MAIN(prepare, scratch_close)

@@ -165,7 +165,4 @@ static int prepare(void **state)
 	return 0;
 }
 
-int main(void)
-{
-	return unit_tests_run(prepare, scratch_close);
-}
+UNIT_MAIN(prepare, scratch_close)

@@ -2,7 +2,6 @@
  * that are linked. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/random.h"
@@ -158,7 +157,4 @@ UNIT_TEST(linked_packs_share_an_image)
 	eco_pack_close(pack);
 }
 
-int main(void)
-{
-	return unit_tests_run(write_models, scratch_close);
-}
+UNIT_MAIN(write_models, scratch_close)

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/ecopack/command.h"
@@ -345,7 +344,4 @@ UNIT_TEST(test_bad_command_lines_and_scenes_are_told)
 	assert_int_not_equal(access(ROOT "/x.png", F_OK), 0);
 }
 
-int main(void)
-{
-	return unit_tests_run(make_files, NULL);
-}
+UNIT_MAIN(make_files, NULL)

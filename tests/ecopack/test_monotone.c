@@ -128,7 +128,4 @@ UNIT_TEST(fields_of_blades_hold)
 	}
 }
 
-int main(void)
-{
-	return unit_tests_run(make_models, NULL);
-}
+UNIT_MAIN(make_models, NULL)

@@ -122,7 +122,4 @@ UNIT_TEST(test_damaged_packs_are_an_error)
 	eco_pack_close(pack);
 }
 
-int main(void)
-{
-	return unit_tests_run(make_packs, NULL);
-}
+UNIT_MAIN(make_packs, NULL)

@@ -2,9 +2,7 @@
  * name. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "ecofiles/format/view.h"
 #include "tests/support/files.h"

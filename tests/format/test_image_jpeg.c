@@ -1,10 +1,10 @@
 /* JPEG: texels are those of OpenImageIO, which is asked only where libjpeg refuses. */
 #include "ecofiles/format/image.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include <stdio.h>
 #include <jpeglib.h>
 
 #include "ecofiles/base/module.h"

@@ -1,9 +1,6 @@
 /* Impostors: levels survive their bytes, strangers' bytes do no harm, directions are those of the format. */
 #include "ecofiles/format/impostor.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <xxhash.h>
 
 #include "tests/support/unit_test.h"

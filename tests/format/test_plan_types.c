@@ -1,6 +1,5 @@
 /* Plans as data: their order and checks, holdings, and owners that match where the same plant, or one like
  * it, is meant. */
-#include <stdlib.h>
 
 #include "ecofiles/format/plan.h"
 #include "tests/support/unit_test.h"

@@ -1,6 +1,5 @@
 /* Targets that read formats of our own: files, payloads and the wire. */
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

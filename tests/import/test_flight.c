@@ -1,7 +1,6 @@
 /* Flights from tracks: cameras that look where they go and do not jitter, and scripts that keep to the track.
  */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,5 @@
 /* Ground where no raster is: beyond the border of one, up to the horizon, and through the feet of plants. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/pack.h"

@@ -2,7 +2,6 @@
  * said. */
 #include <math.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/support/files.h"

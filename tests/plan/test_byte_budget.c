@@ -2,7 +2,6 @@
  * free. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "lod/plan/byte_price.h"
 #include "lod/plan/byte_price_state.h"

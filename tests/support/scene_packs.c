@@ -1,7 +1,6 @@
 #include "tests/support/scene_packs.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
