@@ -8,7 +8,7 @@
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
-/* Of the test under way, until finish. */
+/* Made by the test under way, until finish. */
 static struct soup soup;
 static struct lod_plant plant;
 

@@ -38,7 +38,7 @@ static void shoot(struct shot *shot, const struct eco_scene *s, const struct eco
 	plan_make(&plan, (struct lod_planner_input){ .scene = s, .request = request });
 	*shot = (struct shot){ .scene = s, .plants = calloc(s->place_count + 1, sizeof *shot->plants) };
 	assert_int_equal(plan_twin_draw(s, &plan, &request->view, NULL, see, shot), plan.vertices);
-	/* of lists without a run, no plant is drawn: what stands in view there is told all the same */
+	/* plants in view whose lists have no run are told, too; none is drawn */
 	for (uint32_t i = 0, list = 0; list < s->list_count; list++) {
 		while (i < plan.run_count && plan.runs[i].list_end <= list)
 			i++;
