@@ -49,16 +49,15 @@ UNIT_TEST(forms_follow_their_elements)
 			other = kind_elements(&form, COUNT, i + 50), out;
 		const struct eco_chunk_input input = { &fans, &in, FIRST, END, 9 };
 		uint32_t order[END - FIRST];
-		struct eco_error error = { 0 };
 		struct eco_chunk chunk;
 		uint8_t *bytes;
 		size_t size;
 
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, &error), ECO_OK);
+		assert_good(eco_chunk_encode(&input, &bytes, &size, order, &cause));
 		free(bytes);
-		assert_ok(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error), error);
+		assert_good(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &cause));
 		chunk = kind_chunk(&other, FIRST, END, size);
-		assert_ok(eco_chunk_decode(&forms, &chunk, 9, bytes, size, &out, &error), error);
+		assert_good(eco_chunk_decode(&forms, &chunk, 9, bytes, size, &out, &cause));
 		assert_same_elements(&form, &other, FIRST, END, &out, order);
 		eco_elements_free(&out);
 		free(bytes);
@@ -130,13 +129,12 @@ UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
 				position[3 * i + 2] &= -(1 << cases[c].rounded);
 		}
 		const struct eco_chunk_input input = { &list, &in, 0, count, 0 };
-		struct eco_error error = { 0 };
 		size_t size;
-		assert_ok(eco_chunk_encode(&input, &bytes, &size, NULL, &error), error);
+		assert_good(eco_chunk_encode(&input, &bytes, &size, NULL, &cause));
 		assert_true(8.0 * (double)(size - 5) <= cases[c].most_bits * count + 80);
 		struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .element_count = count,
 			.primitive_count = count };
-		assert_ok(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &error), error);
+		assert_good(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &cause));
 		assert_memory_equal(out.position, position, 12 * count);
 		eco_elements_free(&out);
 		for (size_t cut = 0; cut < size; cut++) {

@@ -35,16 +35,15 @@ UNIT_TEST(connected_wood_is_small_and_keeps_its_texture)
 	const struct eco_list list = kind_list(&k);
 	struct eco_elements in = make_bark(40), out;
 	const struct eco_chunk_input input = { &list, &in, 0, in.element_count, 2 };
-	struct eco_error error = { 0 };
 	struct eco_chunk chunk;
 	uint8_t *bytes;
 	size_t size;
-	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);
+	assert_good(eco_chunk_encode(&input, &bytes, &size, NULL, &cause));
 	assert_int_equal(bytes[1], ECO_CODER_MESH);
 	/* Under 2 bytes a vertex for the positions and as much for texture and colours. */
 	assert_true(size < 41 * 41 * 4);
 	chunk = kind_chunk(&in, 0, in.element_count, size);
-	assert_int_equal(eco_chunk_decode(&list, &chunk, 2, bytes, size, &out, &error), ECO_OK);
+	assert_good(eco_chunk_decode(&list, &chunk, 2, bytes, size, &out, &cause));
 	assert_same_elements(&k, &in, 0, in.element_count, &out, NULL);
 	free(bytes);
 	eco_elements_free(&in);
@@ -72,15 +71,14 @@ UNIT_TEST(no_wood_triangle_is_lost)
 		int32_t position[36], color[4] = { 5, 6, 7, 8 };
 		struct eco_elements in = { 4, 12, 4, 1, threes, position, NULL, color, NULL }, out;
 		const struct eco_chunk_input input = { &list, &in, 0, 4, 0 };
-		struct eco_error error = { 0 };
 		struct eco_chunk chunk;
 		uint8_t *bytes;
 		size_t size;
 		for (int c = 0; c < 12; c++)
 			memcpy(position + 3 * c, corners[cases[i][c / 3][c % 3]], 12);
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_OK);
+		assert_good(eco_chunk_encode(&input, &bytes, &size, NULL, &cause));
 		chunk = kind_chunk(&in, 0, 4, size);
-		assert_int_equal(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &error), ECO_OK);
+		assert_good(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &cause));
 		assert_same_elements(&k, &in, 0, 4, &out, NULL);
 		free(bytes);
 		eco_elements_free(&out);

@@ -106,7 +106,6 @@ UNIT_TEST(what_libjpeg_cannot_read_is_left_to_openimageio)
 	for (int fault = 0; fault < 3; fault++) {
 		uint8_t *bytes, *frame;
 		unsigned long size;
-		struct eco_error error = { .code = ECO_OK };
 		struct eco_image image;
 		bool cut_off;
 		write_jpeg(fault == 0 ? &inks : &kinds[1], &bytes, &size);
@@ -119,7 +118,7 @@ UNIT_TEST(what_libjpeg_cannot_read_is_left_to_openimageio)
 		assert_false(eco_jpeg_decode(&image, bytes, size, &cut_off) || cut_off);
 		assert_null(image.rgba);
 		if (fault == 0)
-			assert_ok(eco_image_read_memory(&image, bytes, size, "inks.jpg", &error), error);
+			assert_good(eco_image_read_memory(&image, bytes, size, "inks.jpg", &cause));
 		assert_int_equal(image.width, fault == 0 ? WIDTH : 0);
 		eco_image_free(&image);
 		free(bytes);

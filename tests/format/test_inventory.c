@@ -30,8 +30,7 @@ static size_t assert_comes_back(const struct eco_inventory_row *rows, const stru
 {
 	struct eco_bytes bytes = eco_inventory_encode(rows, count);
 	struct eco_inventory_block block;
-	struct eco_error error = { 0 };
-	assert_ok(eco_inventory_decode(&block, bytes.at, bytes.size, count, &error), error);
+	assert_good(eco_inventory_decode(&block, bytes.at, bytes.size, count, &cause));
 	for (uint32_t i = 0; i < count; i++)
 		assert_same_row(&block.rows[i], &want[i]);
 	eco_inventory_free(&block);
@@ -98,9 +97,8 @@ UNIT_TEST(what_is_cut_or_changed_is_found_or_harmless)
 static uint8_t *small_pack(size_t *size)
 {
 	struct scene_builder b;
-	struct eco_error error = { 0 };
 	folder_make(FOLDER);
-	assert_ok(small_pack_write(&b, PATH, NULL, &error), error);
+	assert_good(small_pack_write(&b, PATH, NULL, &cause));
 	scene_free(&b);
 	return file_read(PATH, size);
 }
@@ -109,12 +107,11 @@ UNIT_TEST(a_pack_says_what_each_place_is)
 {
 	struct eco_pack *pack;
 	struct eco_inventory_block block;
-	struct eco_error error = { 0 };
 	size_t size;
 	uint8_t *bytes = small_pack(&size);
-	assert_ok(eco_pack_open_memory(&pack, bytes, size, &error), error);
+	assert_good(eco_pack_open_memory(&pack, bytes, size, &cause));
 	assert_non_null(eco_inventory_list(&pack->scene));
-	assert_ok(eco_inventory_read(&block, pack, 5, &error), error);
+	assert_good(eco_inventory_read(&block, pack, 5, &cause));
 	assert_int_equal(block.first, 0);
 	assert_int_equal(block.count, SMALL_PACK_PLANTS);
 	for (uint32_t i = 0; i < SMALL_PACK_PLANTS; i++)
