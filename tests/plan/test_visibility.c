@@ -8,6 +8,8 @@
 static const struct lod_proxy_shape tree = { .across = 2, .up = 5, .area = 60, .crown_across = 2,
 	.crown_up = 4 };
 
+#define PICTURE .up = { 0, 0, 1 }, .width = 800, .height = 600
+
 static void look_at_trees(struct lod_screen *screen, const struct eco_view *view, const double (*feet)[3],
 	uint32_t count)
 {
@@ -25,8 +27,8 @@ UNIT_TEST(what_lies_behind_a_ridge_is_hidden)
 {
 	/* behind a ridge: below it and above */
 	double feet[15][3] = { { 0, 200, -10 }, { 0, 200, 60 } };
-	const struct eco_view view = { .eye = { 0, 0, 25 }, .target = { 0, 200, 25 }, .up = { 0, 0, 1 },
-		.fov_y_deg = 46, .width = 800, .height = 600 };
+	const struct eco_view view = { .eye = { 0, 0, 25 }, .target = { 0, 200, 25 }, .fov_y_deg = 46,
+		PICTURE };
 	struct lod_screen screen;
 	for (int i = 2; i < 15; i++)
 		memcpy(feet[i], (const double[3]){ 0.3 * (i - 8), 100, 20 }, sizeof feet[i]);
@@ -50,9 +52,7 @@ UNIT_TEST(a_slope_seen_from_above_hides_nothing)
 	}
 	for (size_t k = 0; k < sizeof tilts / sizeof *tilts; k++) {
 		const struct eco_view view = { .eye = { 0, -tilts[k], 1200 }, .target = { 0, 0, 0 },
-			.up = { 0, 0, 1 }, .fov_y_deg = 52,
-			.width = 800, .height = 600 };
-
+			.fov_y_deg = 52, PICTURE };
 		look_at_trees(&screen, &view, (const double (*)[3])feet, 41);
 		for (uint32_t i = 0; i < 41; i++)
 			if (!(screen.visibilities[i].share > 0.9f))
@@ -72,8 +72,8 @@ static struct lod_drawn some_wrong(void *ctx, const struct lod_visibility *visib
 UNIT_TEST(of_a_tree_alone_as_much_is_wrong_as_its_curve_says)
 {
 	static const double areas[] = { 5, 60, 250, 5000 };
-	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 },
-		.fov_y_deg = 46, .width = 800, .height = 600 };
+	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .fov_y_deg = 46,
+		PICTURE };
 	const double center[3] = { 0, 0, 5 };
 	struct lod_eye eye;
 	lod_eye_make(&eye, &view);
@@ -98,8 +98,8 @@ UNIT_TEST(plants_around_the_eye_hide_each_other)
 {
 	static const double feet[6][3] = { { 0, 25, -5 }, { 0, -0.5, -5 }, { 0.6, -0.3, -5 },
 		{ -0.7, -0.1, -5 }, { 0.2, -0.8, -5 }, { -0.3, -0.4, -5 } };
-	const struct eco_view view = { .eye = { 0, 0, 0 }, .target = { 0, 1, 0 }, .up = { 0, 0, 1 },
-		.fov_y_deg = 50, .width = 800, .height = 600 };
+	const struct eco_view view = { .eye = { 0, 0, 0 }, .target = { 0, 1, 0 }, .fov_y_deg = 50,
+		PICTURE };
 	struct lod_screen screen;
 	look_at_trees(&screen, &view, feet, 1);
 	float alone = screen.visibilities[0].share;
@@ -118,8 +118,8 @@ UNIT_TEST(plants_around_the_eye_hide_each_other)
  * picture, but what the eye is within. */
 UNIT_TEST(what_passes_the_eye_goes_little_by_little)
 {
-	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .up = { 0, 0, 1 },
-		.fov_y_deg = 50, .width = 800, .height = 600 };
+	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .fov_y_deg = 50,
+		PICTURE };
 	struct lod_screen screen;
 	float before[3] = { 0 };
 	for (int step = 0; step <= 400; step++) {
@@ -151,39 +151,30 @@ static double wood_of(const double eye[3])
 	return middle * sum;
 }
 
-UNIT_TEST(a_trunk_is_as_large_as_it_is_near)
-{
-	static const double foot[1][3] = { { 0, 0, 0 } },
-		eyes[][3] = { { 0, -2000, 2 }, { 0, -40, 5 }, { 0, -8, 1.7 }, { 1, -2, 1.7 }, { 0, -0.3, 1.7 } };
-	float before = 0;
-	for (size_t i = 0; i < sizeof eyes / sizeof *eyes; i++) {
-		const double *at = eyes[i];
-		const struct eco_view view = { .eye = { at[0], at[1], at[2] }, .target = { 0, 100, at[2] },
-			.up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 };
-		struct lod_screen screen;
-		look_at_trees(&screen, &view, foot, 1);
-		float nearer = screen.visibilities[0].wood_nearer;
-		assert_float_equal(nearer, fmax(1, wood_of(at)), 0.001 * (double)nearer);
-		assert_true(nearer >= before && (i > 0 || nearer < 1.001f));
-		before = nearer;
-		lod_screen_free(&screen);
-	}
-	assert_true(before > 5);
-}
-
-UNIT_TEST(leaves_hide_less_of_a_trunk_to_whoever_is_near_it)
+/* A trunk is as large as it is near; leaves hide less of it to an eye within the crown. */
+UNIT_TEST(a_trunk_shows_by_its_nearness)
 {
 	static const double foot[1][3] = { { 0, 0, 0 } };
-	static const struct { double eye[3], behind; } cases[] = { { { 0, -30, 1.7 }, 1 }, { { 0, -2, 1.7 }, 1 },
-		{ { 0, -1, 1.7 }, 0.5 }, { { 0, 0, 1.7 }, 0 }, { { 0, 0.001, 7 }, 0.5 }, { { 0, 0.001, 9 }, 1 },
-		{ { 0, 0.001, 60 }, 1 } };
+	/* nearer: than before, in the next four */
+	static const struct { double eye[3], behind; bool nearer; } cases[] = { { { 0, -2000, 2 }, 1, true },
+		{ { 0, -40, 5 }, 1, true }, { { 0, -8, 1.7 }, 1, true }, { { 1, -2, 1.7 }, 1, true },
+		{ { 0, -0.3, 1.7 }, 0.15, true }, { { 0, -30, 1.7 }, 1, false }, { { 0, -2, 1.7 }, 1, false },
+		{ { 0, -1, 1.7 }, 0.5, false }, { { 0, 0, 1.7 }, 0, false }, { { 0, 0.001, 7 }, 0.5, false },
+		{ { 0, 0.001, 9 }, 1, false }, { { 0, 0.001, 60 }, 1, false } };
+	float before = 0;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const double *at = cases[i].eye;
 		const struct eco_view view = { .eye = { at[0], at[1], at[2] }, .target = { 0, 100, at[2] },
-			.up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 };
+			.fov_y_deg = 50, PICTURE };
 		struct lod_screen screen;
 		look_at_trees(&screen, &view, foot, 1);
+		float nearer = screen.visibilities[0].wood_nearer;
 		assert_float_equal(screen.visibilities[0].wood_behind, cases[i].behind, 0.001);
+		assert_float_equal(nearer, fmax(1, wood_of(at)), 0.001 * (double)nearer);
+		assert_true(i > 0 || nearer < 1.001f);
+		assert_true(!cases[i].nearer || nearer >= before);
+		assert_true(!cases[i].nearer || cases[i + 1].nearer || nearer > 5);
+		before = nearer;
 		lod_screen_free(&screen);
 	}
 }
