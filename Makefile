@@ -417,17 +417,11 @@ RUN_BUILT := $(filter-out %.sh,$(RUN)) $(if $(filter %.sh,$(RUN)),$(BENCHES)) \
 	$(if $(filter %/test_determinism.sh,$(RUN)),$(B)/o0/ecopack $(B)/o0/plans) \
 	$(if $(filter %/test_scene_schema.sh,$(RUN)),$(B)/tests/test_scene) \
 	$(if $(filter tests/faults/%,$(RUN)),$(B)/tests/fault.so)
-# what holds a test to its time
-build/limit: tests/limit.c
-	$(call say,cc,$<)
-	@mkdir -p $(@D)
-	$(Q)$(CC) -std=c11 -O2 -D_GNU_SOURCE $(WARN) -o $@ $<
-
 # -k: one file that does not compile is one failure, not the end; as many jobs as there are processors unless -j says otherwise
 test check: deps
 	$(if $(filter none-%,$(RUN)),@echo "ONLY names no test: $(ONLY); rooms are $(TEST_ROOMS)" >&2; exit 2)
 	@mkdir -p $(B)
-	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all build/limit \
+	@built=0; $(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) all \
 		$(RUN_BUILT) || built=$$?; echo $$built >$(B)/built
 	@$(RUN_$@)
 RUN_test = CHECKS="$(if $(ONLY),,layers headers)" tests/run.sh $(B) $$(cat $(B)/built) $(RUN)

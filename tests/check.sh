@@ -24,7 +24,7 @@ done | sort -n >"$results/changed"
 left() { cat "$results"/*.cpu 2>/dev/null | awk -v all="$limit" '{ all -= $1 } END { printf "%.2f", all }'; }
 while read -r seconds program; do
 	LIMIT_CPU_S=$(left)
-	if awk -v need="$seconds" -v left="$LIMIT_CPU_S" 'BEGIN { exit !(need > left || left <= 0) }'; then
+	if awk -v need="$seconds" -v left="$LIMIT_CPU_S" 'BEGIN { exit !(need >= left) }'; then
 		echo "$(basename "$program") ($seconds s)" >>"$results/omitted"
 	else
 		export LIMIT_CPU_S

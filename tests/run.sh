@@ -7,7 +7,7 @@
 # every corpus replayed through FOLDER/fuzz/fuzz_*, every script tests/*/test_*.sh (status 0 = passed, 77 = skipped; BUILD=FOLDER in its environment). A
 # binary that crashes, hangs or is missing counts as one failed, beside what it counted until then. JOBS of them run at a time.
 #
-# A test may use LIMIT_CPU_S seconds of processor time, with all that it starts, and take LIMIT_WALL_S seconds (tests/limit.c).
+# Each process of a test may use LIMIT_CPU_S seconds of processor time, and the test take LIMIT_WALL_S seconds.
 set -u
 if [ "${1-}" = --one ]; then
 	. "$(dirname "$0")/run_one.sh"
