@@ -4,7 +4,6 @@
 #include "ecofiles/base/range.h"
 #include "tests/support/unit_test.h"
 
-#define COUNT 20000u
 
 static uint32_t next(uint32_t *state)
 {

@@ -386,7 +386,6 @@ static uint32_t random_cover(const struct world *w, struct eco_ground_tile *out,
 	return count;
 }
 
-#define BORDER_PX 40
 
 /* A chosen ground is drawn where the full detail is, to the tolerance and a pixel. */
 UNIT_TEST(the_picture_is_that_of_the_full_detail)

@@ -12,7 +12,6 @@
 #define PATH "build/tmp/ground_stream.eco"
 #define SIDE 1025u
 #define STEP_M 3.0
-#define HALF_M (STEP_M * (SIDE - 1) / 2)
 
 static struct srv_store store;
 static const struct srv_scene *scene;

@@ -119,9 +119,6 @@ UNIT_TEST(between_keyframes_lies_a_catmull_rom_spline)
 	eco_camera_free(camera);
 }
 
-#define ZOOM(time, fov) "{\"time_s\": " time ", \"eye\": [0, 0, 2], \"target\": [0, 50, 1], " \
-	"\"fov_y_deg\": " fov "}"
-
 UNIT_TEST(impossible_scripts_are_refused_by_name)
 {
 	static const struct { const char *json, *text; } rows[] = {

@@ -8,7 +8,6 @@
 #include "tests/support/serve/serve_daemon.h"
 
 #define REQUESTS 400u
-#define TIMES 3u
 #define SCARCE 300000u           /* work that many plans of the sample exceed */
 /* Tenths: nothing is begun any more at the bound, but what has begun ends: an answer at the coarsest level, a
  * price of bytes that fits; and three coarser answers come. */
