@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
 #include "lod/build/texture.h"
 #include "lod/light.h"

@@ -2,7 +2,6 @@
 #include <stdlib.h>
 
 #include "ecofiles/base/random.h"
-#include "ecofiles/format/model.h"
 #include "lod/build/tile.h"
 #include "tests/support/unit_test.h"
 

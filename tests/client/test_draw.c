@@ -3,7 +3,6 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_light.h"
 #include "client-min/draw/view_shader.h"
-#include "client-min/view_reference.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"

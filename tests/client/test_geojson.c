@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "client-min/view_ask.h"
-#include "client-min/view_reference.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 

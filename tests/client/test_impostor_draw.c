@@ -4,9 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_shadow.h"
-#include "client-min/view_reference.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"

@@ -2,8 +2,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "client-min/draw/view_gl.h"
-#include "client-min/view_reference.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 

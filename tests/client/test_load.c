@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "client-min/load/view_load.h"
-#include "ecofiles/base/random.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/serve/serve_daemon.h"

@@ -4,10 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
 #include "lod/build/texture.h"
-#include "lod/raster/raster.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 

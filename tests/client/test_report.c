@@ -7,7 +7,6 @@
 
 #include "client-min/view_ask.h"
 #include "client-min/view_exchange.h"
-#include "client-min/view_fetch.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_query.h"
 #include "client-min/view_report.h"

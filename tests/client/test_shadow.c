@@ -7,7 +7,6 @@
 
 #include "client-min/draw/view_mesh.h"
 #include "client-min/draw/view_shadow.h"
-#include "client-min/view_reference.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 

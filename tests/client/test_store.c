@@ -6,7 +6,6 @@
 #include "client-min/view_record.h"
 #include "client-min/view_table.h"
 #include "client-min/view_select.h"
-#include "ecofiles/format/chunk/chunk.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 

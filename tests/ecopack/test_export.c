@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "ecofiles/ecopack/command.h"
-#include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/ground/ground.h"

@@ -12,7 +12,6 @@
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/impostor.h"
 #include "lod/eye.h"
-#include "tests/support/files.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"

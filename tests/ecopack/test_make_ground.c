@@ -5,12 +5,9 @@
 #include <string.h>
 
 #include "client-min/view_reference.h"
-#include "client-min/view_select.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/angle16.h"
-#include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/run.h"
-#include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/serve/served.h"
 #include "tests/support/unit_test.h"

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/chunk/shape.h"
 #include "tests/support/unit_test.h"
 

@@ -6,7 +6,6 @@
 
 #include "ecofiles/import/track/track.h"
 #include "ecofiles/format/view.h"
-#include "tests/support/input_files.h"
 #include "tests/support/track_made.h"
 #include "tests/support/unit_test.h"
 

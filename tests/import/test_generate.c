@@ -7,7 +7,6 @@
 
 #include "ecofiles/generate/generate.h"
 #include "ecofiles/generate/generate_plants.h"
-#include "ecofiles/generate/generate_scenes.h"
 #include "ecofiles/scene/scene.h"
 #include "ecofiles/format/view.h"
 #include "tests/support/files.h"

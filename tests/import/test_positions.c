@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/format/model.h"
 #include "ecofiles/scene/scene.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"

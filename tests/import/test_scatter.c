@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/model.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/places/scatter.h"
 #include "tests/support/model_try.h"

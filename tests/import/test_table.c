@@ -2,7 +2,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/place_guess.h"
 #include "ecofiles/import/places/table_columns.h"

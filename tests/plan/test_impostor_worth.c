@@ -2,7 +2,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/format/chunk/chunk.h"
 #include "lod/eye.h"
 #include "lod/impostor.h"
 #include "lod/plan/texture_levels.h"

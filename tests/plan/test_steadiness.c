@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "lod/plan/planner.h"
-#include "lod/eye.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"

@@ -22,9 +22,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "ecofiles/base/confine.h"
 #include "server/sandbox.h"
-#include "tests/support/files.h"
 #include "tests/support/serve/http_client.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/serve/serve_program.h"

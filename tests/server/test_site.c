@@ -1,5 +1,4 @@
 /* The viewer's files: what is read at start, and which form of a file a browser gets. */
-#include "server/answer.h"
 #include "tests/support/input_files.h"
 #include "tests/support/serve/serve_daemon.h"
 

@@ -5,7 +5,6 @@
 
 #include "ecofiles/format/wire.h"
 #include "lod/plan/planner.h"
-#include "server/emit.h"
 #include "server/stream.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"

@@ -5,7 +5,6 @@
 #include <fenv.h>
 
 #include "lod/build/ground_tree.h"
-#include "lod/ground_choice.h"
 #include "lod/plan/allocation.h"
 #include "lod/plan/planner.h"
 #include "lod/build/plant.h"
