@@ -9,14 +9,11 @@
 #include "client-min/view_store.h"
 
 #include <assert.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "client-min/view_cache.h"
-#include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/format/texture.h"
 #include "ecofiles/base/array_grow.h"
 
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)

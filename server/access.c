@@ -1,6 +1,5 @@
 #include "server/access.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>

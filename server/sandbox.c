@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <grp.h>
 #include <libgen.h>
-#include <limits.h>
 #include <linux/capability.h>
 #include <linux/fs.h>
 #include <pwd.h>

@@ -13,7 +13,6 @@
 #include "client-min/draw/view_shader.h"
 
 #include <epoxy/gl.h>
-#include <stdio.h>
 
 #include "client-min/draw/view_shadow.h"
 #include "ecofiles/format/list.h"

@@ -10,7 +10,6 @@
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/scene/scene.h"
-#include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/track/track.h"
 #include "ecofiles/format/view.h"
 

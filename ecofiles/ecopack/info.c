@@ -3,7 +3,6 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/inspect.h"

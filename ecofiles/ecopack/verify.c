@@ -1,7 +1,6 @@
 /* Reads everything in a pack as a client would, and reports faults. Opening has already checked the tables
  * against each other; here each payload is hashed and decoded, and data stored twice is compared. */
 #include <inttypes.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

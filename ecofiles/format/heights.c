@@ -1,7 +1,6 @@
 /* Heights between samples, by linear interpolation on the triangles of heights.h. */
 #include "ecofiles/format/heights.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #include "ecofiles/format/pack.h"

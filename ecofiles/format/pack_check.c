@@ -4,7 +4,6 @@
  * lines: one table's checks rely on another's.
  *
  * A function NAME_fault says what is wrong with a record; NULL: nothing. It relies on the checks before it. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,7 +6,6 @@
  * of the frame before, so the parser's memory does not grow with the stream. */
 #include "ecofiles/format/wire.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -12,7 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/generate/generate_plants.h"

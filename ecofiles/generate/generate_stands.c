@@ -7,7 +7,6 @@
  * palms, a field of sunflowers. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/generate/generate_plants.h"

@@ -12,7 +12,6 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
-#include "ecofiles/format/model.h"
 
 #define DEPTH_MAX 60             /* halvings: beyond it doubles do not separate positions */
 

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "lod/plan/byte_price_state.h"
-#include "lod/plan/texture_levels.h"
 #include "lod/plan/allocation.h"
 
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "lod/plan/byte_price_state.h"
 #include "lod/plan/allocation.h"

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
-#include "lod/plan/fill_budget.h"
 #include "lod/plan/price_search.h"
 
 #define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */

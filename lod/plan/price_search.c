@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "lod/plan/byte_price.h"
-#include "lod/eye.h"
 
 #define PRICE_NEAR 0.25          /* the same from a price that nearly fits */
 #define PRICE_USUAL -1.0

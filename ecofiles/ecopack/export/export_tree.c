@@ -1,7 +1,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/version.h"

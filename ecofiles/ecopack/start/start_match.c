@@ -2,7 +2,6 @@
 #include "ecofiles/ecopack/start/start.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/memory.h"

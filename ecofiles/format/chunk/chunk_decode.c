@@ -2,7 +2,6 @@
  * nothing is copied twice, as decoding is where a client is slowest. */
 #include "ecofiles/format/chunk/chunk.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 
 #include <assert.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/range.h"

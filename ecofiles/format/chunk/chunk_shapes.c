@@ -8,7 +8,6 @@
  * have other steps than corners, so the two orders may differ by a little; a step back is a rare symbol.
  *
  * The same functions encode and decode. */
-#include "ecofiles/format/chunk/chunk.h"
 
 #include <stdlib.h>
 #include <string.h>

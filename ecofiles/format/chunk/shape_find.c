@@ -17,7 +17,6 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
-#include "ecofiles/format/chunk/chunk_rows.h"
 
 #define FLAT 1e-3                /* a shape is flat if its corners are nearer to a plane, in radii */
 #define WAYS_FINE 2.0            /* a direction's square is at most about so many 2^-way_bits wide */
