@@ -206,7 +206,7 @@ static bool has_turned(void *ctx)
 	return ++turn_asked == turns_at;
 }
 
-/* Of the server's port, or one where none listens. */
+/* The server's port, or one where none listens. */
 static struct view_fetch *fetch_at(uint16_t port, struct view_fetch_options options)
 {
 	static char url[64];

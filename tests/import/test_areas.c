@@ -30,9 +30,6 @@ static void put_path(struct wkb *w, const double (*at)[2], uint32_t count)
 
 static bool as_is(void *ctx, double xy[2], struct eco_error *error)
 {
-	(void)ctx;
-	(void)xy;
-	(void)error;
 	return true;
 }
 

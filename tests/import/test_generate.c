@@ -136,8 +136,6 @@ UNIT_TEST(test_plants_have_believable_sizes)
 
 static bool stop(void *ctx, const char *stage, double share)
 {
-	(void)stage;
-	(void)share;
 	return --*(int *)ctx > 0;
 }
 

@@ -58,7 +58,6 @@ static enum eco_code reader_list(void *ctx, uint32_t id, const struct eco_list *
 {
 	struct stream_reader *r = ctx;
 	const struct eco_group *truth = list->group_count ? eco_list_groups(r->truth, id) : NULL;
-	(void)palette;
 	if (r->knows_list[id])
 		return eco_fail(e, ECO_DAMAGED, "list %u is described twice", id);
 	if (list->kind != r->truth->lists[id].kind || list->chunk_count != r->truth->lists[id].chunk_count)
@@ -76,7 +75,6 @@ static enum eco_code reader_chunk(void *ctx, uint32_t list, uint32_t ordinal, co
 	const uint8_t *payload, struct eco_error *e)
 {
 	struct stream_reader *r = ctx;
-	(void)payload;
 	if (!r->knows_list[list])
 		return eco_fail(e, ECO_DAMAGED, "a chunk of list %u before its description", list);
 	if (ordinal != r->have[list])
