@@ -40,9 +40,6 @@ enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, 
 
 void extreme_stand_place(struct extreme_stand *stand, const struct extreme_place *place)
 {
-	stand->places = realloc(stand->places, (stand->place_count + 1) * sizeof *stand->places);
-	if (!stand->places)
-		abort();
 	stand->places[stand->place_count++] = *place;
 }
 
@@ -91,7 +88,6 @@ void extreme_stand_free(struct extreme_stand *stand)
 {
 	for (uint32_t i = 0; i < stand->plant_count; i++)
 		lod_plant_free(&stand->plants[i]);
-	free(stand->places);
 	*stand = (struct extreme_stand){ 0 };
 }
 

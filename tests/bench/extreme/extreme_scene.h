@@ -30,7 +30,7 @@ struct extreme_place { uint32_t plant; double at[3]; uint16_t turn; double scale
 
 struct extreme_stand {
 	struct lod_plant plants[EXTREME_PLANTS];     uint32_t plant_count;
-	struct extreme_place *places;                uint32_t place_count;
+	struct extreme_place places[60];             uint32_t place_count;
 	double side;                                 /* m: a square around the origin, cut into four tiles */
 	double near_m;
 	bool summaries;
