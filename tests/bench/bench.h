@@ -122,8 +122,10 @@ enum eco_code bench_crown_write(const char *folder, const char *name, struct eco
  * scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. */
 void bench_scene(struct bench *bench, const char *name, const char *order, char path[512]);
-/* ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
-enum eco_code bench_scene_data(const struct bench *bench, const char *name, struct eco_error *error);
+/* False where the quick bench leaves the scene out: the report says so. */
+bool bench_scene_asked(struct bench *bench, const char *name);
+/* False, too, where the scene needs data that is not there (scbi): the report says so. Makes its pack. */
+bool bench_scene_there(struct bench *bench, const char *name, char pack[512]);
 /* The pack of one model, made anew each time; its plant comes from a cache. */
 void bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512]);
 /* Stamp of the pack's content for units: the same for the same bytes. Borrowed until the next call. */
@@ -131,8 +133,6 @@ const char *bench_pack_stamp(const char *path);
 /* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there
  * (bench_requests.c). */
 void bench_request_packs(struct bench *bench);
-/* Whether the quick bench looks at a scene. */
-bool bench_scene_quick(const char *name);
 /* Its cameras: `room` requests along the scene's path; views never used in building. Returns their number. */
 uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests,
 	uint32_t room);

@@ -44,10 +44,12 @@ static const struct scene *find(const char *name)
 	return NULL;
 }
 
-bool bench_scene_quick(const char *name)
+bool bench_scene_asked(struct bench *bench, const char *name)
 {
-	const struct scene *scene = find(name);
-	return scene && scene->quick;
+	bool asked = bench->full || find(name)->quick;
+	if (!asked)
+		bench_left_out(bench, name);
+	return asked;
 }
 
 /* ---- Stamps ---- */
@@ -119,7 +121,7 @@ static void make_crown(const char *folder)
 	fclose(out);
 }
 
-enum eco_code bench_scene_data(const struct bench *bench, const char *name, struct eco_error *error)
+static enum eco_code find_data(const struct bench *bench, const char *name, struct eco_error *error)
 {
 	char path[PATH];
 	snprintf(path, sizeof path, "%s/inventories/scbi_stems_2018_utm17n.csv", bench->data ? bench->data : "");
@@ -128,12 +130,25 @@ enum eco_code bench_scene_data(const struct bench *bench, const char *name, stru
 		"(make bench DATA=DIR)");
 }
 
+bool bench_scene_there(struct bench *bench, const char *name, char pack[512])
+{
+	struct eco_error why = { 0 };
+	if (!bench_scene_asked(bench, name))
+		return false;
+	if (!find_data(bench, name, &why)) {
+		bench_scene(bench, name, NULL, pack);
+		return true;
+	}
+	bench_say(bench, "Without %s: %s", name, why.text);
+	return false;
+}
+
 static void make_folder(struct bench *bench, const struct scene *s, char folder[PATH])
 {
 	char stamp[STAMP], scene[PATH];
 	snprintf(folder, PATH, "%.900s/scenes/%s", bench->cache, s->name);
 	snprintf(scene, sizeof scene, "%.1000s/scene.json", folder);
-	must(bench_scene_data(bench, s->name, must_error));
+	must(find_data(bench, s->name, must_error));
 	scene_stamp(bench, s, NULL, stamp);
 	if (stamp_fits(scene, stamp))
 		return;

@@ -29,27 +29,6 @@ static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 50
 
 #define ONE_TREE 30u              /* a scene of one needs so many times less */
 
-bool bench_scene_asked(struct bench *bench, const char *scene)
-{
-	bool asked = bench->full || bench_scene_quick(scene);
-	if (!asked)
-		bench_left_out(bench, scene);
-	return asked;
-}
-
-bool bench_scene_there(struct bench *bench, const char *scene, char pack[512])
-{
-	if (!bench_scene_asked(bench, scene))
-		return false;
-	struct eco_error why = { 0 };
-	if (!bench_scene_data(bench, scene, &why)) {
-		bench_scene(bench, scene, NULL, pack);
-		return true;
-	}
-	bench_say(bench, "Without %s: %s", scene, why.text);
-	return false;
-}
-
 static int ascending(const void *a, const void *b)
 {
 	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;

@@ -21,11 +21,6 @@ enum { BENCH_OURS, BENCH_DEUSSEN_RULE, BENCH_STOCHASTIC, BENCH_UNOCCLUDED, BENCH
 	BENCH_DENSITY_ORDER, BENCH_ORIENTATION_ORDER, BENCH_METHODS };
 extern const struct bench_method bench_methods[BENCH_METHODS];
 
-/* False where the quick bench leaves the scene out (bench_scene_quick): the report says so. */
-bool bench_scene_asked(struct bench *bench, const char *scene);
-/* False, too, where the scene needs data that is not there: the report says so, and it is no error. Makes its
- * pack. */
-bool bench_scene_there(struct bench *bench, const char *scene, char pack[512]);
 /* Vertices, ascending: a common grid, and what the literature drew of this scene. */
 uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX]);
 /* Number of a scene's views that this run looks at, at most BENCH_SHOT_VIEWS_MAX; their requests are those of

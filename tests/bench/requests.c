@@ -27,6 +27,7 @@
 #include <string.h>
 #include <xxhash.h>
 
+#include "client-min/view_query.h"
 #include "client-min/view_select.h"
 #include "lod/plan/planner.h"
 #include "server/typical.h"
@@ -71,7 +72,7 @@ static void violated(struct run *run, enum violation what, const char *format,
 	...) __attribute__((format(printf, 3, 4)));
 static void violated(struct run *run, enum violation what, const char *format, ...)
 {
-	const struct eco_request *q = &run->request;
+	char query[VIEW_QUERY_BYTES];
 	va_list args;
 	run->count[what]++;
 	if (run->described++ >= DESCRIBED_MOST)
@@ -80,16 +81,8 @@ static void violated(struct run *run, enum violation what, const char *format, .
 	va_start(args, format);
 	vfprintf(stderr, format, args);
 	va_end(args);
-	fprintf(stderr, "\n    --seed %llu --only %llu: "
-		"eye=%.17g,%.17g,%.17g&target=%.17g,%.17g,%.17g&up=%.17g,%.17g,%.17g&fov_y_deg=%.17g"
-		"&width=%u&height=%u&vertices=%llu", run->seed,
-		run->number, q->view.eye[0], q->view.eye[1], q->view.eye[2],
-		q->view.target[0], q->view.target[1], q->view.target[2], q->view.up[0], q->view.up[1],
-		q->view.up[2], q->view.fov_y_deg, q->view.width, q->view.height,
-		(unsigned long long)q->vertices);
-	if (q->bytes != ECO_BYTES_UNBOUNDED)
-		fprintf(stderr, "&bytes=%llu", (unsigned long long)q->bytes);
-	fputc('\n', stderr);
+	view_query_write(&run->request, NULL, query, sizeof query);
+	fprintf(stderr, "\n    --seed %llu --only %llu: %s\n", run->seed, run->number, query);
 }
 
 /* ---- A stream, state by state ---- */

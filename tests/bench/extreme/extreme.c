@@ -63,9 +63,9 @@ void extreme_same(struct extreme *x, const char *what, uint64_t value, uint64_t 
 		(unsigned long long)expected);
 }
 
-void extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error)
+void extreme_good(struct extreme *x, enum eco_code code)
 {
-	extreme_must(x, code == ECO_OK, "%s", error->text);
+	extreme_must(x, code == ECO_OK, "%s", x->error.text);
 }
 
 /* ---- The section ---- */

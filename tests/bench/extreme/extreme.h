@@ -21,6 +21,7 @@ struct extreme {                     /* a case while it runs */
 	bool failed;
 	/* result in words; the failure only, if there is one */
 	char measured[400];
+	struct eco_error error;      /* that functions fail to */
 	jmp_buf failure;
 };
 
@@ -50,7 +51,7 @@ void extreme_must(struct extreme *x, bool holds, const char *format,
 void extreme_most(struct extreme *x, const char *what, double value, double most);
 void extreme_least(struct extreme *x, const char *what, double value, double least);
 void extreme_same(struct extreme *x, const char *what, uint64_t value, uint64_t expected);
-/* An answer that must be ECO_OK. */
-void extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error);
+/* An answer that must be ECO_OK; x->error says why it is not. */
+void extreme_good(struct extreme *x, enum eco_code code);
 
 #endif

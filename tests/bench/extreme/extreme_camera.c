@@ -38,8 +38,7 @@ static struct extreme_look look_through(struct extreme *x, const struct extreme_
 {
 	struct eco_request request = { .view = *view, .bytes = ECO_BYTES_UNBOUNDED };
 	struct extreme_look look = { 0 };
-	struct eco_error error = { 0 };
-	extreme_good(x, eco_view_check(view, &error), &error);
+	extreme_good(x, eco_view_check(view, &x->error));
 	for (int i = 0; i < BUDGETS; i++) {
 		struct view_picture picture = { 0 };
 		request.vertices = budgets[i];

@@ -61,22 +61,20 @@ static void at_site(struct extreme *x)
 
 /* ---- 1 mm beside 100 m ---- */
 
-static enum eco_code make_unlike(struct extreme_stand *stand, struct eco_error *error)
+static void make_unlike(struct extreme *x, struct extreme_stand *stand)
 {
-	enum eco_code code = ECO_OK;
-	for (int moss = 0; moss < 2 && !code; moss++) {
+	for (int moss = 0; moss < 2; moss++) {
 		struct soup soup;
 		soup_tree(&soup, 3000, 0, false);
 		for (uint32_t i = 0; i < 3 * soup.model.vertex_count; i++)
 			soup.model.position[i] *= moss ? 100.0f / 6 * 1e-5f : 100.0f / 6;
-		code = extreme_stand_add(stand, &soup, moss ? "moss" : "giant", error);
+		extreme_good(x, extreme_stand_add(stand, &soup, moss ? "moss" : "giant", &x->error));
 	}
 	for (uint32_t i = 0; i < 12; i++)
 		extreme_stand_place(stand,
 			&(struct extreme_place){ .plant = i > 3,
 			.at = { i < 4 ? 40 * (i + 1.0) - 90 : 1e-3 * i - 8e-3, i < 4 ? 60 : 0, 0 },
 			.turn = (uint16_t)(5000 * i), .scale = 1 });
-	return code;
 }
 
 static void look_unlike(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
@@ -105,12 +103,11 @@ static void unlike(struct extreme *x)
 {
 	struct extreme_stand stand = { .side = 200, .near_m = 1e-4 };
 	struct extreme_world world = { 0 };
-	struct eco_error error = { 0 };
 	struct eco_request near = extreme_request(20000), far = near;
 	near.view.target[2] = 5e-4;
 	memcpy(near.view.eye, (double[3]){ 0, -0.03, 0.002 }, sizeof near.view.eye);
 	memcpy(far.view.eye, (double[3]){ 0, -300, 60 }, sizeof far.view.eye);
-	extreme_good(x, make_unlike(&stand, &error), &error);
+	make_unlike(x, &stand);
 	extreme_world_open(x, &world, &stand, &(struct extreme_site){ 0 });
 	look_unlike(x, &world, &near, "from 3 cm");
 	look_unlike(x, &world, &far, "from 300 m");

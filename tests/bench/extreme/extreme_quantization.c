@@ -118,13 +118,10 @@ static void measure_plant(struct extreme *x, const struct lod_plant *plant, cons
 static void measure(struct extreme *x, struct soup *soup, const char *name, uint32_t bits, uint32_t lost_most)
 {
 	struct lod_plant plant = { 0 };
-	struct eco_error error = { 0 };
 	struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_STOCHASTIC,
 		.grid_bits = bits, .views = 2, .pixels = 64 };
-	enum eco_code code = lod_plant_build(&plant, &soup->model, &options, &error);
-	if (!code)
-		code = lod_plant_measure(&plant, &soup->model, &options, &error);
-	extreme_good(x, code, &error);
+	extreme_good(x, lod_plant_build(&plant, &soup->model, &options, &x->error));
+	extreme_good(x, lod_plant_measure(&plant, &soup->model, &options, &x->error));
 	measure_plant(x, &plant, &soup->model, lost_most);
 	lod_plant_free(&plant);
 	soup_free(soup);

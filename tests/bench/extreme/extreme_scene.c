@@ -56,12 +56,12 @@ static void scatter(struct extreme_stand *stand, uint32_t plant, uint32_t count,
 	}
 }
 
-static enum eco_code make_stand(struct extreme_stand *stand, struct eco_error *error)
+static void make_stand(struct extreme *x, struct extreme_stand *stand)
 {
 	struct soup soup;
 	*stand = (struct extreme_stand){ .side = EXTREME_SIDE_M, .near_m = 0.05, .summaries = true };
 	soup_tree(&soup, 1500, 60, false);
-	enum eco_code code = extreme_stand_add(stand, &soup, "tree", error);
+	extreme_good(x, extreme_stand_add(stand, &soup, "tree", &x->error));
 	soup_begin(&soup);
 	uint32_t leaf = soup_material(&soup, 70, 130, 50, ECO_NONE, false);
 	for (int i = 0; i < 400; i++)
@@ -69,7 +69,7 @@ static enum eco_code make_stand(struct extreme_stand *stand, struct eco_error *e
 			lod_v3_add((struct lod_v3){ 0, 0, 0.6 },
 			lod_v3_scale(soup_direction(&soup), 0.6 * sqrt(soup_random(&soup, 0, 1)))), 0.12,
 			0.07);
-	code = code ? code : extreme_stand_add(stand, &soup, "bush", error);
+	extreme_good(x, extreme_stand_add(stand, &soup, "bush", &x->error));
 	soup_begin(&soup);
 	leaf = soup_material(&soup, 90, 150, 60, ECO_NONE, false);
 	for (int i = 0; i < 60; i++)
@@ -77,11 +77,10 @@ static enum eco_code make_stand(struct extreme_stand *stand, struct eco_error *e
 			(struct lod_v3){ soup_random(&soup, -0.3, 0.3), soup_random(&soup, -0.3, 0.3), 0.2 },
 			(struct lod_v3){ 0.02, 0, 0 },
 			(struct lod_v3){ soup_random(&soup, -0.1, 0.1), soup_random(&soup, -0.1, 0.1), 0.4 });
-	code = code ? code : extreme_stand_add(stand, &soup, "grass", error);
+	extreme_good(x, extreme_stand_add(stand, &soup, "grass", &x->error));
 	scatter(stand, 0, 14, 1);
 	scatter(stand, 1, 20, 2);
 	scatter(stand, 2, 26, 3);
-	return code;
 }
 
 void extreme_stand_free(struct extreme_stand *stand)
@@ -102,10 +101,9 @@ static void free_shared(void)
 
 const struct extreme_stand *extreme_stand(struct extreme *x)
 {
-	struct eco_error error = { 0 };
 	if (!shared.plant_count) {
 		atexit(free_shared);
-		extreme_good(x, make_stand(&shared, &error), &error);
+		make_stand(x, &shared);
 	}
 	return &shared;
 }
@@ -341,15 +339,12 @@ void extreme_world_open(struct extreme *x, struct extreme_world *world, const st
 	const struct extreme_site *site)
 {
 	char path[64];
-	struct eco_error error = { 0 };
 	folder_make("build/tmp");
 	snprintf(path, sizeof path, "build/tmp/extreme-%ld.eco", (long)getpid());
-	enum eco_code code = write_pack(stand, site, path, &error);
 	srv_store_init(&world->store);
-	if (!code)
-		code = srv_store_add(&world->store, "extreme", path, &error);
+	extreme_good(x, write_pack(stand, site, path, &x->error));
+	extreme_good(x, srv_store_add(&world->store, "extreme", path, &x->error));
 	unlink(path);                            /* the mapping stays */
-	extreme_good(x, code, &error);
 	world->scene = world->store.scenes[0];
 }
 
@@ -406,12 +401,11 @@ void extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct 
 {
 	struct eco_plan *sorted = (struct eco_plan *)plan;
 	const struct eco_prediction *p = &plan->prediction;
-	struct eco_error error = { 0 };
 	double pixels = (double)request->view.width * request->view.height * (1 + 1e-6);
 	eco_plan_sort(sorted);
 	extreme_must(x, plan->vertices <= request->vertices, "%llu vertices of at most %llu",
 		(unsigned long long)plan->vertices, (unsigned long long)request->vertices);
-	extreme_good(x, eco_plan_check(sorted, &error), &error);
+	extreme_good(x, eco_plan_check(sorted, &x->error));
 	extreme_must(x, p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp <= pixels && p->fp <= pixels
 		&& p->fn <= pixels, "predicted %g, %g and %g of %g pixels", p->tp, p->fp, p->fn, pixels);
 }
@@ -420,8 +414,7 @@ void extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct
 	struct eco_plan *plan)
 {
 	struct lod_planner_input input = { .scene = scene, .request = request };
-	struct eco_error error = { 0 };
-	extreme_good(x, lod_plan(plan, &input, &error), &error);
+	extreme_good(x, lod_plan(plan, &input, &x->error));
 	extreme_sound(x, plan, request);
 }
 
@@ -447,46 +440,38 @@ void extreme_again(struct extreme *x, const struct eco_scene *scene, const struc
 
 /* ---- Pictures ---- */
 
-static enum eco_code fetch(struct view_store **store, const struct extreme_world *world,
-	const struct eco_request *request, struct eco_error *error)
+static struct view_store *fetch(struct extreme *x, const struct extreme_world *world,
+	const struct eco_request *request)
 {
-	enum eco_code code = view_store_new(store, &(struct view_store_options){ .images = true }, error);
-	return code ? code : bench_fetch(NULL, world->scene, request, *store, error);
+	struct view_store *store;
+	extreme_good(x, view_store_new(&store, &(struct view_store_options){ .images = true }, &x->error));
+	extreme_good(x, bench_fetch(NULL, world->scene, request, store, &x->error));
+	return store;
 }
 
 void extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	struct view_picture *picture)
 {
-	struct bench_drawing drawing = { .job = { .near_m = 0 } };
-	struct view_store *store = NULL;
-	struct eco_error error = { 0 };
-	enum eco_code code = fetch(&store, world, request, &error);
-	if (!code)
-		code = bench_draw(&drawing, store, &request->view, picture, &error);
+	struct bench_drawing drawing;
+	struct view_store *store = fetch(x, world, request);
+	extreme_good(x, bench_draw(&drawing, store, &request->view, picture, &x->error));
 	view_select_free(&drawing.selection);
 	view_store_free(store);
-	extreme_good(x, code, &error);
 }
 
 void extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	uint8_t *cover)
 {
-	struct view_selection selection = { 0 };
-	struct view_store *store = NULL;
-	struct eco_error error = { 0 };
+	struct view_selection selection;
+	struct view_store *store = fetch(x, world, request);
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request->view);
-	enum eco_code code = fetch(&store, world, request, &error);
-	if (!code)
-		code = view_select_make(&selection, store, &eye, &error);
-	if (!code)
-		code = view_reference_count(&(struct view_reference_job){ .store = store,
-			.selection = &selection, .eye = &eye, .near_m = bench_near_m(store) },
-			&(struct view_coverage){ request->view.width, request->view.height, 1, cover },
-			&error);
+	extreme_good(x, view_select_make(&selection, store, &eye, &x->error));
+	extreme_good(x, view_reference_count(&(struct view_reference_job){ .store = store,
+		.selection = &selection, .eye = &eye, .near_m = bench_near_m(store) },
+		&(struct view_coverage){ request->view.width, request->view.height, 1, cover }, &x->error));
 	view_select_free(&selection);
 	view_store_free(store);
-	extreme_good(x, code, &error);
 }
 
 uint64_t extreme_covered(const struct view_picture *picture)

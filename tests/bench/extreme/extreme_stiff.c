@@ -142,12 +142,11 @@ struct sum { uint64_t vertices; double error; struct lod_planner_stats stats; };
 static struct sum plan_for(struct extreme *x, const struct scene_builder *t, uint64_t vertices, lod_rule *rule)
 {
 	struct eco_plan plan = { 0 };
-	struct eco_error error = { 0 };
 	struct eco_request request = request_of(t, vertices);
 	struct sum sum = { .vertices = 0 };
 	struct lod_planner_input input = { .scene = &t->scene, .request = &request, .rule = rule,
 		.stats = &sum.stats };
-	extreme_good(x, lod_plan(&plan, &input, &error), &error);
+	extreme_good(x, lod_plan(&plan, &input, &x->error));
 	extreme_sound(x, &plan, &request);
 	extreme_must(x, sum.stats.converged, "budget %llu: the search did not converge",
 		(unsigned long long)vertices);
@@ -202,8 +201,7 @@ static void steps(struct extreme *x)
 		struct lod_planner_input input = { .scene = &t.scene, .request = &request,
 			.rule = lod_rule_deussen };
 		struct eco_plan plan = { 0 };
-		struct eco_error error = { 0 };
-		extreme_good(x, lod_plan(&plan, &input, &error), &error);
+		extreme_good(x, lod_plan(&plan, &input, &x->error));
 		/* what the solved distance alone comes to is found by asking for no more than it */
 		uint64_t v = plan.vertices;
 		eco_plan_free(&plan);
