@@ -112,7 +112,7 @@ static size_t sample_band(const struct ground_colors *c, int number, float *valu
 }
 
 /* Black and white of the three bands together, so that hues stay. */
-static enum eco_code guess_range(const struct ground_colors *c, double range[2], struct ground_notes *notes,
+static enum eco_code guess_range(const struct ground_colors *c, double range[2], struct eco_notes *notes,
 	struct eco_error *error)
 {
 	float *values = eco_alloc(4 * RANGE_SAMPLES * RANGE_SAMPLES, sizeof *values);
@@ -131,7 +131,7 @@ static enum eco_code guess_range(const struct ground_colors *c, double range[2],
 			"%.200s: %s; say which of its values are black and white: "
 			"\"image\": {\"file\": ..., \"range\": [0, 65535]}",
 			c->raster.path, count ? "all its pixels are alike" : "it has no pixel with a value");
-	ground_note(notes,
+	eco_note(notes,
 		"%.200s: its bands hold %s; %.6g is taken for black and %.6g for white, which leaves "
 		"out the darkest and the brightest 1/200 (\"range\": [black, white] beside \"file\" says "
 		"others)",
@@ -143,7 +143,7 @@ static enum eco_code guess_range(const struct ground_colors *c, double range[2],
 
 /* Colours are bytes, or three bands of other numbers; one band of them may be heights or classes as well. */
 static enum eco_code find_range(struct ground_colors *c, bool said, double range[2],
-	struct ground_notes *notes, struct eco_error *error)
+	struct eco_notes *notes, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	GDALDataType other = GDT_Byte;
@@ -170,7 +170,7 @@ static enum eco_code find_range(struct ground_colors *c, bool said, double range
 }
 
 enum eco_code ground_colors_open(struct ground_colors *c, const struct eco_ground_image_source *source,
-	double range[2], struct ground_notes *notes, struct eco_error *error)
+	double range[2], struct eco_notes *notes, struct eco_error *error)
 {
 	const struct ground_raster *r = &c->raster;
 	GDALRasterBandH first = GDALGetRasterBand(r->file, 1);

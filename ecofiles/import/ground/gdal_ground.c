@@ -77,7 +77,7 @@ static void split_vertical(OGRSpatialReferenceH crs, char vertical[64], double *
 
 enum eco_code ground_scene_check(struct ground_scene *job, struct eco_error *error)
 {
-	const char *text = job->options->scene_crs;
+	const char *text = job->scene_crs;
 	double unit;
 	if (!text)
 		return ECO_OK;
@@ -94,13 +94,12 @@ enum eco_code ground_scene_check(struct ground_scene *job, struct eco_error *err
 /* The raster's CRS as the scene states it, else from the file; the error names the line to add. */
 static enum eco_code raster_crs(struct ground_raster *r, struct ground_scene *job, struct eco_error *error)
 {
-	const struct eco_ground_options *o = job->options;
 	OGRSpatialReferenceH file = GDALGetSpatialRef(r->file), own = file ? OSRClone(file) : NULL;
-	const char *stated = o->source->crs;
+	const char *stated = job->stated;
 	enum eco_code code = ECO_OK;
 	if (own)
 		split_vertical(own, r->vertical, &r->crs_unit_m);
-	if (!o->scene_crs) {
+	if (!job->scene_crs) {
 		if (own && (OSRIsProjected(own) || OSRIsGeographic(own)))
 			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the "
 				"scene has no CRS; add \"crs\" and \"origin\" to "
@@ -110,12 +109,12 @@ static enum eco_code raster_crs(struct ground_raster *r, struct ground_scene *jo
 		if (code == ECO_OK && r->vertical[0] == 0)
 			split_vertical(r->crs, r->vertical, &r->crs_unit_m);
 		if (code == ECO_OK && own && !OSRIsSame(own, r->crs))
-			ground_note(job->notes, "%.200s says it is in %.80s; the scene says %.80s, "
+			eco_note(job->notes, "%.200s says it is in %.80s; the scene says %.80s, "
 				"which is used", r->path, OSRGetName(own), stated);
 	} else if (!own) {
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: "
 			"\"ground\": {%s, \"crs\": \"%.80s\"}%s (if it is the scene's)", r->path,
-			job->where[0], o->scene_crs, job->where[1]);
+			job->where[0], job->scene_crs, job->where[1]);
 	} else {
 		r->crs = OSRClone(own);
 		OSRSetAxisMappingStrategy(r->crs, OAMS_TRADITIONAL_GIS_ORDER);
@@ -130,11 +129,9 @@ static enum eco_code raster_crs(struct ground_raster *r, struct ground_scene *jo
 static enum eco_code find_transform(struct ground_raster *r, const struct ground_scene *job,
 	struct eco_error *error)
 {
-	const struct eco_ground_source *source = job->options->source;
 	double *t = r->transform;
-	if (source->has_place) {
-		double stated[6] = { source->corner[0], source->pixel[0], 0, source->corner[1], 0,
-			-source->pixel[1] };
+	if (job->has_place) {
+		double stated[6] = { job->corner[0], job->pixel[0], 0, job->corner[1], 0, -job->pixel[1] };
 		memcpy(t, stated, sizeof stated);
 	} else if (GDALGetGeoTransform(r->file, t) != CE_None) {
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the "
@@ -281,7 +278,7 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 			"%.60s, and no conversion is at hand; convert "
 			"the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);
 	if (!scene && r == job->rasters)
-		ground_note(&job->asked->notes, "%.200s: what its heights count from %s%.60s%s, and the "
+		eco_note(&job->asked->notes, "%.200s: what its heights count from %s%.60s%s, and the "
 			"scene does not say either; they are taken as they are (to be sure, add \"vertical\" "
 			"to the scene and to its ground)", r->path,
 			own[0] != 0 ? "is said to be " : "is not said", own, own[0] != 0 ? " by the file"
@@ -327,7 +324,7 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 			: step[k];
 	}
 	if (f->step[0] > step[0] || f->step[1] > step[1])
-		ground_note(&job->asked->notes, "%.200s: %.0f x %.0f samples, averaged down to %u x %u; cut "
+		eco_note(&job->asked->notes, "%.200s: %.0f x %.0f samples, averaged down to %u x %u; cut "
 			"out the part that is needed to keep its resolution",
 			first->path, (high[0] - low[0]) / step[0], (high[1] - low[1]) / step[1],
 			f->samples[0], f->samples[1]);
@@ -508,7 +505,9 @@ static enum eco_code import(struct eco_ground *ground, struct job *job, struct e
 
 enum eco_code gdal_ground_read(struct eco_ground_job *asked, FILE *out, struct eco_error *error)
 {
-	struct job job = { .asked = asked, .options = asked->options, .scene = { .options = asked->options,
+	const struct eco_ground_source *source = asked->options->source;
+	struct job job = { .asked = asked, .options = asked->options, .scene = { .scene_crs = asked->options->scene_crs,
+		.stated = source->crs, .has_place = source->has_place, .corner = source->corner, .pixel = source->pixel,
 		.notes = &asked->notes, .where = { "\"heights\": ...", "" }, .what = "ground" } };
 	struct eco_ground ground = { .height_m = NULL };
 	CPLPushErrorHandler(CPLQuietErrorHandler);

@@ -7,8 +7,6 @@
 
 #include "ecofiles/import/ground/import_ground.h"
 
-void ground_note(struct ground_notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
 struct ground_raster {
 	const char *path;
 	GDALDatasetH file;
@@ -23,8 +21,10 @@ struct ground_raster {
 
 /* The frame in which rasters are placed. */
 struct ground_scene {
-	const struct eco_ground_options *options;    /* as the caller gave them */
-	struct ground_notes *notes;
+	const char *scene_crs, *stated;      /* CRS of the scene, and of the rasters as it says; NULL: none */
+	bool has_place;              /* the scene says where a raster lies, too: */
+	const double *corner, *pixel;
+	struct eco_notes *notes;
 	OGRSpatialReferenceH crs;    /* NULL: none; the owner destroys it */
 	char vertical[64];           /* of a compound CRS; else empty */
 	/* for messages: what the scene says before a CRS, and after it; and the object it is in */
@@ -54,7 +54,7 @@ struct ground_samples {
 	double transform[6];
 };
 enum eco_code ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
-	const struct eco_ground_source *source, uint32_t columns, uint32_t rows, struct ground_notes *notes,
+	const struct eco_ground_source *source, uint32_t columns, uint32_t rows, struct eco_notes *notes,
 	struct eco_error *error);
 
 /* ---- Colours of one raster ---- */
@@ -75,7 +75,7 @@ struct ground_colors {
 /* Finds out what an opened raster shows; its CRS and place need not be known. `range`, black and white of
  * bands that are no bytes, is guessed and noted where it is empty, and then holds for all rasters. */
 enum eco_code ground_colors_open(struct ground_colors *colors, const struct eco_ground_image_source *source,
-	double range[2], struct ground_notes *notes, struct eco_error *error);
+	double range[2], struct eco_notes *notes, struct eco_error *error);
 /* Puts a raster whose place was found where the scene says. */
 enum eco_code ground_colors_locate(struct ground_colors *colors, const struct eco_ground_image_source *source,
 	struct eco_error *error);

@@ -22,9 +22,6 @@
 struct job {
 	struct eco_ground_image_job *asked;
 	const struct eco_ground_image_options *options;
-	/* the same as a source of heights, for which rasters are placed */
-	struct eco_ground_source as_ground;
-	struct eco_ground_options as_options;
 	struct ground_scene scene;
 	struct ground_colors *rasters; uint32_t count;
 	double low[2], high[2], finest_m;        /* of all rasters, in the scene */
@@ -99,7 +96,7 @@ static void bound_squares(struct job *job)
 		job->pixel_m *= 2;
 	}
 	if (job->finest_m > finest)
-		ground_note(job->scene.notes,
+		eco_note(job->scene.notes,
 			"%.200s: texels of %.3g m, averaged up to %.3g m, as an image has %llu squares of %u "
 			"x %u texels at most; cut out the part that is needed, or say \"texel_m\"",
 			job->rasters[0].raster.path, finest, job->finest_m, (unsigned long long)most, SIDE,
@@ -149,7 +146,7 @@ static void doubt_overlap(struct job *job)
 			> fmax(BEYOND_M, job->finest_m);
 	if (!lacks || !(o->low[0] <= o->high[0]))
 		return;
-	ground_note(job->scene.notes, "%.200s: the image lies from %.0f, %.0f to %.0f, %.0f in the scene and does not "
+	eco_note(job->scene.notes, "%.200s: the image lies from %.0f, %.0f to %.0f, %.0f in the scene and does not "
 		"reach %s plants%s", job->rasters[0].raster.path, job->low[0], job->low[1], job->high[0], job->high[1],
 		x + y > 0 ? "any" : "all", x + y > 0 ? "; look at its CRS and at the scene's \"crs\" and \"origin\"" : "");
 }
@@ -305,13 +302,9 @@ enum eco_code gdal_image_read(struct eco_ground_image_job *asked, FILE *out, str
 	const struct eco_ground_image_options *o = asked->options;
 	struct job job = { .asked = asked, .options = o, .out = out, .pixel_m = PIXEL_M,
 		.range = { o->source->range[0], o->source->range[1] } };
-	job.as_ground =
-		(struct eco_ground_source){ .crs = o->source->crs, .has_place = o->source->has_place };
-	memcpy(job.as_ground.corner, o->source->corner, sizeof o->source->corner);
-	memcpy(job.as_ground.pixel, o->source->pixel, sizeof o->source->pixel);
-	job.as_options = (struct eco_ground_options){ .source = &job.as_ground, .scene_crs = o->scene_crs };
-	job.scene = (struct ground_scene){ .options = &job.as_options, .notes = &asked->head.notes,
-		.where = { "\"image\": {\"file\": ...", "}" }, .what = "image" };
+	job.scene = (struct ground_scene){ .scene_crs = o->scene_crs, .stated = o->source->crs,
+		.has_place = o->source->has_place, .corner = o->source->corner, .pixel = o->source->pixel,
+		.notes = &asked->head.notes, .where = { "\"image\": {\"file\": ...", "}" }, .what = "image" };
 	CPLPushErrorHandler(CPLQuietErrorHandler);
 	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
 	GDALAllRegister();

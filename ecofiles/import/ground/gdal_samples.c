@@ -11,7 +11,6 @@
 
 #include <cpl_error.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -21,16 +20,6 @@
 #define US_FOOT_M (1200.0 / 3937.0)
 #define HEIGHT_ODD_M 9000.0          /* no ground on Earth is higher */
 #define DEPTH_ODD_M 11500.0
-
-void ground_note(struct ground_notes *notes, const char *format, ...)
-{
-	va_list args;
-	if (notes->count >= GROUND_NOTES_MAX)
-		return;
-	va_start(args, format);
-	vsnprintf(notes->text[notes->count++], GROUND_NOTE_BYTES, format, args);
-	va_end(args);
-}
 
 /* ---- The meaning of a value ---- */
 
@@ -72,25 +61,25 @@ static double unit_named(const char *name)
 }
 
 static double unit_of(const struct ground_raster *r, GDALRasterBandH band,
-	const struct eco_ground_source *source, struct ground_notes *notes)
+	const struct eco_ground_source *source, struct eco_notes *notes)
 {
 	const char *name = GDALGetRasterUnitType(band);
 	double unit = name ? unit_named(name) : 0;
 	if (source->unit_m > 0)
 		return source->unit_m;
 	if (name && name[0] != 0 && unit == 0)
-		ground_note(notes, "%.200s: its heights are in \"%.40s\", which is not known here; taken as "
+		eco_note(notes, "%.200s: its heights are in \"%.40s\", which is not known here; taken as "
 			"metres, else add \"unit\" to the ground", r->path, name);
 	if (unit == 0)
 		unit = r->crs_unit_m;
 	if (unit > 0 && unit != 1)
-		ground_note(notes, "%.200s: its heights are in units of %.9g m, as the file says", r->path,
+		eco_note(notes, "%.200s: its heights are in units of %.9g m, as the file says", r->path,
 			unit);
 	return unit > 0 ? unit : 1;
 }
 
 static void meaning_of(struct meaning *m, const struct ground_raster *r, GDALRasterBandH band,
-	const struct eco_ground_source *source, struct ground_notes *notes)
+	const struct eco_ground_source *source, struct eco_notes *notes)
 {
 	int has_no_data = 0, has_scale = 0, has_offset = 0;
 	double no_data = GDALGetRasterNoDataValue(band, &has_no_data);
@@ -283,7 +272,7 @@ static double end_of(const struct meaning *m, const double *kept, int count)
 }
 
 static void add_hole(struct meaning *m, double value, const char *path, uint64_t samples,
-	struct ground_notes *notes)
+	struct eco_notes *notes)
 {
 	char many[40] = "samples";
 	if (m->hole_count >= HOLES_MAX)
@@ -292,12 +281,12 @@ static void add_hole(struct meaning *m, double value, const char *path, uint64_t
 	if (samples > 0)
 		snprintf(many, sizeof many, "%llu sample%s", (unsigned long long)samples,
 			samples == 1 ? "" : "s");
-	ground_note(notes, "%.200s: %s of %.9g stand out from all around, and are taken for holes; if they "
+	eco_note(notes, "%.200s: %s of %.9g stand out from all around, and are taken for holes; if they "
 		"are heights, add \"nodata\": null to "
 		"the ground, if they are holes, \"nodata\": %.9g", path, many, value, value);
 }
 
-static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes *notes)
+static bool find_holes(struct meaning *m, struct rows *rows, struct eco_notes *notes)
 {
 	const char *path = rows->raster->path;
 	struct census *c = eco_alloc(1, sizeof *c);
@@ -366,7 +355,7 @@ static bool average(struct ground_samples *out, struct rows *rows, const struct 
 	return true;
 }
 
-static void say_range(const struct ground_samples *samples, const char *path, struct ground_notes *notes)
+static void say_range(const struct ground_samples *samples, const char *path, struct eco_notes *notes)
 {
 	double low = INFINITY, high = -INFINITY;
 	for (size_t i = 0; i < (size_t)samples->columns * samples->rows; i++) {
@@ -374,14 +363,14 @@ static void say_range(const struct ground_samples *samples, const char *path, st
 		high = samples->metres[i] > high ? (double)samples->metres[i] : high;
 	}
 	if (low == high)
-		ground_note(notes, "%.200s: every height is %.9g m; is it the right band?", path, low);
+		eco_note(notes, "%.200s: every height is %.9g m; is it the right band?", path, low);
 	else if (high > HEIGHT_ODD_M || low < -DEPTH_ODD_M)
-		ground_note(notes, "%.200s: heights from %.9g to %.9g m are not of this Earth; are "
+		eco_note(notes, "%.200s: heights from %.9g to %.9g m are not of this Earth; are "
 			"\"scale\", \"offset\" or \"unit\" missing in the ground?", path, low, high);
 }
 
 static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster *r,
-	const struct eco_ground_source *source, struct ground_notes *notes, struct eco_error *error)
+	const struct eco_ground_source *source, struct eco_notes *notes, struct eco_error *error)
 {
 	int count = GDALGetRasterCount(r->file), wanted = source->band > 0 ? (int)source->band : 1;
 	if (wanted > count)
@@ -398,7 +387,7 @@ static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster
 			"bands is heights, say which: \"band\": 1", r->path);
 	const char *name = GDALGetDescription(*band);
 	if (count > 1)
-		ground_note(notes, "%.200s: band 1 of %d%s%.60s%s is taken for heights; for another add "
+		eco_note(notes, "%.200s: band 1 of %d%s%.60s%s is taken for heights; for another add "
 			"\"band\" to the ground", r->path, count, name[0] != 0 ? " (" : "", name,
 			name[0] != 0 ? ")" : "");
 	return ECO_OK;
@@ -406,7 +395,7 @@ static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster
 
 enum eco_code ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
 	const struct eco_ground_source *source, uint32_t columns, uint32_t rows_wanted,
-	struct ground_notes *notes, struct eco_error *error)
+	struct eco_notes *notes, struct eco_error *error)
 {
 	struct rows rows = { .raw = NULL };
 	struct meaning meaning;

@@ -20,21 +20,6 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	return !gdal ? ECO_NOT_FOUND : gdal->ground_read(ctx, out, error);
 }
 
-/* Ends each note's text; false: there are more than can be. */
-static bool ground_notes_end(struct ground_notes *notes)
-{
-	for (uint32_t i = 0; i < notes->count && i < GROUND_NOTES_MAX; i++)
-		notes->text[i][GROUND_NOTE_BYTES - 1] = 0;
-	return notes->count <= GROUND_NOTES_MAX;
-}
-
-static void ground_notes_tell(const struct ground_notes *notes, void (*warn)(void *ctx, const char *text),
-	void *ctx)
-{
-	for (uint32_t i = 0; i < notes->count && warn; i++)
-		warn(ctx, notes->text[i]);
-}
-
 /* The child's own verdict comes before what was missed here. `path` is for the message. */
 static enum eco_code ground_finish(struct eco_guard *guard, bool whole, const char *path,
 	struct eco_error *error)
@@ -56,7 +41,7 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 	if (fread(&job->notes, sizeof job->notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1
 		|| head.columns < 2 || head.rows < 2 || head.columns > job->side_max
 		|| head.rows > job->side_max || !(head.step_x_m > 0) || !(head.step_y_m > 0)
-		|| !isfinite(head.x_m) || !isfinite(head.y_m) || !ground_notes_end(&job->notes))
+		|| !isfinite(head.x_m) || !isfinite(head.y_m))
 		return false;
 	count = (size_t)head.columns * head.rows;
 	head.height_m = eco_alloc(count, sizeof *head.height_m);
@@ -70,10 +55,10 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 }
 
 static void tell(const struct eco_ground_options *options, const struct eco_ground *ground,
-	const struct eco_ground_job *job)
+	struct eco_ground_job *job)
 {
 	char text[400];
-	ground_notes_tell(&job->notes, options->warn, options->ctx);
+	eco_notes_tell(&job->notes, options->warn, options->ctx);
 	if (ground->filled == 0 || !options->warn)
 		return;
 	snprintf(text, sizeof text, "%.250s: %llu of %llu samples have no height and were filled from their "
@@ -173,14 +158,13 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 static bool read_head(struct eco_ground_image_reader *r)
 {
 	struct ground_image_head *head = &r->job.head;
-	return fread(head, sizeof *head, 1, r->stream) == 1 && ground_notes_end(&head->notes)
-		&& isfinite(head->low[0]) && isfinite(head->low[1]) && head->texel_m > 0
+	return fread(head, sizeof *head, 1, r->stream) == 1 && isfinite(head->low[0]) && isfinite(head->low[1]) && head->texel_m > 0
 		&& isfinite(head->texel_m);
 }
 
-static void warn_all(const struct eco_ground_image_reader *r)
+static void warn_all(struct eco_ground_image_reader *r)
 {
-	ground_notes_tell(&r->job.head.notes, r->job.options->warn, r->job.options->ctx);
+	eco_notes_tell(&r->job.head.notes, r->job.options->warn, r->job.options->ctx);
 }
 
 enum eco_code eco_ground_image_look(const struct eco_ground_image_options *options, struct eco_error *error)

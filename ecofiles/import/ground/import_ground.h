@@ -7,24 +7,20 @@
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/import/ground/ground_image_import.h"
-
-/* Notes for the user travel to the parent with the samples. */
-#define GROUND_NOTES_MAX 24u
-#define GROUND_NOTE_BYTES 480u
-struct ground_notes { uint32_t count; char text[GROUND_NOTES_MAX][GROUND_NOTE_BYTES]; };
+#include "ecofiles/import/model/import_file.h"
 
 /* The child writes notes, the struct eco_ground, then its samples. */
 struct eco_ground_job {
 	const struct eco_ground_options *options;
 	uint32_t side_max;
-	struct ground_notes notes;
+	struct eco_notes notes;
 };
 
 #define GROUND_IMAGE_DEPTH 24u           /* of the tree, at most */
 
 /* The child writes the head, then a byte for each square, depth first: 1 if it is split; else 0 and
  * texels. */
-struct ground_image_head { struct ground_notes notes; double low[2], texel_m; };
+struct ground_image_head { struct eco_notes notes; double low[2], texel_m; };
 
 struct eco_ground_image_job {
 	const struct eco_ground_image_options *options;

@@ -8,6 +8,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -190,6 +191,33 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 		if (dot && strcasestr(others[i].extensions, extension))
 			code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: %s", path, others[i].says);
 	return code;
+}
+
+/* ---- Notes ---- */
+
+void eco_note(struct eco_notes *notes, const char *format, ...)
+{
+	va_list arguments;
+	size_t left = sizeof notes->text - notes->used;
+	va_start(arguments, format);
+	int wanted = vsnprintf(notes->text + notes->used, left, format, arguments);
+	va_end(arguments);
+	if (wanted < 0 || (size_t)wanted + 2 > left) {
+		notes->text[notes->used] = 0;
+		return;
+	}
+	notes->used += (size_t)wanted;
+	notes->text[notes->used++] = '\n';
+	notes->text[notes->used] = 0;
+}
+
+void eco_notes_tell(struct eco_notes *notes, void (*warn)(void *ctx, const char *text), void *ctx)
+{
+	char *rest = notes->text, *line;
+	notes->text[sizeof notes->text - 1] = 0;
+	while (warn && (line = strsep(&rest, "\n")))
+		if (*line != 0)
+			warn(ctx, line);
 }
 
 /* ---- Texts ---- */

@@ -22,6 +22,16 @@ bool eco_file_head_has(const char *path, size_t bytes, const char *word);
 
 bool eco_path_ends_with(const char *path, const char *extension);
 
+/* ---- Notes for the user that are not errors, one a line; notes that do not fit are dropped ---- */
+
+struct eco_notes {
+	char text[8192];
+	size_t used;
+};
+void eco_note(struct eco_notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Calls warn, unless it is NULL, for each. Notes may come from a child, so their end is set first. */
+void eco_notes_tell(struct eco_notes *notes, void (*warn)(void *ctx, const char *text), void *ctx);
+
 /* ---- Texts in them ---- */
 
 /* Bytes of the space at the start of a text, 0 if there is none: ASCII, no-break (U+00A0), and thin spaces

@@ -1,30 +1,13 @@
-/* Shared by readers of models: notes for the user, colours, materials. */
+/* Shared by readers of models: colours, materials. */
 #include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_model.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/format/image.h"
-
-void eco_note(struct eco_notes *notes, const char *format, ...)
-{
-	va_list arguments;
-	size_t left = sizeof notes->text - notes->used;
-	va_start(arguments, format);
-	int wanted = vsnprintf(notes->text + notes->used, left, format, arguments);
-	va_end(arguments);
-	if (wanted < 0 || (size_t)wanted + 2 > left) {
-		notes->text[notes->used] = 0;
-		return;
-	}
-	notes->used += (size_t)wanted;
-	notes->text[notes->used++] = '\n';
-	notes->text[notes->used] = 0;
-}
 
 #define ALPHA_SLACK 1e-3         /* alpha equal to the cutoff is opaque, whatever the rounding */
 

@@ -115,7 +115,6 @@ static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
 		.material_count = counts.material_count, .triangles_in = counts.triangles_in,
 		.part_count = counts.part_count };
 	memcpy(m->dropped, counts.dropped, sizeof m->dropped);
-	head->notes.text[sizeof head->notes.text - 1] = 0;
 	return whole && counts_fit(&counts, triangles_max) && frame_fits(&head->frame)
 		&& pass_model(&(struct pipe){ in, false }, m, counts.image_count) && references_fit(m);
 }
@@ -441,14 +440,6 @@ static void note_size(const struct eco_model *model, const char *path, struct ec
 			path, size[0], size[1], size[2]);
 }
 
-static void tell(const struct eco_model_options *options, struct eco_notes *notes)
-{
-	char *rest = notes->text, *line;
-	while (options->warn && (line = strsep(&rest, "\n")))
-		if (*line != 0)
-			options->warn(options->ctx, line);
-}
-
 static struct eco_guard_limits limits_for(const char *path)
 {
 	struct stat status;
@@ -477,7 +468,7 @@ static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_
 	piece->model = head->model;
 	piece->frame = head->frame;
 	if (!code)
-		tell(options, &head->notes);
+		eco_notes_tell(&head->notes, options->warn, options->ctx);
 	free(head);
 	return code;
 }
@@ -522,7 +513,7 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 		note_colourless(model, notes);
 		note_size(model, options->paths[0], notes);
 	}
-	tell(options, notes);
+	eco_notes_tell(notes, options->warn, options->ctx);
 	for (uint32_t i = 0; i < options->path_count && i < FILES_MAX; i++)
 		eco_model_free(&pieces[i].model);
 	free(pieces);

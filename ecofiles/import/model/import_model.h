@@ -19,13 +19,6 @@
 #define ECO_MODEL_PARTS_MAX (1u << 20)
 #define ECO_MODEL_FILE_MAX ((uint64_t)1 << 32)
 
-/* Notes for the user that are not errors, one a line; notes that do not fit are dropped. */
-struct eco_notes {
-	char text[4096];
-	size_t used;
-};
-void eco_note(struct eco_notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
 /* The frame of a file's numbers. Positions are Z up if `up` is known (turned already), else as in the
  * file. */
 struct eco_model_frame {

@@ -81,9 +81,7 @@ static void measure(struct stance *s)
 /* Candidates for stems: 2 may be a stem, 1 has enough triangles, 0 any. */
 static int rank_of(const struct stance *s, const struct eco_component *c)
 {
-	if (c->triangle_count < STEM_TRIANGLES)
-		return 0;
-	return c->high[2] - c->low[2] >= TALL_SHARE * (s->high - s->low) ? 2 : 1;
+	return c->triangle_count < STEM_TRIANGLES ? 0 : c->high[2] - c->low[2] >= TALL_SHARE * (s->high - s->low) ? 2 : 1;
 }
 
 /* Marks wood by shape: leaves and twigs are small, and branches that hang below the trunk's foot are thin.
@@ -91,23 +89,21 @@ static int rank_of(const struct stance *s, const struct eco_component *c)
  * ones are marked. */
 static void mark_by_shape(struct stance *s)
 {
+	const struct eco_component *items = s->components.items;
 	double largest = 0;
-	int rank = 0;
-	for (uint32_t i = 0; i < s->components.count; i++)
-		rank = (int)fmax(rank, rank_of(s, &s->components.items[i]));
-	for (uint32_t i = 0; i < s->components.count; i++)
-		if (rank_of(s, &s->components.items[i]) >= rank)
-			largest = fmax(largest, s->components.items[i].area);
+	int best = 0;
 	for (uint32_t i = 0; i < s->components.count; i++) {
-		const struct eco_component *c = &s->components.items[i];
-		if (rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest && is_long(c))
-			s->girth = fmax(s->girth, girth_of(c));
+		int rank = rank_of(s, &items[i]);
+		largest = rank > best ? items[i].area : rank == best ? fmax(largest, items[i].area) : largest;
+		best = rank > best ? rank : best;
 	}
 	for (uint32_t i = 0; i < s->components.count; i++) {
-		const struct eco_component *c = &s->components.items[i];
-		s->wood[i] = rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest
-			&& girth_of(c) >= GIRTH_SHARE * s->girth;
+		s->wood[i] = rank_of(s, &items[i]) >= best && items[i].area >= WOOD_SHARE * largest;
+		if (s->wood[i] && is_long(&items[i]))
+			s->girth = fmax(s->girth, girth_of(&items[i]));
 	}
+	for (uint32_t i = 0; i < s->components.count; i++)
+		s->wood[i] = s->wood[i] && girth_of(&items[i]) >= GIRTH_SHARE * s->girth;
 }
 
 /* Rules win; but wood that ends high above everything else is no stem. */

@@ -28,7 +28,7 @@
 
 struct slice { double area, sum[2], square; };
 struct profile { struct slice slice[SLICES]; struct slice all; double square[2]; };
-struct box { double low[3], high[3], extent; };
+struct box { struct eco_bounds of; double extent; };
 
 /* Properties of an axis, from its lower end. */
 enum trait {
@@ -43,29 +43,22 @@ enum trait {
 
 static bool usable(const struct eco_model *m, uint32_t t, const float *p[3])
 {
-	if (!eco_triangle_usable(m, t))
-		return false;
-	for (int k = 0; k < 3; k++)
+	bool good = eco_triangle_usable(m, t);
+	for (int k = 0; k < 3 && good; k++)
 		p[k] = m->position + 3 * (size_t)m->index[3 * (size_t)t + (size_t)k];
-	return true;
+	return good;
 }
 
 /* Box of the triangles that `wanted` marks; NULL: of all. */
 static struct box bound(const struct eco_model *m, const bool *wanted)
 {
-	struct box box = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 0 };
+	struct box box = { .of = ECO_NO_BOUNDS };
 	const float *p[3];
-	for (uint32_t t = 0; t < m->triangle_count; t++) {
-		if ((wanted && !wanted[t]) || !usable(m, t, p))
-			continue;
-		for (int k = 0; k < 3; k++)
-			for (int a = 0; a < 3; a++) {
-				box.low[a] = fmin(box.low[a], p[k][a]);
-				box.high[a] = fmax(box.high[a], p[k][a]);
-			}
-	}
+	for (uint32_t t = 0; t < m->triangle_count; t++)
+		for (int k = 0; k < 3 && (!wanted || wanted[t]) && usable(m, t, p); k++)
+			eco_bounds_add(&box.of, (const double[3]){ (double)p[k][0], (double)p[k][1], (double)p[k][2] });
 	for (int a = 0; a < 3; a++)
-		box.extent = fmax(box.extent, box.high[a] - box.low[a]);
+		box.extent = fmax(box.extent, box.of.high[a] - box.of.low[a]);
 	return box;
 }
 
@@ -73,9 +66,9 @@ static void add_point(struct profile *profile, const struct box *box, int axis, 
 	double area)
 {
 	int u = 0, v = 3 - axis;     /* x, and the other of y and z */
-	double at = (p[axis] - box->low[axis]) / (box->high[axis] - box->low[axis]) * SLICES;
+	double at = (p[axis] - box->of.low[axis]) / (box->of.high[axis] - box->of.low[axis]) * SLICES;
 	int i = at > 0 ? (at < SLICES - 1 ? (int)at : SLICES - 1) : 0;
-	double x = (p[u] - box->low[u]) / box->extent, y = (p[v] - box->low[v]) / box->extent;
+	double x = (p[u] - box->of.low[u]) / box->extent, y = (p[v] - box->of.low[v]) / box->extent;
 	struct slice *to[2] = { &profile->slice[i], &profile->all };
 	for (int k = 0; k < 2; k++) {
 		to[k]->area += area;
@@ -177,7 +170,7 @@ double *sum)
 	double trait[3][TRAITS];
 	const float *p[3];
 	for (int a = 0; a < 3; a++)
-		if (!(box.high[a] - box.low[a] > FLAT * box.extent))
+		if (!(box.of.high[a] - box.of.low[a] > FLAT * box.extent))
 			return false;
 	for (uint32_t t = 0; t < soup->triangle_count; t++)
 		if ((!wanted || wanted[t]) && usable(soup, t, p))
@@ -200,7 +193,7 @@ static bool mark_large(const struct eco_model *m, const struct box *box, const s
 {
 	double whole = 0, all = 0, some = 0;
 	for (int a = 0; a < 3; a++)
-		whole += (box->high[a] - box->low[a]) * (box->high[a] - box->low[a]);
+		whole += (box->of.high[a] - box->of.low[a]) * (box->of.high[a] - box->of.low[a]);
 	for (uint32_t t = 0; t < m->triangle_count; t++) {
 		const struct eco_component *of = &parts->items[parts->of[t]];
 		double size = 0, area = eco_triangle_usable(m, t) ? eco_triangle_area(m, t) : 0;
@@ -217,7 +210,7 @@ static bool mark_large(const struct eco_model *m, const struct box *box, const s
 static double floor_share(const struct eco_model *m, const struct box *box,
 	const struct eco_components *parts, int axis)
 {
-	double floor = box->low[axis] + AT_ZERO * (box->high[axis] - box->low[axis]);
+	double floor = box->of.low[axis] + AT_ZERO * (box->of.high[axis] - box->of.low[axis]);
 	uint32_t all = 0, on = 0;
 	for (uint32_t i = 0; i < parts->count; i++) {
 		bool counts = eco_triangle_usable(m, parts->items[i].first);
@@ -258,7 +251,7 @@ static double placed(const struct box *box)
 {
 	bool zero[3];
 	for (int a = 0; a < 3; a++)
-		zero[a] = fabs(box->low[a]) < AT_ZERO * box->extent;
+		zero[a] = fabs(box->of.low[a]) < AT_ZERO * box->extent;
 	return zero[0] || zero[1] == zero[2] ? 0 : zero[2] ? 1 : -1;
 }
 

@@ -86,29 +86,24 @@ static double side_for(double density_m2)
 
 struct sweep {
 	struct eco_scatter *scatter;
-	double side, low[2], high[2];
-	uint32_t rank_end;
-	uint32_t area;
+	const struct eco_area *area;
+	double side;
+	uint32_t rank_end, index;    /* index: of the area */
 };
-
-static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, int64_t row, double x,
-	double y)
-{
-	eco_grow(&c->items, &c->capacity, c->count, sizeof *c->items);
-	c->items[c->count++] = (struct candidate){ rank, (uint32_t)eco_random((uint64_t)column, (uint64_t)row),
-		{ x, y } };
-}
 
 static void sweep_cell(const struct sweep *w, int64_t column, int64_t row, uint32_t cell)
 {
 	const struct lattice *l = w->scatter->lattice;
+	struct candidates *c = &w->scatter->candidates;
+	const uint32_t tie = (uint32_t)eco_random((uint64_t)column, (uint64_t)row);
 	for (uint32_t i = l->cell_first[cell]; i < l->cell_first[cell + 1]; i++) {
 		uint32_t rank = l->member[i];
 		double x = w->side * ((double)column + l->point[rank][0] / 65536.0),
 			y = w->side * ((double)row + l->point[rank][1] / 65536.0);
-		if (rank < w->rank_end && x >= w->low[0] && x <= w->high[0] && y >= w->low[1]
-				&& y <= w->high[1] && eco_area_holds(&w->scatter->input.areas, w->area, x, y))
-			add_candidate(&w->scatter->candidates, rank, column, row, x, y);
+		if (rank >= w->rank_end || !eco_area_holds(&w->scatter->input.areas, w->index, x, y))
+			continue;
+		eco_grow(&c->items, &c->capacity, c->count, sizeof *c->items);
+		c->items[c->count++] = (struct candidate){ rank, tie, { x, y } };
 	}
 }
 
@@ -123,10 +118,10 @@ static void sweep_box(const struct sweep *w)
 {
 	double cell = w->side / LATTICE_CELLS;
 	w->scatter->candidates.count = 0;
-	for (int64_t y = (int64_t)floor(w->low[1] / cell); y <= (int64_t)floor(w->high[1] / cell); y++) {
-		double span[2] = { w->low[0], w->high[0] };
+	for (int64_t y = (int64_t)floor(w->area->low[1] / cell); y <= (int64_t)floor(w->area->high[1] / cell); y++) {
+		double span[2];
 		int64_t row = square_of(y);
-		if (!eco_area_span(&w->scatter->input.areas, w->area, (double)(y - 1) * cell, (double)(y + 2) * cell, span))
+		if (!eco_area_span(&w->scatter->input.areas, w->index, (double)(y - 1) * cell, (double)(y + 2) * cell, span))
 			continue;
 		for (int64_t x = (int64_t)floor(span[0] / cell) - 1; x <= (int64_t)floor(span[1] / cell) + 1;
 				x++) {
@@ -264,14 +259,10 @@ static void clear_share(struct eco_scatter *s, struct filling *f)
 {
 	const struct eco_area *area = &s->input.areas.items[f->area];
 	const struct candidates *c = &s->candidates;
-	struct sweep w = { .scatter = s, .side = side_for((double)f->wanted / area->size_m2),
-		.area = f->area, .rank_end = ECO_BLUE_NOISE_POINTS };
+	struct sweep w = { s, area, side_for((double)f->wanted / area->size_m2), ECO_BLUE_NOISE_POINTS, f->area };
 	size_t clear = 0;
-
 	if (s->input.clear.count == 0 || s->spec->count_column)
 		return;
-	memcpy(w.low, area->low, sizeof w.low);
-	memcpy(w.high, area->high, sizeof w.high);
 	sweep_box(&w);
 	for (size_t i = 0; i < c->count; i++)
 		clear += is_clear(s, c->items[i].at);
@@ -289,9 +280,7 @@ static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 	for (int attempt = 0; attempt < TRIES && f->placed < f->wanted && code == ECO_OK;
 			attempt++, side /= 2) {
 		double expected = ECO_BLUE_NOISE_POINTS / (side * side) * area->size_m2;
-		struct sweep w = { .scatter = s, .side = side, .area = f->area };
-		memcpy(w.low, area->low, sizeof w.low);
-		memcpy(w.high, area->high, sizeof w.high);
+		struct sweep w = { .scatter = s, .area = area, .side = side, .index = f->area };
 		/* most areas find enough in few more ranks than they need; else all ranks are tried */
 		f->distance = fmax(attempt > 0 ? fmax(SPREAD * spacing, NEAREST_M) : NEAREST_M,
 			s->spec->distance_m);

@@ -68,13 +68,19 @@ static size_t unit_of_name(const char *name)
 	return found;
 }
 
+/* The unit in which numbers would be far likelier than in unit_m; UNITS: none. */
+static size_t doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *n)
+{
+	size_t best = best_unit(quantity, n, UNITS);
+	if (!(n->middle > 0) || fabs(units_rows[best].metres / unit_m - 1) < 1e-4)
+		return UNITS;
+	return usual_misfit(quantity, unit_m, n) - usual_misfit(quantity, units_rows[best].metres, n) > DOUBT ? best : UNITS;
+}
+
 const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers)
 {
-	size_t best = best_unit(quantity, numbers, UNITS);
-	if (!(numbers->middle > 0) || fabs(units_rows[best].metres / unit_m - 1) < 1e-4)
-		return NULL;
-	return usual_misfit(quantity, unit_m, numbers) - usual_misfit(quantity, units_rows[best].metres, numbers) > DOUBT
-		? units_rows[best].unit : NULL;
+	size_t better = doubt(quantity, unit_m, numbers);
+	return better < UNITS ? units_rows[better].unit : NULL;
 }
 
 static void ask(struct eco_unit_guess *guess, enum eco_quantity quantity, size_t a, size_t b,
@@ -85,18 +91,6 @@ static void ask(struct eco_unit_guess *guess, enum eco_quantity quantity, size_t
 	snprintf(guess->why, sizeof guess->why, "half of them are above %.4g, the largest about %.4g: a %s "
 		"of %.3g m if in %s, of %.3g m if in %s", n->middle, n->high, typical[quantity].says,
 		n->middle * units_rows[a].metres, units_rows[a].unit, n->middle * units_rows[b].metres, units_rows[b].unit);
-}
-
-static struct eco_unit_guess guess_by_name(enum eco_quantity quantity, size_t named,
-	const struct eco_size_numbers *n)
-{
-	struct eco_unit_guess guess = { .unit = units_rows[named].unit, .by_name = true };
-	const char *doubt = eco_unit_doubt(quantity, units_rows[named].metres, n);
-	snprintf(guess.why, sizeof guess.why, "its name says %s", units_rows[named].unit);
-	for (size_t i = 0; doubt && i < UNITS; i++)
-		if (strcmp(units_rows[i].unit, doubt) == 0)
-			ask(&guess, quantity, named, i, n);
-	return guess;
 }
 
 const char *eco_unit_of_name(const char *name)
@@ -141,8 +135,14 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 	const struct eco_size_numbers *numbers)
 {
 	size_t named = unit_of_name(name);
-	if (named < UNITS)
-		return guess_by_name(quantity, named, numbers);
+	if (named < UNITS) {
+		struct eco_unit_guess guess = { .unit = units_rows[named].unit, .by_name = true };
+		size_t better = doubt(quantity, units_rows[named].metres, numbers);
+		snprintf(guess.why, sizeof guess.why, "its name says %s", units_rows[named].unit);
+		if (better < UNITS)
+			ask(&guess, quantity, named, better, numbers);
+		return guess;
+	}
 	size_t best = best_unit(quantity, numbers, UNITS), next = best_unit(quantity, numbers, best);
 	double fit = misfit(quantity, units_rows[best].metres, numbers);
 	struct eco_unit_guess guess = { .unit = units_rows[best].unit };

@@ -40,7 +40,7 @@ struct ogr_rows {
 	char broken[200]; /* the first error by which GDAL says that the file does not hold together */
 	uint8_t *wkb; size_t wkb_capacity;
 	char *copies[ECO_COLUMNS_MAX];   /* of the row's fields that are not texts */
-	struct eco_rows_point text_point;        /* of a table without geometry; read is NULL if it has none */
+	struct eco_rows_point text_point;        /* of a table without geometry; found is false if it has none */
 };
 
 /* Drivers go on after what they cannot parse, with fewer rows or none. */
@@ -411,7 +411,7 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	if (code)
 		return code;
 	take_fields(r);
-	if (r->text_point.read)
+	if (r->text_point.found)
 		eco_rows_point_take(rows, &r->text_point);
 	return ECO_OK;
 }
@@ -428,7 +428,7 @@ static void find_points(struct ogr_rows *r)
 	}
 	r->feature = NULL;
 	OGR_L_ResetReading(r->layer);
-	if (r->text_point.read)
+	if (r->text_point.found)
 		eco_rows_point_state(&r->rows, &r->text_point);
 }
 

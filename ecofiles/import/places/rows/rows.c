@@ -283,27 +283,19 @@ static int degree_pair(const char *text, double at[3])
 	return second >= 0 && *text == 0 && fabs(at[1]) <= 90 && fabs(at[0]) <= 180 ? first + second : -1;
 }
 
-static bool read_degree_pair(const char *text, double at[3])
+static bool read_point(const char *text, bool is_pair, double at[3])
 {
-	return degree_pair(text, at) >= 0;
-}
-
-/* DEGREE_DIGITS tell it from other pairs of numbers. */
-static bool is_degree_pair(const char *text, double at[3])
-{
-	return degree_pair(text, at) >= DEGREE_DIGITS;
+	return is_pair ? degree_pair(text, at) >= 0 : read_wkt_point(text, at);
 }
 
 bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point)
 {
-	static const struct {
-		bool (*is)(const char *, double[3]), (*read)(const char *, double[3]);
-	} forms[] = { { read_wkt_point, read_wkt_point }, { is_degree_pair, read_degree_pair } };
 	double at[3];
-	for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
+	for (int pair = 0; pair < 2; pair++)
 		for (uint32_t i = 0; i < rows->field_count && i < rows->column_count; i++)
-			if (forms[k].is(rows->fields[i], at)) {
-				*point = (struct eco_rows_point){ i, forms[k].read };
+			/* DEGREE_DIGITS tell a place from other pairs of numbers */
+			if (pair ? degree_pair(rows->fields[i], at) >= DEGREE_DIGITS : read_wkt_point(rows->fields[i], at)) {
+				*point = (struct eco_rows_point){ i, true, pair };
 				rows->has_geometry = true;
 				rows->has_z = !isnan(at[2]);
 				return true;
@@ -313,7 +305,7 @@ bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point)
 
 void eco_rows_point_state(struct eco_rows *rows, const struct eco_rows_point *point)
 {
-	if (point->read != read_degree_pair)
+	if (!point->is_pair)
 		return;
 	rows->crs = eco_copy_text("EPSG:4326");
 	eco_rows_note(rows, "\"%.60s\" has latitude and longitude in one field", rows->columns[point->column]);
@@ -326,7 +318,7 @@ void eco_rows_point_take(struct eco_rows *rows, const struct eco_rows_point *poi
 	text += strspn(text, " ");
 	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY")) {
 		place->kind = ECO_PLACE_EMPTY;
-	} else if (point->read(text, place->at)) {
+	} else if (read_point(text, point->is_pair, place->at)) {
 		place->kind = ECO_PLACE_POINT;
 		rows->has_z |= !isnan(place->at[2]);
 	} else {
