@@ -1,6 +1,7 @@
-/* Rasters become ground: GDAL opens and converts. Heights and images are placed alike, by their CRS and their extent in
- * the scene's. Each raster of heights is read as metres (gdal_samples.c) and put on the ground's grid: copied if its
- * samples lie on that grid, else resampled. Missing samples grow in from their neighbours. */
+/* Rasters become ground: GDAL opens and converts. Heights and images are placed alike, by their CRS and
+ * their extent in the scene's. Each raster of heights is read as metres (gdal_samples.c) and put on the
+ * ground's grid: copied if its samples lie on that grid, else resampled. Missing samples grow in from their
+ * neighbours. */
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_conv.h>
@@ -506,8 +507,10 @@ static enum eco_code import(struct eco_ground *ground, struct job *job, struct e
 enum eco_code gdal_ground_read(struct eco_ground_job *asked, FILE *out, struct eco_error *error)
 {
 	const struct eco_ground_source *source = asked->options->source;
-	struct job job = { .asked = asked, .options = asked->options, .scene = { .scene_crs = asked->options->scene_crs,
-		.stated = source->crs, .has_place = source->has_place, .corner = source->corner, .pixel = source->pixel,
+	struct job job = { .asked = asked, .options = asked->options,
+		.scene = { .scene_crs = asked->options->scene_crs,
+		.stated = source->crs, .has_place = source->has_place, .corner = source->corner,
+		.pixel = source->pixel,
 		.notes = &asked->notes, .where = { "\"heights\": ...", "" }, .what = "ground" } };
 	struct eco_ground ground = { .height_m = NULL };
 	CPLPushErrorHandler(CPLQuietErrorHandler);

@@ -146,9 +146,12 @@ static void doubt_overlap(struct job *job)
 			> fmax(BEYOND_M, job->finest_m);
 	if (!lacks || !(o->low[0] <= o->high[0]))
 		return;
-	eco_note(job->scene.notes, "%.200s: the image lies from %.0f, %.0f to %.0f, %.0f in the scene and does not "
-		"reach %s plants%s", job->rasters[0].raster.path, job->low[0], job->low[1], job->high[0], job->high[1],
-		x + y > 0 ? "any" : "all", x + y > 0 ? "; look at its CRS and at the scene's \"crs\" and \"origin\"" : "");
+	eco_note(job->scene.notes,
+		"%.200s: the image lies from %.0f, %.0f to %.0f, %.0f in the scene and does not "
+		"reach %s plants%s", job->rasters[0].raster.path, job->low[0], job->low[1], job->high[0],
+		job->high[1],
+		x + y > 0 ? "any" : "all", x + y > 0
+		? "; look at its CRS and at the scene's \"crs\" and \"origin\"" : "");
 }
 
 /* ---- Squares ---- */

@@ -10,10 +10,6 @@ enum eco_code gdal_image_read(struct eco_ground_image_job *job, FILE *out, struc
 bool gdal_rows_knows(const char *path);
 enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,
 	struct eco_error *error);
-enum eco_code gdal_raster_write(const struct eco_raster *raster, const char *path, struct eco_error *error);
-enum eco_code gdal_raster_extent(const char *path, struct eco_raster_extent *extent, struct eco_error *error);
-enum eco_code gdal_points_write(const struct eco_point_table *table, const char *path, uint8_t **bytes,
-	size_t *size, struct eco_error *error);
 
 extern const struct eco_gdal_module eco_gdal_module;
 

@@ -112,7 +112,8 @@ static void rows_open(struct rows *rows, const struct ground_raster *r, GDALRast
 {
 	int flags = GDALGetMaskFlags(band);
 	*rows = (struct rows){ .raster = r, .band = band,
-		.raw = eco_alloc((size_t)r->columns, sizeof *rows->raw), .there = eco_alloc((size_t)r->columns, 1) };
+		.raw = eco_alloc((size_t)r->columns, sizeof *rows->raw),
+		.there = eco_alloc((size_t)r->columns, 1) };
 	if (masked && flags & (GMF_PER_DATASET | GMF_ALPHA))
 		rows->mask = GDALGetMaskBand(band);
 }

@@ -158,7 +158,8 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 static bool read_head(struct eco_ground_image_reader *r)
 {
 	struct ground_image_head *head = &r->job.head;
-	return fread(head, sizeof *head, 1, r->stream) == 1 && isfinite(head->low[0]) && isfinite(head->low[1]) && head->texel_m > 0
+	return fread(head, sizeof *head, 1, r->stream) == 1 && isfinite(head->low[0])
+		&& isfinite(head->low[1]) && head->texel_m > 0
 		&& isfinite(head->texel_m);
 }
 

@@ -229,7 +229,8 @@ static void read_image(struct eco_images *images, const struct aiMaterial *from,
 	if (!texture)
 		return;
 	char *mask = texture_name(from, aiTextureType_OPACITY, NULL);
-	const struct eco_image_wanted wanted = { .texture = texture, .gain = eco_alpha_shows(opacity) ? opacity : 1,
+	const struct eco_image_wanted wanted = { .texture = texture, .gain = eco_alpha_shows(opacity)
+		? opacity : 1,
 		.opacity = mask && strcmp(mask, texture) != 0 ? mask : NULL };
 	eco_material_take_picture(to, images, &wanted, true);
 	free(texture);
@@ -247,7 +248,8 @@ static void read_material(struct reader *r, struct eco_images *images, uint32_t 
 	if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) == AI_SUCCESS)
 		snprintf(to->name, sizeof to->name, "%.63s", name.data);
 	for (int k = 0; k < 3; k++)
-		to->rgb[k] = !linear ? eco_byte_from_share(rgb[k]) : eco_srgb_from_linear(isfinite(rgb[k]) ? rgb[k] : 0.6);
+		to->rgb[k] = !linear ? eco_byte_from_share(rgb[k]) : eco_srgb_from_linear(isfinite(rgb[k])
+			? rgb[k] : 0.6);
 	if (!r->invisible[index])
 		read_image(images, from, to, color.a, &r->channel[index]);
 }
@@ -256,7 +258,8 @@ static void read_materials(struct reader *r)
 {
 	const uint32_t count = r->scene->mNumMaterials;
 	struct eco_model *model = r->soup.model;
-	struct eco_images images = { .model = model, .path = r->path, .notes = r->soup.notes, .embedded = embedded,
+	struct eco_images images = { .model = model, .path = r->path, .notes = r->soup.notes,
+		.embedded = embedded,
 		.ctx = (void *)r->scene };
 	/* Blender's materials are linear, except in PLY, which has none */
 	bool linear = !eco_path_ends_with(r->path, ".ply") && eco_file_head_has(r->path, 4096, "Blender");
@@ -317,14 +320,17 @@ static void add_vertices(struct reader *r, const struct aiMesh *mesh, const stru
 		for (int k = 0; k < 3; k++)
 			place[k] = r->axes[k][0] * world[0] + r->axes[k][1] * world[1] + r->axes[k][2] * world[2];
 		if (isfinite(p.x + p.y + p.z))
-			r->soup.far = fmax(r->soup.far, fmax(fabs((double)p.x), fmax(fabs((double)p.y), fabs((double)p.z))));
+			r->soup.far = fmax(r->soup.far, fmax(fabs((double)p.x), fmax(fabs((double)p.y),
+				fabs((double)p.z))));
 		/* assimp counts v upwards */
-		eco_soup_vertex(&r->soup, place, uvs ? (const float[2]){ bounded_uv(uvs[i].x), bounded_uv(1 - (double)uvs[i].y) }
+		eco_soup_vertex(&r->soup, place, uvs ? (const float[2]){ bounded_uv(uvs[i].x),
+			bounded_uv(1 - (double)uvs[i].y) }
 			: NULL, c ? (const float[3]){ c->r, c->g, c->b } : NULL);
 	}
 }
 
-static void add_polygon(struct reader *r, const struct aiMesh *mesh, const struct aiFace *face, uint32_t first)
+static void add_polygon(struct reader *r, const struct aiMesh *mesh, const struct aiFace *face,
+	uint32_t first)
 {
 	unsigned n = face->mNumIndices;
 	double *corners = eco_soup_corners(&r->soup);
@@ -350,7 +356,8 @@ static void add_polygon(struct reader *r, const struct aiMesh *mesh, const struc
 static size_t plain_name(const char *name)
 {
 	const char *helper = strstr(name, "_$AssimpFbx$");
-	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name, "defaultobject") == 0)
+	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name,
+		"defaultobject") == 0)
 		return 0;
 	return helper ? (size_t)(helper - name) : strlen(name);
 }
@@ -363,11 +370,14 @@ static enum eco_code add_mesh(struct reader *r, const char *node, const struct a
 	for (unsigned i = 0; i < mesh->mNumFaces; i++)
 		triangles += mesh->mFaces[i].mNumIndices > 2 ? mesh->mFaces[i].mNumIndices - 2 : 0;
 	if (triangles > r->triangles_max || vertices > (uint64_t)r->triangles_max * 3)
-		return eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices or more, at most %u "
-			"triangles are possible", r->path, (unsigned long long)triangles, (unsigned long long)vertices,
+		return eco_fail(r->error, ECO_TOO_LARGE,
+			"%.300s: %llu triangles and %llu vertices or more, at most %u "
+			"triangles are possible", r->path, (unsigned long long)triangles,
+			(unsigned long long)vertices,
 			r->triangles_max);
 	if (!r->invisible[mesh->mMaterialIndex])
-		eco_soup_part(&r->soup, node, plain_name(node), mesh->mName.data, plain_name(mesh->mName.data));
+		eco_soup_part(&r->soup, node, plain_name(node), mesh->mName.data,
+			plain_name(mesh->mName.data));
 	add_vertices(r, mesh, world);
 	for (unsigned i = 0; i < mesh->mNumFaces; i++)
 		if (mesh->mFaces[i].mNumIndices >= 3)
@@ -389,10 +399,12 @@ static enum eco_code walk(struct reader *r)
 		const struct entry top = stack[--count];
 		for (unsigned i = 0; i < top.node->mNumMeshes && !code; i++)
 			if (top.node->mMeshes[i] < scene->mNumMeshes)
-				code = add_mesh(r, top.node->mName.data, scene->mMeshes[top.node->mMeshes[i]], &top.world);
+				code = add_mesh(r, top.node->mName.data, scene->mMeshes[top.node->mMeshes[i]],
+					&top.world);
 		seen += top.node->mNumChildren;
 		if (!code && seen > NODES_MAX)
-			code = eco_fail(r->error, ECO_TOO_LARGE, "%.300s: more than %u nodes", r->path, NODES_MAX);
+			code = eco_fail(r->error, ECO_TOO_LARGE, "%.300s: more than %u nodes", r->path,
+				NODES_MAX);
 		for (unsigned i = top.node->mNumChildren; !code && i-- > 0;) {
 			eco_grow(&stack, &capacity, count, sizeof *stack);
 			stack[count] = (struct entry){ top.node->mChildren[i], top.world };
@@ -412,7 +424,8 @@ static enum eco_code read_scene(struct reader *r)
 	if (code)
 		return code;
 	if (r->soup.triangle_count == 0)
-		return r->soup.vertex_count > 0 ? eco_fail(r->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only "
+		return r->soup.vertex_count > 0 ? eco_fail(r->error, ECO_BAD_INPUT,
+			"%.300s: no triangles in it, only "
 			"%u points or lines; a point cloud has no surfaces: make a mesh of it first", r->path,
 			r->soup.vertex_count)
 			: eco_fail(r->error, ECO_BAD_INPUT, "%.300s: no triangles in it", r->path);

@@ -1,5 +1,5 @@
-/* The document: container, JSON, buffers, nodes. Common departures from the specification are accepted: a JSON
- * chunk padded with zeros, a byte order mark, whole numbers written as 3.0, names of buffers in another
+/* The document: container, JSON, buffers, nodes. Common departures from the specification are accepted: a
+ * JSON chunk padded with zeros, a byte order mark, whole numbers written as 3.0, names of buffers in another
  * system's spelling, a GLB named .gltf. Damage is refused: a GLB shorter than its header says was cut off. */
 #include "ecofiles/import/model/gltf.h"
 
@@ -109,7 +109,8 @@ enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes,
 	if (!comma)
 		return eco_fail(error, ECO_DAMAGED, "a data URI without a comma");
 	*bytes = eco_alloc(strlen(comma) + 1, 1);
-	if (comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0 || !decode_base64(comma + 1, *bytes, size)) {
+	if (comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0 || !decode_base64(comma + 1, *bytes,
+		size)) {
 		free(*bytes);
 		*bytes = NULL;
 		return eco_fail(error, ECO_DAMAGED, "a data URI that is no base64");
@@ -413,7 +414,8 @@ static enum eco_code push_all(struct walk *w, const json_t *nodes, uint32_t dept
 		uint32_t node = node_number(w->doc, value);
 		if (node == ECO_NONE)
 			return eco_fail(w->error, ECO_DAMAGED, "%.300s: names node %lld, which is not there",
-				w->doc->path, json_is_integer(value) ? (long long)json_integer_value(value) : -1);
+				w->doc->path, json_is_integer(value) ? (long long)json_integer_value(value)
+				: -1);
 		code = push(w, node, depth, world);
 	}
 	return code;
@@ -447,7 +449,8 @@ enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *c
 		struct entry top = w.stack[--w.count];
 		const json_t *node = eco_gltf_item(doc, "nodes", top.node);
 		double local[16];
-		if (json_is_false(json_object_get(eco_gltf_extension(node, "KHR_node_visibility"), "visible")))
+		if (json_is_false(json_object_get(eco_gltf_extension(node, "KHR_node_visibility"),
+			"visible")))
 			continue;
 		code = local_matrix(doc, top.node, local, error);
 		if (code)

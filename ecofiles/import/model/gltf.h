@@ -109,7 +109,8 @@ void eco_gltf_compose(double out[16], const double translation[3], const double 
 	const double scale[3]);
 void eco_gltf_apply(const double matrix[16], const double point[3], double out[3]);
 
-/* The scene that a viewer shows: the default one, or the first if the file names none; NULL: it is not there. */
+/* The scene that a viewer shows: the default one, or the first if the file names none; NULL: it is not
+ * there. */
 const json_t *eco_gltf_scene(const struct eco_gltf *doc);
 /* Calls visit(ctx, node, world) for each node of that scene, or below all roots if there is none, parents
  * first. Hidden nodes (KHR_node_visibility) are skipped with everything below. A node below several

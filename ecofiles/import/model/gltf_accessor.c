@@ -176,7 +176,8 @@ static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, cons
 			doc->path, index, name, (unsigned long long)type);
 	a->components = shapes[i].components;
 	a->type = (uint32_t)type;
-	a->divisor = json_is_true(json_object_get(json, "normalized")) && type <= 5123 ? most[type - 5120] : 0;
+	a->divisor = json_is_true(json_object_get(json, "normalized")) && type <= 5123 ? most[type - 5120]
+		: 0;
 	a->count = eco_gltf_whole(json, "count", UINT64_MAX);
 	a->stride = element_bytes(a);
 	if (a->count > ECO_GLTF_VALUES_MAX / a->components)
@@ -207,7 +208,8 @@ static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_
 static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const json_t *json,
 	struct eco_gltf_accessor *a, struct eco_error *error)
 {
-	const json_t *view = eco_gltf_item(doc, "bufferViews", eco_gltf_whole(json, "bufferView", UINT64_MAX));
+	const json_t *view = eco_gltf_item(doc, "bufferViews", eco_gltf_whole(json, "bufferView",
+		UINT64_MAX));
 	uint64_t stride = eco_gltf_whole(view, "byteStride", 0);
 	if (stride > STRIDE_MAX)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: a byteStride of %llu", doc->path,
@@ -308,7 +310,8 @@ static double component(const uint8_t *p, uint32_t type)
 void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *values)
 {
 	for (uint32_t c = 0; c < a->components; c++) {
-		values[c] = a->bytes ? component(a->bytes + i * a->stride + c * component_bytes(a->type), a->type) : 0;
+		values[c] = a->bytes ? component(a->bytes + i * a->stride + c * component_bytes(a->type),
+			a->type) : 0;
 		if (a->divisor > 0)
 			values[c] = fmax(values[c] / a->divisor, -1);
 	}

@@ -41,8 +41,8 @@ const char *eco_text_skip_spaces(const char *text);
 /* For comparing: trims, makes runs of spaces one, and lowers case (Latin, Greek, Cyrillic). Writes at most
  * `size` bytes with the ending 0, cut if needed, and returns the length. */
 size_t eco_text_fold(const char *text, char *folded, size_t size);
-/* Whether a folded text fits a folded pattern, in which "*" is any text, also the empty one, and `one`, unless it is
- * 0, any character. Time: at worst the product of the lengths. */
+/* Whether a folded text fits a folded pattern, in which "*" is any text, also the empty one, and `one`,
+ * unless it is 0, any character. Time: at worst the product of the lengths. */
 bool eco_text_fits(const char *text, const char *pattern, char one);
 
 #endif

@@ -1,8 +1,8 @@
-/* A glTF model becomes a soup. The scene is walked; each mesh in it is read once, from accessors or Draco streams,
- * and written out at each of its places, in double.
+/* A glTF model becomes a soup. The scene is walked; each mesh in it is read once, from accessors or Draco
+ * streams, and written out at each of its places, in double.
  *
- * Axes and unit are the format's: Y up, metres. A file that requires an extension unknown here is refused
- * by name: an error is better than a model that silently lacks its leaves. */
+ * Axes and unit are the format's: Y up, metres. A file that requires an extension unknown here is refused by
+ * name: an error is better than a model that silently lacks its leaves. */
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
@@ -241,11 +241,13 @@ static enum eco_code check_required(const struct gltf_reader *r)
 		bool read = name && strncmp(name, "KHR_materials_", 14) == 0;
 		for (size_t k = 0; name && k < sizeof handled / sizeof *handled; k++)
 			read |= strcmp(name, handled[k]) == 0;
-		bool picture = name && (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name, "EXT_texture_avif") == 0);
+		bool picture = name && (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name,
+			"EXT_texture_avif") == 0);
 		if (!read)
 			return eco_fail(r->error, ECO_UNSUPPORTED,
 				"%.200s: requires the glTF extension %.100s, which is not supported; export %s",
-				r->doc->path, name ? name : "(not a name)", picture ? "with PNG, JPEG or WebP textures"
+				r->doc->path, name ? name : "(not a name)", picture
+				? "with PNG, JPEG or WebP textures"
 				: "without it");
 	}
 	return ECO_OK;
@@ -260,7 +262,8 @@ static enum eco_code read_skin(struct gltf_reader *r, uint32_t index)
 	const json_t *json = eco_gltf_item(r->doc, "skins", index), *joints = json_object_get(json, "joints");
 	size_t count = json_array_size(joints);
 	struct eco_gltf_accessor inverse = { .bytes = NULL };
-	enum eco_code code = !json_object_get(json, "inverseBindMatrices") ? ECO_OK : eco_gltf_accessor_open(r->doc,
+	enum eco_code code = !json_object_get(json, "inverseBindMatrices") ? ECO_OK
+		: eco_gltf_accessor_open(r->doc,
 		eco_gltf_index(json, "inverseBindMatrices"), 16, &inverse, r->error);
 	skin->read = true;
 	skin->matrix = eco_alloc(count, 16 * sizeof *skin->matrix);
@@ -296,14 +299,17 @@ static enum eco_code find_skin(struct gltf_reader *r, uint32_t node, const struc
 }
 
 /* Places a vertex in the world; false: no joint holds it. */
-static bool skin_place(const struct gltf_skin *skin, const struct gltf_piece *p, uint32_t vertex, const double from[3],
+static bool skin_place(const struct gltf_skin *skin, const struct gltf_piece *p, uint32_t vertex,
+	const double from[3],
 	double out[3])
 {
 	double sum = 0, to[3] = { 0, 0, 0 };
-	for (int set = 0; set < GLTF_JOINT_SETS && p->values[GLTF_JOINTS + set].there && p->values[GLTF_WEIGHTS + set].there; set++) {
+	for (int set = 0; set < GLTF_JOINT_SETS && p->values[GLTF_JOINTS + set].there
+		&& p->values[GLTF_WEIGHTS + set].there; set++) {
 		double joints[4] = { 0, 0, 0, 0 }, weights[4] = { 0, 0, 0, 0 }, place[3];
 		if (!gltf_values(p, (enum gltf_attribute)(GLTF_JOINTS + set), vertex, joints)
-				|| !gltf_values(p, (enum gltf_attribute)(GLTF_WEIGHTS + set), vertex, weights))
+				|| !gltf_values(p, (enum gltf_attribute)(GLTF_WEIGHTS + set), vertex,
+					weights))
 			continue;
 		for (int i = 0; i < 4; i++) {
 			double weight = isfinite(weights[i]) ? (double)(float)weights[i] : 0;
@@ -332,13 +338,15 @@ static double largest_scale(const double m[16])
 }
 
 /* Z up. */
-static void add_vertex(struct gltf_reader *r, const struct gltf_piece *p, uint32_t vertex, const double world[16],
+static void add_vertex(struct gltf_reader *r, const struct gltf_piece *p, uint32_t vertex,
+	const double world[16],
 	const struct gltf_skin *skin)
 {
 	double values[4] = { 0, 0, 0, 0 }, at[3];
 	float uv[2] = { 0, 0 }, rgb[3];
 	gltf_values(p, GLTF_POSITION, vertex, values);
-	const double local[3] = { (double)(float)values[0], (double)(float)values[1], (double)(float)values[2] };
+	const double local[3] = { (double)(float)values[0], (double)(float)values[1],
+		(double)(float)values[2] };
 	if (!skin || !skin_place(skin, p, vertex, local, at))
 		eco_gltf_apply(world, local, at);
 	if (gltf_values(p, GLTF_TEXCOORD, vertex, values))
@@ -350,7 +358,8 @@ static void add_vertex(struct gltf_reader *r, const struct gltf_piece *p, uint32
 	eco_soup_vertex(&r->soup, (const double[3]){ at[0], -at[2], at[1] }, uv, rgb);
 }
 
-static void add_piece(struct gltf_reader *r, const struct gltf_piece *p, const double world[16], const struct gltf_skin *skin)
+static void add_piece(struct gltf_reader *r, const struct gltf_piece *p, const double world[16],
+	const struct gltf_skin *skin)
 {
 	const uint32_t first = r->soup.vertex_count;
 	if (!skin)
@@ -387,7 +396,8 @@ static enum eco_code place_mesh(struct gltf_reader *r, uint32_t number, uint32_t
 }
 
 /* Places a mesh at each instance of EXT_mesh_gpu_instancing. */
-static enum eco_code place_instances(struct gltf_reader *r, uint32_t mesh, uint32_t node, const json_t *attributes,
+static enum eco_code place_instances(struct gltf_reader *r, uint32_t mesh, uint32_t node,
+	const json_t *attributes,
 	const double world[16])
 {
 	static const struct { const char *name; uint32_t components; } kinds[] = { { "TRANSLATION", 3 },
@@ -398,16 +408,19 @@ static enum eco_code place_instances(struct gltf_reader *r, uint32_t mesh, uint3
 	for (int k = 0; k < 3 && !code; k++) {
 		if (!json_object_get(attributes, kinds[k].name))
 			continue;
-		code = eco_gltf_accessor_open(r->doc, eco_gltf_index(attributes, kinds[k].name), kinds[k].components,
+		code = eco_gltf_accessor_open(r->doc, eco_gltf_index(attributes, kinds[k].name),
+			kinds[k].components,
 			&a[k], r->error);
 		if (!code && count != UINT64_MAX && count != a[k].count)
-			code = eco_fail(r->error, ECO_DAMAGED, "%.300s: node %u: its instances have %llu and %llu "
+			code = eco_fail(r->error, ECO_DAMAGED,
+				"%.300s: node %u: its instances have %llu and %llu "
 				"places, turns or sizes", r->doc->path, node, (unsigned long long)count,
 				(unsigned long long)a[k].count);
 		count = a[k].count;
 	}
 	if (!code && count == UINT64_MAX)
-		code = eco_fail(r->error, ECO_DAMAGED, "%.300s: node %u: instances without places, turns or sizes",
+		code = eco_fail(r->error, ECO_DAMAGED,
+			"%.300s: node %u: instances without places, turns or sizes",
 			r->doc->path, node);
 	for (uint64_t i = 0; i < count && r->meshes[mesh].triangles > 0 && !code; i++) {
 		double at[3][4] = { { 0 }, { 0, 0, 0, 1 }, { 1, 1, 1 } }, matrix[16];
@@ -479,7 +492,8 @@ static enum eco_code read_document(struct gltf_reader *r)
 	size_t materials = json_array_size(json_object_get(r->doc->root, "materials"));
 	enum eco_code code = check_required(r);
 	if (!code && materials >= ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX)
-		code = eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %zu materials are too many", r->doc->path, materials);
+		code = eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %zu materials are too many", r->doc->path,
+			materials);
 	if (code)
 		return code;
 	*r->soup.frame = (struct eco_model_frame){ .format = "glTF", .unit_m = 1, .up = ECO_UP_Y,

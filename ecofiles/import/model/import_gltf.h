@@ -13,12 +13,14 @@ struct gltf_look {               /* the part of a material that geometry needs *
 };
 
 #define GLTF_JOINT_SETS 4             /* of four joints each */
-enum gltf_attribute { GLTF_POSITION, GLTF_TEXCOORD, GLTF_COLOR, GLTF_JOINTS, GLTF_WEIGHTS = GLTF_JOINTS + GLTF_JOINT_SETS,
+enum gltf_attribute { GLTF_POSITION, GLTF_TEXCOORD, GLTF_COLOR, GLTF_JOINTS,
+	GLTF_WEIGHTS = GLTF_JOINTS + GLTF_JOINT_SETS,
 	GLTF_ATTRIBUTES = GLTF_WEIGHTS + GLTF_JOINT_SETS };
 
 struct gltf_piece {                   /* a primitive */
 	struct { bool there; struct eco_gltf_accessor a; } values[GLTF_ATTRIBUTES];
-	uint32_t material, triangle_count, *index;   /* 3 per triangle, into `source`; ECO_NONE: a missing vertex */
+	uint32_t material, triangle_count,
+		*index;   /* 3 per triangle, into `source`; ECO_NONE: a missing vertex */
 	uint32_t vertex_count, *source;              /* vertices in use, by their numbers in the file */
 	double far;                  /* largest coordinate, if the file holds it in single precision */
 };

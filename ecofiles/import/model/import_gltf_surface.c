@@ -1,5 +1,5 @@
-/* Primitives of glTF meshes, from accessors or a Draco stream, as triangles with the vertices in use: exporters let
- * all primitives of a file share one large buffer. */
+/* Primitives of glTF meshes, from accessors or a Draco stream, as triangles with the vertices in use:
+ * exporters let all primitives of a file share one large buffer. */
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
@@ -14,7 +14,8 @@ enum mode { POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, TRIANGLE_STRIP, TRI
 
 static enum eco_code fail(const struct gltf_reader *r, enum eco_code code, const char *says)
 {
-	return eco_fail(r->error, code, "%.300s: meshes[%u].primitives[%u]: %s", r->doc->path, r->mesh, r->number,
+	return eco_fail(r->error, code, "%.300s: meshes[%u].primitives[%u]: %s", r->doc->path, r->mesh,
+		r->number,
 		says);
 }
 
@@ -30,7 +31,8 @@ enum eco_code gltf_too_many(const struct gltf_reader *r, uint64_t triangles)
 static void name_of(enum gltf_attribute which, const struct gltf_look *look, char name[32])
 {
 	if (which >= GLTF_JOINTS)
-		snprintf(name, 32, "%s_%d", which < GLTF_WEIGHTS ? "JOINTS" : "WEIGHTS", (which - GLTF_JOINTS) % GLTF_JOINT_SETS);
+		snprintf(name, 32, "%s_%d", which < GLTF_WEIGHTS ? "JOINTS" : "WEIGHTS",
+			(which - GLTF_JOINTS) % GLTF_JOINT_SETS);
 	else if (which == GLTF_TEXCOORD)
 		snprintf(name, 32, "TEXCOORD_%u", look->uv_set);
 	else
@@ -40,7 +42,8 @@ static void name_of(enum gltf_attribute which, const struct gltf_look *look, cha
 /* Unneeded attributes are not read, and may be broken. */
 static bool is_wanted(const struct gltf_reader *r, enum gltf_attribute which, const struct gltf_look *look)
 {
-	return which == GLTF_TEXCOORD ? look->textured && !look->invisible : which < GLTF_JOINTS || r->skin_count > 0;
+	return which == GLTF_TEXCOORD ? look->textured && !look->invisible : which < GLTF_JOINTS
+		|| r->skin_count > 0;
 }
 
 static enum eco_code open_attribute(struct gltf_reader *r, enum gltf_attribute which, const char *name)
@@ -52,7 +55,8 @@ static enum eco_code open_attribute(struct gltf_reader *r, enum gltf_attribute w
 	enum eco_code code = eco_gltf_accessor_open(r->doc, eco_gltf_index(attributes, name), 0, a, r->error);
 	if (code)
 		return code;
-	r->to->values[which].there = a->components == (which == GLTF_POSITION ? 3u : which == GLTF_TEXCOORD ? 2u : 4u)
+	r->to->values[which].there = a->components == (which == GLTF_POSITION ? 3u : which == GLTF_TEXCOORD
+		? 2u : 4u)
 		|| (which == GLTF_COLOR && a->components == 3);
 	return r->to->values[which].there ? ECO_OK
 		: fail(r, ECO_DAMAGED, "an attribute with a wrong number of components");
@@ -141,7 +145,8 @@ static enum eco_code open_draco(struct gltf_reader *r, const json_t *extension, 
 	}
 	r->vertex_count = mesh.points;
 	r->index_count = (uint64_t)mesh.faces * 3;
-	r->indices = (struct eco_gltf_accessor){ .bytes = (uint8_t *)mesh.index, .owned = (uint8_t *)mesh.index,
+	r->indices = (struct eco_gltf_accessor){ .bytes = (uint8_t *)mesh.index,
+		.owned = (uint8_t *)mesh.index,
 		.count = r->index_count, .stride = sizeof *mesh.index, .components = 1, .type = 5125 };
 	r->indexed = r->draco = true;
 	return ECO_OK;
@@ -154,7 +159,8 @@ static enum eco_code open_indices(struct gltf_reader *r)
 	r->index_count = r->vertex_count;
 	if (!json_object_get(r->primitive, "indices"))
 		return ECO_OK;
-	enum eco_code code = eco_gltf_accessor_open(r->doc, eco_gltf_index(r->primitive, "indices"), 1, &r->indices,
+	enum eco_code code = eco_gltf_accessor_open(r->doc, eco_gltf_index(r->primitive, "indices"), 1,
+		&r->indices,
 		r->error);
 	r->index_count = r->indices.count;
 	r->indexed = true;
@@ -169,7 +175,8 @@ static uint32_t index_at(const struct gltf_reader *r, uint64_t i)
 /* The greatest index of a type is no index: it begins the next strip. */
 static bool is_restart(const struct gltf_reader *r, uint32_t index)
 {
-	return r->indexed && index == (r->indices.type == 5121 ? 0xff : r->indices.type == 5123 ? 0xffff : UINT32_MAX);
+	return r->indexed && index == (r->indices.type == 5121 ? 0xff : r->indices.type == 5123 ? 0xffff
+		: UINT32_MAX);
 }
 
 static void add_triangle(struct gltf_reader *r, uint32_t a, uint32_t b, uint32_t c)
@@ -253,7 +260,8 @@ static void look_at_vertices(struct gltf_reader *r)
 		if (alpha && gltf_values(p, GLTF_COLOR, p->source[v], values))
 			r->faint += values[3] < 0.5;
 		if (single && gltf_values(p, GLTF_POSITION, p->source[v], values))
-			r->to->far = fmax(r->to->far, fmax(fmax(fabs(values[0]), fabs(values[1])), fabs(values[2])));
+			r->to->far = fmax(r->to->far, fmax(fmax(fabs(values[0]), fabs(values[1])),
+				fabs(values[2])));
 	}
 }
 
@@ -315,10 +323,12 @@ static bool has_weights(const json_t *mesh)
 
 enum eco_code gltf_mesh_read(struct gltf_reader *r, uint32_t number)
 {
-	const json_t *json = eco_gltf_item(r->doc, "meshes", number), *primitives = json_object_get(json, "primitives");
+	const json_t *json = eco_gltf_item(r->doc, "meshes", number), *primitives = json_object_get(json,
+		"primitives");
 	enum eco_code code = ECO_OK;
 	if (!json)
-		return eco_fail(r->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there", r->doc->path,
+		return eco_fail(r->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there",
+			r->doc->path,
 			number);
 	struct gltf_mesh *mesh = &r->meshes[number];
 	if (mesh->read)

@@ -223,8 +223,8 @@ void eco_images_start(struct eco_images *images)
 }
 
 /* Index of the decoded image. Its alpha is 255 all over unless some of it is cut out; then 128 is the
- * threshold. ECO_NONE: it cannot be read, which is noted once; failures are remembered, too, as images without
- * rgba. */
+ * threshold. ECO_NONE: it cannot be read, which is noted once; failures are remembered, too, as images
+ * without rgba. */
 static uint32_t get_image(struct eco_images *images, const struct eco_image_wanted *wanted, bool *cutout)
 {
 	struct eco_model *m = images->model;
@@ -237,7 +237,8 @@ static uint32_t get_image(struct eco_images *images, const struct eco_image_want
 	if (i == m->image_count) {
 		struct eco_image_key *key = &images->keys[i];
 		*key = (struct eco_image_key){ .texture = eco_copy_text(wanted->texture),
-			.opacity = wanted->opacity ? eco_copy_text(wanted->opacity) : NULL, .alpha = wanted->alpha, .gain = wanted->gain };
+			.opacity = wanted->opacity ? eco_copy_text(wanted->opacity) : NULL,
+			.alpha = wanted->alpha, .gain = wanted->gain };
 		m->image_count++;
 		load_image(images, key, &m->images[i]);
 	}

@@ -62,8 +62,8 @@ void eco_bounds_add(struct eco_bounds *bounds, const double place[3]);
 
 /* ---- A soup while it is read (model_soup.c) ---- */
 
-/* Begins with the first four fields and zeros; free it in any case. A reader adds meshes, each with its vertices
- * and triangles, and bounds their numbers. Materials must be there at the end. */
+/* Begins with the first four fields and zeros; free it in any case. A reader adds meshes, each with its
+ * vertices and triangles, and bounds their numbers. Materials must be there at the end. */
 struct eco_soup_vertex { double place[3]; float uv[2], rgb[3]; };
 struct eco_soup_triangle { uint32_t v[3], part; };
 struct eco_soup_mesh { uint32_t triangle, material; bool colored; };
@@ -91,9 +91,9 @@ void eco_soup_mesh(struct eco_soup *soup, uint32_t material, bool colored);
 uint32_t eco_soup_vertex(struct eco_soup *soup, const double place[3], const float uv[2], const float rgb[3]);
 /* ECO_NONE: a missing vertex. */
 void eco_soup_triangle(struct eco_soup *soup, uint32_t a, uint32_t b, uint32_t c);
-/* Room for a polygon of up to ECO_POLYGON_CORNERS_MAX (geometry.h) corners, 3 coordinates each; then its n - 2
- * triangles, as numbers of corners. One with a corner that is not finite has no shape: a fan keeps its count of
- * triangles, and the bad ones are dropped later. */
+/* Room for a polygon of up to ECO_POLYGON_CORNERS_MAX (geometry.h) corners, 3 coordinates each; then its n -
+ * 2 triangles, as numbers of corners. One with a corner that is not finite has no shape: a fan keeps its
+ * count of triangles, and the bad ones are dropped later. */
 double *eco_soup_corners(struct eco_soup *soup);
 const uint32_t *eco_soup_split(struct eco_soup *soup, uint32_t n);
 /* `fields` of the file say what is transparent, for a note. */
@@ -141,9 +141,9 @@ void eco_images_keep(struct eco_model *model, const uint32_t *as);
  * 0 or 1 is opaque. Then clears `invisible` and notes it. */
 void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *notes);
 
-/* Gives a material its picture. `replaces`: it is drawn instead of the material's colour, whatever exporters leave
- * there (0.8, 0.64, 0); else times it. Of a picture that cannot be read only the factor is left, which counts as a
- * colour only if it has a hue. */
+/* Gives a material its picture. `replaces`: it is drawn instead of the material's colour, whatever exporters
+ * leave there (0.8, 0.64, 0); else times it. Of a picture that cannot be read only the factor is left, which
+ * counts as a colour only if it has a hue. */
 void eco_material_take_picture(struct eco_material *material, struct eco_images *images,
 	const struct eco_image_wanted *wanted, bool replaces);
 

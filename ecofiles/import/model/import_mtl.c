@@ -1,4 +1,5 @@
-/* Libraries of materials of Wavefront OBJ: one colour, one texture and one opacity each; and lines of both files. */
+/* Libraries of materials of Wavefront OBJ: one colour, one texture and one opacity each; and lines of both
+ * files. */
 #include "ecofiles/import/model/import_obj.h"
 
 #include <ctype.h>
@@ -185,7 +186,8 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 		char *rest = eco_obj_arguments(line);
 		if (strcasecmp(line, "newmtl") == 0 && mtl->count < MATERIALS_MAX) {
 			mtl->items = eco_realloc(mtl->items, (size_t)mtl->count + 1, sizeof *mtl->items);
-			mtl->items[mtl->count++] = (struct eco_mtl_material){ .name = eco_copy_text(rest), .alpha = 1,
+			mtl->items[mtl->count++] = (struct eco_mtl_material){ .name = eco_copy_text(rest),
+				.alpha = 1,
 				.uv_scale = { 1, 1 } };
 			inside = true;
 		} else if (inside) {

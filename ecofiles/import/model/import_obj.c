@@ -3,8 +3,8 @@
  * every corner of every face. This reader counts what it cannot use, names the line of an error, and
  * subtracts a base far from the origin before it rounds.
  *
- * Vertices and faces are gathered as they come, as faces may name vertices that follow. At the end they become a
- * soup: a run of faces with one material and one part is a mesh. */
+ * Vertices and faces are gathered as they come, as faces may name vertices that follow. At the end they
+ * become a soup: a run of faces with one material and one part is a mesh. */
 #include "ecofiles/import/model/import_obj.h"
 
 #include <ctype.h>
@@ -47,8 +47,8 @@ struct obj {
 	bool *invisible;             /* per material */
 	float color_scale;           /* 1/255 for colours written as bytes */
 	uint64_t missing_uv;
-	/* per vertex of the soup: its origin (vt only where the material has an image), and the material whose -s and
-	 * -o its uv has, or ECO_NONE */
+	/* per vertex of the soup: its origin (vt only where the material has an image), and the material
+	 * whose -s and -o its uv has, or ECO_NONE */
 	struct key { struct corner corner; uint32_t transform; } *keys;
 	uint32_t *table, mask;       /* open addressing: vertex, ECO_NONE is free */
 };
@@ -326,12 +326,14 @@ static void make_material(struct obj *o, uint32_t i, struct eco_images *images)
 	to->image = ECO_NONE;
 	memset(to->rgb, o->colored && !has_color ? 255 : (int)(GREY * 255), 3);
 	for (int k = 0; k < 3 && has_color; k++)
-		to->rgb[k] = o->mtl.linear ? eco_srgb_from_linear(from->rgb[k]) : eco_byte_from_share(from->rgb[k]);
+		to->rgb[k] = o->mtl.linear ? eco_srgb_from_linear(from->rgb[k])
+			: eco_byte_from_share(from->rgb[k]);
 	if (from && !o->invisible[i] && from->texture) {
 		bool mask = from->opacity && strcmp(from->opacity, from->texture) != 0;
 		eco_material_take_picture(to, images, &(struct eco_image_wanted){ .texture = from->texture,
 			.opacity = mask ? from->opacity : NULL,
-			.gain = eco_alpha_shows(from->alpha) && from->alpha < 1 ? (float)from->alpha : 1 }, true);
+			.gain = eco_alpha_shows(from->alpha) && from->alpha < 1 ? (float)from->alpha : 1 },
+			true);
 	} else {
 		to->colourless = !has_color && !(from && from->texture);
 	}
@@ -502,8 +504,10 @@ static enum eco_code start_text(struct obj *o, uint8_t *bytes, size_t size)
 enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
-	struct obj o = { .text = { .path = path }, .error = error, .notes = notes, .triangles_max = triangles_max,
-		.material = ECO_NONE, .part = ECO_NONE, .soup = { .model = model, .frame = frame, .notes = notes } };
+	struct obj o = { .text = { .path = path }, .error = error, .notes = notes,
+		.triangles_max = triangles_max,
+		.material = ECO_NONE, .part = ECO_NONE, .soup = { .model = model, .frame = frame,
+		.notes = notes } };
 	uint8_t *bytes;
 	size_t size;
 	enum eco_code code = eco_file_read(path, ECO_MODEL_FILE_MAX, &bytes, &size, error);

@@ -184,7 +184,8 @@ static uint32_t find_sheet(const struct eco_components *all)
 			eco_bounds_add(&rest, all->items[i].high);
 		}
 	const struct eco_component *c = &all->items[at];
-	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1], height = rest.high[2] - c->low[2];
+	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1],
+		height = rest.high[2] - c->low[2];
 	bool stand = height > 0 && c->high[2] - c->low[2] <= SHEET_THICK * fmin(wide, deep)
 		&& c->area >= SHEET_FULL * wide * deep && c->high[2] <= rest.low[2] + SHEET_AT * height;
 	for (int k = 0; k < 2; k++) {

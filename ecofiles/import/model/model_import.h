@@ -46,7 +46,4 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 #define ECO_PLANT_HEIGHT_MOST_M 120.0
 #define ECO_PLANT_HEIGHT_LEAST_M 0.01
 
-/* "centimetres"; NULL: the unit has no name. */
-const char *eco_unit_name(double metres);
-
 #endif

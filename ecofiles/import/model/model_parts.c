@@ -345,7 +345,8 @@ enum eco_code model_apply_rules(struct model_clean *c)
 {
 	const uint32_t count = c->options->rule_count;
 	struct rules r = { .model = c->model, .rules = c->options->rules, .count = count,
-		.importance = eco_alloc((size_t)count + 1, 1), .fitted = eco_alloc((size_t)count + 1, sizeof(bool)) };
+		.importance = eco_alloc((size_t)count + 1, 1), .fitted = eco_alloc((size_t)count + 1,
+		sizeof(bool)) };
 	enum eco_code code = ECO_OK;
 	if (count > 0 && !number_importances(&r)) {
 		code = eco_fail(c->error, ECO_TOO_LARGE, "%.300s: the rules in \"parts\" give more than %u "
@@ -359,13 +360,16 @@ enum eco_code model_apply_rules(struct model_clean *c)
 		if (r.fitted[i])
 			continue;
 		if (rule->kind == ECO_PART_COMPONENT)
-			eco_note(c->notes, "the rule {\"component\": %u} fits nothing: there are %u components",
+			eco_note(c->notes,
+				"the rule {\"component\": %u} fits nothing: there are %u components",
 				rule->component, r.components.count);
 		else if (rule->kind == ECO_PART_SIZE)
-			eco_note(c->notes, "the rule {\"size\": [%g, %g]} fits nothing: ecopack model lists sizes",
+			eco_note(c->notes,
+				"the rule {\"size\": [%g, %g]} fits nothing: ecopack model lists sizes",
 				rule->size[0], rule->size[1]);
 		else
-			eco_note(c->notes, "the rule {\"name\": \"%.100s\"} fits nothing: ecopack model lists the "
+			eco_note(c->notes,
+				"the rule {\"name\": \"%.100s\"} fits nothing: ecopack model lists the "
 				"names of materials and parts", rule->name);
 	}
 	if (!code && c->model->triangle_count == 0)

@@ -1,12 +1,12 @@
-/* A soup while a reader makes it: vertices in double, with colours, and meshes of one material each. At the end
- * it is known how far from the origin everything is, and which colours of vertices differ.
+/* A soup while a reader makes it: vertices in double, with colours, and meshes of one material each. At the
+ * end it is known how far from the origin everything is, and which colours of vertices differ.
  *
  * Vertex colours become materials, one for each colour: lists have a colour per primitive, not per vertex.
  *
- * Colours of textured materials are multiplied into their images, in linear light as glTF means it. Lists
- * of triangles have an image and no colour beside it, while points and lines take their colours from
- * texels and materials: with the product in the texels all of them agree. Each further colour of an image
- * needs a copy of it; beyond a limit the nearest existing colour is used.
+ * Colours of textured materials are multiplied into their images, in linear light as glTF means it. Lists of
+ * triangles have an image and no colour beside it, while points and lines take their colours from texels and
+ * materials: with the product in the texels all of them agree. Each further colour of an image needs a copy
+ * of it; beyond a limit the nearest existing colour is used.
  *
  * Afterwards an image of one colour is that colour, and images that are equal texel by texel become one, so
  * that names, alpha modes and cut-offs without effect cost nothing in a pack. */
@@ -393,7 +393,8 @@ void eco_model_reserve(struct eco_model *m, uint64_t vertices, uint64_t triangle
 	m->part = eco_alloc(triangles + 1, sizeof *m->part);
 }
 
-void eco_soup_part(struct eco_soup *s, const char *node, size_t node_bytes, const char *mesh, size_t mesh_bytes)
+void eco_soup_part(struct eco_soup *s, const char *node, size_t node_bytes, const char *mesh,
+	size_t mesh_bytes)
 {
 	struct eco_model *m = s->model;
 	bool both = node_bytes && mesh_bytes
@@ -535,7 +536,8 @@ static uint32_t material_of(struct eco_soup *s, struct tints *tints, uint32_t me
 	return tints_get(tints, of->material, rgb);
 }
 
-static uint32_t triangle_material(struct eco_soup *s, struct tints *tints, uint32_t material, uint32_t triangle)
+static uint32_t triangle_material(struct eco_soup *s, struct tints *tints, uint32_t material,
+	uint32_t triangle)
 {
 	struct colors c = { .count = 0 };
 	uint8_t rgb[3];
@@ -570,10 +572,12 @@ static void set_triangles(struct eco_soup *s, struct tints *tints, const char *f
 	m->triangle_count = kept;
 	m->dropped[ECO_DROP_TRANSPARENT] = hidden;
 	if (hidden > 0)
-		eco_note(s->notes, "%u triangles have materials with alpha below 0.5 (%s): they are left out", hidden,
+		eco_note(s->notes, "%u triangles have materials with alpha below 0.5 (%s): they are left out",
+			hidden,
 			fields);
 	if (averaged > 0)
-		eco_note(s->notes, "%u textured meshes have vertex colours that differ: each is drawn in their "
+		eco_note(s->notes,
+			"%u textured meshes have vertex colours that differ: each is drawn in their "
 			"mean", averaged);
 }
 

@@ -81,7 +81,8 @@ static void measure(struct stance *s)
 /* Candidates for stems: 2 may be a stem, 1 has enough triangles, 0 any. */
 static int rank_of(const struct stance *s, const struct eco_component *c)
 {
-	return c->triangle_count < STEM_TRIANGLES ? 0 : c->high[2] - c->low[2] >= TALL_SHARE * (s->high - s->low) ? 2 : 1;
+	return c->triangle_count < STEM_TRIANGLES ? 0
+		: c->high[2] - c->low[2] >= TALL_SHARE * (s->high - s->low) ? 2 : 1;
 }
 
 /* Marks wood by shape: leaves and twigs are small, and branches that hang below the trunk's foot are thin.
@@ -230,27 +231,16 @@ static void find_ground(struct stance *s, const struct eco_model_frame *frame)
 
 /* ---- Size ---- */
 
-struct known_unit { double metres; const char *name; };
+static const struct known_unit { double metres; const char *name; } known_units[] = { { 1, "metres" },
+	{ 0.01, "centimetres" }, { 0.001, "millimetres" } };
 
-static const struct known_unit known_units[] = { { 1, "metres" }, { 0.01, "centimetres" },
-	{ 0.001, "millimetres" }, { 0.0254, "inches" },
-	{ 0.3048, "feet" }, { 1200.0 / 3937, "US survey feet" } };
-
-const char *eco_unit_name(double metres)
-{
-	for (size_t i = 0; i < sizeof known_units / sizeof *known_units; i++)
-		if (fabs(metres / known_units[i].metres - 1) < 1e-6)
-			return known_units[i].name;
-	return NULL;
-}
-
-/* The largest of metres, centimetres and millimetres in which it is no higher than most trees. */
+/* The largest of them in which it is no higher than most trees. */
 static const struct known_unit *guess_unit(double height)
 {
-	for (int i = 0; i < 3; i++)
-		if (height * known_units[i].metres <= GUESS_MOST_M)
-			return &known_units[i];
-	return &known_units[2];
+	int i = 0;
+	while (i < 2 && height * known_units[i].metres > GUESS_MOST_M)
+		i++;
+	return &known_units[i];
 }
 
 static enum eco_code find_scale(struct model_clean *c, double top)

@@ -56,7 +56,8 @@ static struct box bound(const struct eco_model *m, const bool *wanted)
 	const float *p[3];
 	for (uint32_t t = 0; t < m->triangle_count; t++)
 		for (int k = 0; k < 3 && (!wanted || wanted[t]) && usable(m, t, p); k++)
-			eco_bounds_add(&box.of, (const double[3]){ (double)p[k][0], (double)p[k][1], (double)p[k][2] });
+			eco_bounds_add(&box.of, (const double[3]){ (double)p[k][0], (double)p[k][1],
+				(double)p[k][2] });
 	for (int a = 0; a < 3; a++)
 		box.extent = fmax(box.extent, box.of.high[a] - box.of.low[a]);
 	return box;

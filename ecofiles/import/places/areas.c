@@ -1,6 +1,6 @@
-/* Bands of y are the index of both questions: each lists the edges of a surface, the surfaces, or the edges widened by
- * near_m that touch it. The areas of a scatter come as rows with geometry, through the same child process, columns
- * and filters as inventories. */
+/* Bands of y are the index of both questions: each lists the edges of a surface, the surfaces, or the edges
+ * widened by near_m that touch it. The areas of a scatter come as rows with geometry, through the same child
+ * process, columns and filters as inventories. */
 #include "ecofiles/import/places/areas.h"
 
 #include <math.h>
@@ -41,7 +41,8 @@ static enum eco_code add_edge(struct reading *r, const double a[2], const double
 {
 	struct eco_areas *s = r->areas;
 	if (s->edge_count == ECO_AREA_POINTS_MAX)
-		return eco_fail(r->error, ECO_TOO_LARGE, "no room for more than %u corners of areas", s->edge_count);
+		return eco_fail(r->error, ECO_TOO_LARGE, "no room for more than %u corners of areas",
+			s->edge_count);
 	eco_grow(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges);
 	s->edges[s->edge_count++] = (struct eco_edge){ { a[0], a[1] }, { b[0], b[1] } };
 	return ECO_OK;
@@ -153,7 +154,8 @@ static enum eco_code fill_strips(struct eco_strips *s, uint32_t items,
 		for (uint32_t i = 0; i < items; i++) {
 			double y[2];
 			range(ctx, i, y);
-			uint32_t strip = strip_of(s, y[0]), end = y[0] <= y[1] ? strip_of(s, y[1]) + 1 : strip;
+			uint32_t strip = strip_of(s, y[0]), end = y[0] <= y[1] ? strip_of(s, y[1]) + 1
+				: strip;
 			total += pass == 0 ? end - strip : 0;
 			for (; strip < end; strip++) {
 				if (pass == 0)
@@ -332,7 +334,8 @@ enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco
 		struct eco_area *area = &areas->items[i];
 		area->strips.low = area->low[1];
 		area->strips.high = area->high[1];
-		code = fill_strips(&area->strips, area->ring_edges, edge_range, areas->edges + area->edge_first, error);
+		code = fill_strips(&area->strips, area->ring_edges, edge_range,
+			areas->edges + area->edge_first, error);
 		area->size_m2 = code ? 0 : surface_of(areas, area);
 	}
 	if (code == ECO_OK && areas->count > 0)
@@ -464,7 +467,8 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 	const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error)
 {
 	bool surfaces = areas == &input->areas;
-	struct row_reading r = { .input = input, .spec = spec, .path = surfaces ? spec->path : spec->clear_of };
+	struct row_reading r = { .input = input, .spec = spec, .path = surfaces ? spec->path
+		: spec->clear_of };
 	struct eco_rows_source source = { .path = r.path, .layer = surfaces ? spec->layer : spec->clear_layer,
 		.areas = true };
 	enum eco_code code = eco_rows_open(&r.rows, &source, error);
@@ -474,7 +478,8 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 			.frame = frame, .note = eco_rows_note, .ctx = r.rows }, error);
 	if (code == ECO_OK && r.rows->degrees_doubted && !(surfaces ? spec->crs : spec->clear_crs))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format "
-			"says; add \"%s\": \"EPSG:...\", the CRS that they are in", r.path, surfaces ? "crs" : "clear_crs");
+			"says; add \"%s\": \"EPSG:...\", the CRS that they are in", r.path, surfaces ? "crs"
+			: "clear_crs");
 	if (!code)
 		code = read_rows(&r, areas, surfaces, error);
 	const char *stated = surfaces ? spec->crs : spec->clear_crs;
@@ -491,7 +496,8 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 			area);
 	if (!code)
 		code = eco_areas_index(areas, surfaces ? 0 : spec->clear_m, error);
-	for (uint32_t i = 0; r.rows && i < r.rows->note_count && input->note_count < 2 * ECO_ROWS_NOTES_MAX; i++)
+	for (uint32_t i = 0; r.rows && i < r.rows->note_count
+		&& input->note_count < 2 * ECO_ROWS_NOTES_MAX; i++)
 		input->notes[input->note_count++] = eco_copy_text(r.rows->notes[i]);
 	eco_crs_close(r.crs);
 	eco_rows_close(r.rows);

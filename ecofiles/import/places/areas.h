@@ -17,7 +17,8 @@
 
 struct eco_edge { double a[2], b[2]; };  /* of a ring or a line; a point: twice the same */
 
-/* Items by the bands of y that they touch, in their order: those of band i are member[first[i]] to first[i + 1]. */
+/* Items by the bands of y that they touch, in their order: those of band i are member[first[i]] to first[i +
+ * 1]. */
 struct eco_strips { double low, high; uint32_t count, *first, *member; };
 
 struct eco_area {                        /* a feature: all its rings, by the even-odd rule */

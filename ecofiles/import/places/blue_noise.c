@@ -1,9 +1,9 @@
 /* Points that are evenly spread for any number of them: a progressive blue-noise set on a square that
  * repeats without seams.
  *
- * The most crowded random candidate is removed until the wanted number is left, and again for each halving of that
- * number. The reversed order of removal is the order of the set (Yuksel 2015, sample
- * elimination, with its progressive ordering). */
+ * The most crowded random candidate is removed until the wanted number is left, and again for each halving
+ * of that number. The reversed order of removal is the order of the set (Yuksel 2015, sample elimination,
+ * with its progressive ordering). */
 #include "ecofiles/import/places/scatter_parts.h"
 
 #include <math.h>
@@ -146,7 +146,8 @@ static void eliminate(struct field *f, uint32_t wanted, uint16_t (*scratch)[2])
 
 void eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
 {
-	uint16_t (*at)[2] = eco_alloc(CANDIDATES, sizeof *at), (*scratch)[2] = eco_alloc(CANDIDATES, sizeof *scratch);
+	uint16_t (*at)[2] = eco_alloc(CANDIDATES, sizeof *at), (*scratch)[2] = eco_alloc(CANDIDATES,
+		sizeof *scratch);
 	struct field f =
 		{ .at = at, .count = CANDIDATES,
 			.cell_first = eco_alloc(CELLS_MOST * CELLS_MOST + 1, sizeof(uint32_t)),

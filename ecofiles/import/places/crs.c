@@ -1,5 +1,5 @@
-/* Facts of CRSs, coordinates that are already in the scene's metres, and errors that need no PROJ. proj_crs.c and
- * proj_facts.c do the rest; they are loaded only to convert a place or to look at a CRS. */
+/* Facts of CRSs, coordinates that are already in the scene's metres, and errors that need no PROJ.
+ * proj_crs.c and proj_facts.c do the rest; they are loaded only to convert a place or to look at a CRS. */
 #include "ecofiles/import/places/crs.h"
 
 #include <math.h>
@@ -37,7 +37,8 @@ static enum eco_crs_fit fit_of(const char *crs, const double xy[2], const struct
 		return ECO_CRS_DEGREES;
 	if (facts->inside)
 		return ECO_CRS_FITS;
-	return eco_crs_look(crs, turned, &other, NULL) == ECO_OK && other.inside ? ECO_CRS_SWAPPED : ECO_CRS_OUTSIDE;
+	return eco_crs_look(crs, turned, &other, NULL) == ECO_OK && other.inside ? ECO_CRS_SWAPPED
+		: ECO_CRS_OUTSIDE;
 }
 
 bool eco_crs_area_has(const double area[4], const double degrees[2])
@@ -106,7 +107,8 @@ static enum eco_code plain_metres(const struct eco_crs_request *r, struct eco_er
 	if (crs) {
 		name = eco_crs_short_name(crs);
 		eco_fail(error, ECO_BAD_INPUT, "%.200s is in %.80s, but the scene has no CRS; add \"crs\": "
-			"\"%.80s\" (if it is one in metres) and \"origin\" to the scene", r->path, name, strlen(crs) <= 80 ? crs
+			"\"%.80s\" (if it is one in metres) and \"origin\" to the scene", r->path, name,
+			strlen(crs) <= 80 ? crs
 			: "EPSG:...");
 		free(name);
 		return ECO_BAD_INPUT;
@@ -194,12 +196,14 @@ enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char
 	char *name = crs ? eco_crs_short_name(crs) : NULL;
 	eco_crs_utm(span->first, zone);
 	if (!crs)
-		snprintf(scene, sizeof scene, ", and \"crs\": \"%s\" (their UTM zone) and an \"origin\" in it to the "
+		snprintf(scene, sizeof scene,
+			", and \"crs\": \"%s\" (their UTM zone) and an \"origin\" in it to the "
 			"scene", zone);
 	enum eco_code code = eco_fail(error, ECO_BAD_INPUT,
 		"%.150s: its coordinates, such as %.10g, %.10g, look like degrees, but %.80s counts in metres or feet: all "
 		"plants would stand on one spot; if they are longitude and latitude, say \"crs\": \"EPSG:4326\" in its "
-		"entry (ecopack start: --crs EPSG:4326)%s", path, span->first[0], span->first[1], name ? name : crs ? "its CRS" : "the scene", scene);
+		"entry (ecopack start: --crs EPSG:4326)%s", path, span->first[0], span->first[1], name ? name
+		: crs ? "its CRS" : "the scene", scene);
 	free(name);
 	return code;
 }

@@ -40,8 +40,8 @@ bool eco_crs_area_has(const double area[4], const double degrees[2]);
 /* "longitude 6 to 12, latitude 38.76 to 84.33"; returns `text`. */
 const char *eco_crs_area_text(const double area[4], char text[80]);
 
-/* The place on Earth of a place of a map: degrees of WGS 84, and the clockwise turn of the map's north from true
- * north there (grid convergence). */
+/* The place on Earth of a place of a map: degrees of WGS 84, and the clockwise turn of the map's north from
+ * true north there (grid convergence). */
 struct eco_crs_place { double longitude_deg, latitude_deg, convergence_deg; };
 /* `xy`: easting and northing. ECO_BAD_INPUT: PROJ does not know the CRS, or the place is not on its map. */
 enum eco_code eco_crs_place(const char *crs, const double xy[2], struct eco_crs_place *place,
@@ -55,10 +55,10 @@ struct eco_crs_choice {
 };
 #define ECO_CRS_CHOICES_MAX 128u
 
-/* Projected CRSs that have a place within their areas of use, usual ones first, then those of small areas, one for
- * each place on Earth (of several datums the usual one, else WGS 84's, else the first in the register). With `words` (words.h, NULL for
- * none) only those whose names have these, in this order. `choices` has room for
- * ECO_CRS_CHOICES_MAX; *found may exceed that. Without words it takes seconds. */
+/* Projected CRSs that have a place within their areas of use, usual ones first, then those of small areas,
+ * one for each place on Earth (of several datums the usual one, else WGS 84's, else the first in the
+ * register). With `words` (words.h, NULL for none) only those whose names have these, in this order.
+ * `choices` has room for ECO_CRS_CHOICES_MAX; *found may exceed that. Without words it takes seconds. */
 enum eco_code eco_crs_choices(const double xy[2], const char *words,
 	struct eco_crs_choice *choices, uint32_t *found, struct eco_error *error);
 
@@ -95,9 +95,11 @@ void eco_crs_close(struct eco_crs *crs);
 /* Places in the coordinates of their file. */
 struct eco_crs_span { double first[2], low[2], high[2]; bool any, has_decimals; };
 void eco_crs_span_add(struct eco_crs_span *span, const double xy[2]);
-/* ECO_BAD_INPUT: all places are degrees, and the CRS that they would be in (NULL: plain metres) counts in metres or
- * feet. `heap`: taken for metres they stand within one, or are named as degrees. *fit and *area ("" if not stated) are the first place's. */
-enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char *crs, bool heap, const char *path,
+/* ECO_BAD_INPUT: all places are degrees, and the CRS that they would be in (NULL: plain metres) counts in
+ * metres or feet. `heap`: taken for metres they stand within one, or are named as degrees. *fit and *area
+ * ("" if not stated) are the first place's. */
+enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char *crs, bool heap,
+	const char *path,
 	enum eco_crs_fit *fit, char area[80], struct eco_error *error);
 
 /* A CRS for messages: a code as it is, the quoted name of WKT. Malloc'ed; NULL when memory ran out. */

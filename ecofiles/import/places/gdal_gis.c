@@ -1,5 +1,5 @@
-/* ecogdal.so, the part of this system that calls GDAL: the extent of a raster and rasters of heights; plants to a GeoPackage or GeoJSON, in GDAL's memory: what is not complete never becomes a
- * file. */
+/* ecogdal.so, the part of this system that calls GDAL: the extent of a raster and rasters of heights; plants
+ * to a GeoPackage or GeoJSON, in GDAL's memory: what is not complete never becomes a file. */
 #include "ecofiles/import/places/gis_files.h"
 
 #include <cpl_conv.h>
@@ -59,15 +59,18 @@ static void find_kind(GDALDatasetH file, struct eco_raster_extent *extent)
 	}
 	count -= alpha;
 	bool table = first && GDALGetRasterColorTable(first);
-	extent->kind = (table && count == 1) || (count >= 3 && (named || type == GDT_Byte || type == GDT_UInt16))
+	extent->kind = (table && count == 1) || (count >= 3 && (named || type == GDT_Byte
+		|| type == GDT_UInt16))
 		? ECO_RASTER_PICTURE
 		: count == 1 && type != GDT_Byte && !GDALDataTypeIsComplex(type) ? ECO_RASTER_HEIGHTS
 		: ECO_RASTER_DOUBTFUL;
-	snprintf(extent->bands, sizeof extent->bands, "it has %d band%s of %s%s%s", count, count == 1 ? "" : "s",
-		GDALGetDataTypeName(type), table ? " with a table of colours" : "", alpha ? " and alpha" : "");
+	snprintf(extent->bands, sizeof extent->bands, "it has %d band%s of %s%s%s", count, count == 1 ? ""
+		: "s",
+		GDALGetDataTypeName(type), table ? " with a table of colours" : "", alpha ? " and alpha"
+		: "");
 }
 
-enum eco_code gdal_raster_extent(const char *path, struct eco_raster_extent *extent, struct eco_error *error)
+static enum eco_code raster_extent(const char *path, struct eco_raster_extent *extent, struct eco_error *error)
 {
 	double transform[6];
 	GDALAllRegister();
@@ -196,7 +199,7 @@ static enum eco_code write_to(const char *name, const struct eco_point_table *ta
 	return code || CPLGetLastErrorType() < CE_Failure ? code : failed(path, error);
 }
 
-enum eco_code gdal_points_write(const struct eco_point_table *table, const char *path, uint8_t **bytes,
+static enum eco_code points_write(const struct eco_point_table *table, const char *path, uint8_t **bytes,
 	size_t *size, struct eco_error *error)
 {
 	bool json = strcmp(CPLGetExtension(path), "geojson") == 0;
@@ -240,7 +243,7 @@ static enum eco_code write_samples(GDALDatasetH file, const struct eco_raster *r
 	return ECO_OK;
 }
 
-enum eco_code gdal_raster_write(const struct eco_raster *raster, const char *path, struct eco_error *error)
+static enum eco_code raster_write(const struct eco_raster *raster, const char *path, struct eco_error *error)
 {
 	OGRSpatialReferenceH crs = OSRNewSpatialReference(NULL);
 	char *wkt = NULL;
@@ -268,6 +271,6 @@ ECO_MODULE_EXPORT const struct eco_gdal_module eco_gdal_module = {
 	.version = ECO_MODULE_VERSION, .ground_read = gdal_ground_read,
 		.ground_image_read = gdal_image_read, .rows_knows = gdal_rows_knows,
 		.rows_open = gdal_rows_open,
-	.raster_write = gdal_raster_write, .raster_extent = gdal_raster_extent,
-	.points_write = gdal_points_write,
+	.raster_write = raster_write, .raster_extent = raster_extent,
+	.points_write = points_write,
 };

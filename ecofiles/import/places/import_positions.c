@@ -183,7 +183,8 @@ static double read_size(struct eco_positions *p, const struct eco_size *size, ui
 
 static double read_crown(struct eco_positions *p)
 {
-	return p->spec->crown.kind == ECO_SIZE_NONE ? NAN : read_size(p, &p->spec->crown, ECO_COLUMN_CROWN, ECO_NONE,
+	return p->spec->crown.kind == ECO_SIZE_NONE ? NAN : read_size(p, &p->spec->crown, ECO_COLUMN_CROWN,
+		ECO_NONE,
 		CROWN_MAX_M, CROWN_PLAUSIBLE_M);
 }
 
@@ -407,7 +408,8 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 	struct eco_positions *p = eco_alloc(1, sizeof *p);
 	p->spec = spec;
 	p->frame = *frame;
-	enum eco_code code = spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX
+	enum eco_code code = spec->height_count > ECO_HEIGHT_SOURCES_MAX
+		|| spec->filter_count > ECO_FILTERS_MAX
 		? eco_fail(error, ECO_TOO_LARGE, "%.200s: too many columns of heights or filters", spec->path)
 		: start(p, error);
 	*reader = code ? NULL : p;
@@ -422,7 +424,8 @@ enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_positi
 	struct eco_error own = { .code = ECO_OK };
 	if (!error)
 		error = &own;
-	enum eco_code code = reader->spec->levels > 0 && !reader->levelled ? find_levels(reader, error) : ECO_OK;
+	enum eco_code code = reader->spec->levels > 0 && !reader->levelled ? find_levels(reader, error)
+		: ECO_OK;
 	if (!code)
 		code = read_record(reader, record, error);
 	if (code != ECO_OK || record->plant == ECO_NONE)

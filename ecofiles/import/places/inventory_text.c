@@ -15,15 +15,17 @@
 
 static bool is_small(char c) { return c >= 'a' && c <= 'z'; }
 
-/* Goes past the first phrase of that kind (words/sizes.tsv) that *text begins with; a word of letters must end
- * there. Returns its metres; -1: none. */
+/* Goes past the first phrase of that kind (words/sizes.tsv) that *text begins with; a word of letters must
+ * end there. Returns its metres; -1: none. */
 static double take_phrase(const char **text, const char *kind)
 {
 	const char *from = eco_text_skip_spaces(*text);
 	for (size_t i = 0; i < sizeof sizes_rows / sizeof *sizes_rows; i++)
-		for (const char *at = sizes_rows[i].phrases; strcmp(sizes_rows[i].kind, kind) == 0 && *at != 0;) {
+		for (const char *at = sizes_rows[i].phrases; strcmp(sizes_rows[i].kind, kind) == 0
+			&& *at != 0;) {
 			size_t length = strcspn(at, "|");
-			if (strncmp(from, at, length) == 0 && !(is_small(at[length - 1]) && is_small(from[length]))) {
+			if (strncmp(from, at, length) == 0 && !(is_small(at[length - 1])
+				&& is_small(from[length]))) {
 				*text = from + length;
 				return sizes_rows[i].metres;
 			}

@@ -1,4 +1,5 @@
-/* The columns of a table that tell places: words of a CRS, a zone for each row, offsets from another place. */
+/* The columns of a table that tell places: words of a CRS, a zone for each row, offsets from another
+ * place. */
 #include "ecofiles/import/places/place_parts.h"
 
 #include <math.h>
@@ -56,7 +57,8 @@ static enum kind kind_of(const char *name)
 	static const char *const sets[] = { "utm", "zone", "crs", "number" };
 	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
 	bool other = false, utm = eco_words_any(name, eco_words_set("utm")),
-		zone = eco_words_any(name, eco_words_set("zone")), code = eco_words_any(name, eco_words_set("crs"));
+		zone = eco_words_any(name, eco_words_set("zone")), code = eco_words_any(name,
+		eco_words_set("crs"));
 	eco_words_of(name, words, sizeof words);
 	for (const char *at = words; eco_words_next(&at, word);) {
 		size_t set = 0;
@@ -214,12 +216,14 @@ static enum eco_code find_polar(struct eco_offsets *o, const struct eco_table *t
 		return eco_fail(error, ECO_BAD_INPUT, "%.150s: its plants stand at \"%.40s\" and \"%.40s\" "
 			"from the centres of several plots (\"%.40s\" is \"%.20s\" and \"%.20s\"), and no "
 			"column says where these are: add columns with easting and northing, or longitude and "
-			"latitude, of its plot's centre to each row (--x, --y), or start with one plot", t->path,
+			"latitude, of its plot's centre to each row (--x, --y), or start with one plot",
+			t->path,
 			t->columns[azimuth], t->columns[distance], t->columns[plot], field(t, 0, plot),
 			field(t, other, plot));
 	const char *unit = eco_unit_of_name(t->columns[distance]);
 	o->polar = true;
-	o->whole_turn = eco_words_any(t->columns[azimuth], eco_words_set("gon")) || quantile_of(t, azimuth, c, 1) > 360 ? 400 : 360;
+	o->whole_turn = eco_words_any(t->columns[azimuth], eco_words_set("gon")) || quantile_of(t, azimuth, c,
+		1) > 360 ? 400 : 360;
 	o->distance_unit = unit ? unit : "m";
 	return ECO_OK;
 }
@@ -277,7 +281,8 @@ static enum eco_code refuse_heaps(const struct eco_table *t, const struct eco_co
 	const uint32_t x = c->of[ECO_ROLE_X], y = c->of[ECO_ROLE_Y];
 	if (x == ECO_NONE || y == ECO_NONE || t->row_count < HEAP_ROWS || !are_shared(t, c, HEAP_LEAST))
 		return ECO_OK;
-	return eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are places of plots, or numbers "
+	return eco_fail(error, ECO_BAD_INPUT,
+		"%.150s: \"%.40s\" and \"%.40s\" are places of plots, or numbers "
 		"of quadrats, not of plants: %u rows or more share each. Give columns with the plants' own places "
 		"with --x and --y; or these two, to heap all plants of a place on it", t->path, t->columns[x],
 		t->columns[y], HEAP_LEAST);
@@ -302,7 +307,8 @@ static bool lacks_header(const struct eco_table *table)
 {
 	double number;
 	for (uint32_t i = 0; i < table->column_count; i++)
-		if (eco_text_number(table->columns[i], '.', &number) || eco_text_number(table->columns[i], ',', &number))
+		if (eco_text_number(table->columns[i], '.', &number) || eco_text_number(table->columns[i],
+			',', &number))
 			return true;
 	return false;
 }
@@ -383,7 +389,8 @@ static enum eco_code guess_scene(struct eco_place_look *l)
 			"plants",
 			own.degrees[0], own.degrees[1]);
 	} else if (!code) {
-		code = eco_place_fail(l, "%.10g, %.10g is no place in %.40s; give the CRS of the coordinates with --crs",
+		code = eco_place_fail(l,
+			"%.10g, %.10g is no place in %.40s; give the CRS of the coordinates with --crs",
 			at[0], at[1], crs);
 	}
 	return code;
@@ -405,14 +412,16 @@ static enum eco_code guess_origin(struct eco_place_look *l)
 	struct eco_crs *crs = NULL;
 	bool converted = true;
 	if (l->nowhere || g->offsets.quadrat_m > 0) {
-		eco_place_why(g->origin_why, "%s", l->nowhere ? "the plot's centre" : "where the quadrats count from");
+		eco_place_why(g->origin_why, "%s", l->nowhere ? "the plot's centre"
+			: "where the quadrats count from");
 		return ECO_OK;
 	}
 	enum eco_code code = g->scene_crs[0] != 0 ? eco_crs_open(&crs, &request, l->error) : ECO_OK;
 	if (crs)
 		code = eco_crs_convert(crs, at, &converted, &why, l->error);
 	if (!code && !converted)
-		code = eco_place_fail(l, "%.10g, %.10g is no place in %.40s (%.60s); give the CRS of the coordinates "
+		code = eco_place_fail(l,
+			"%.10g, %.10g is no place in %.40s (%.60s); give the CRS of the coordinates "
 			"with --crs", l->xy[x].middle, l->xy[1 - x].middle, own, why);
 	eco_crs_close(crs);
 	for (int k = 0; k < 2; k++)
@@ -428,7 +437,8 @@ static void guess_dem(struct eco_place_look *l)
 	if (!dem || dem->crs[0] != 0 || l->guess->scene_crs[0] == 0)
 		return;
 	bool degrees = dem->low[0] >= -180 && dem->high[0] <= 180 && dem->low[1] >= -90 && dem->high[1] <= 90;
-	snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", eco_raster_extent_has(dem, l->guess->origin)
+	snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", eco_raster_extent_has(dem,
+		l->guess->origin)
 		? l->guess->scene_crs : degrees ? "EPSG:4326" : l->guess->crs);
 }
 

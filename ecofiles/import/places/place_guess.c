@@ -65,8 +65,10 @@ static enum eco_code measure(struct eco_place_look *l)
 			eco_spread_quantile(&spread, 0.5), eco_spread_quantile(&spread, 0.98) };
 		eco_spread_free(&spread);
 		if (isnan(l->xy[k].middle))
-			return l->names[k] ? eco_place_fail(l, "no row has a place: no number in \"%.60s\"", l->names[k])
-				: eco_place_fail(l, "no row is a point; a table of plants has a point for each (lines and "
+			return l->names[k] ? eco_place_fail(l, "no row has a place: no number in \"%.60s\"",
+				l->names[k])
+				: eco_place_fail(l,
+				"no row is a point; a table of plants has a point for each (lines and "
 				"areas are for \"scatter\" in a scene; coordinates in quotes are none)");
 		l->at[k] = l->turned[1 - k] = l->xy[k].middle;
 	}
@@ -115,14 +117,15 @@ static bool is_bare(const double degrees[2])
 }
 
 /* Whether degrees are outside the area of use of a CRS, and inside once swapped; *facts are the CRS's. */
-static bool area_speaks_for_swapping(const struct eco_place_look *l, const char *crs, struct eco_crs_facts *facts)
+static bool area_speaks_for_swapping(const struct eco_place_look *l, const char *crs,
+	struct eco_crs_facts *facts)
 {
 	return crs && eco_crs_look(crs, l->as_named, facts, NULL) == ECO_OK && !isnan(facts->area[0]) &&
 		!eco_crs_area_has(facts->area, l->as_named) && eco_crs_area_has(facts->area, l->turned);
 }
 
-/* Says why degrees in a CRS are what they should be only if longitude and latitude change places; "": they are not
- * known to be. */
+/* Says why degrees in a CRS are what they should be only if longitude and latitude change places; "": they
+ * are not known to be. */
 static void look_for_swapping(const struct eco_place_look *l, const char *crs, char why[ECO_WHY_BYTES])
 {
 	struct eco_crs_facts facts;
@@ -137,7 +140,8 @@ static void look_for_swapping(const struct eco_place_look *l, const char *crs, c
 		eco_place_why(why, ONLY_SO_TERRAIN);
 	else if (is_bare(l->as_named) && !is_bare(l->turned))
 		eco_place_why(why, "no tree stands at latitude %.1f", l->as_named[1]);
-	else if (area_speaks_for_swapping(l, crs, &facts) || area_speaks_for_swapping(l, l->asked->scene_crs, &facts))
+	else if (area_speaks_for_swapping(l, crs, &facts) || area_speaks_for_swapping(l, l->asked->scene_crs,
+		&facts))
 		eco_place_why(why, "only so do they lie in the area of use of %.60s, %s", facts.name,
 			eco_crs_area_text(facts.area, area));
 }
@@ -160,7 +164,8 @@ static enum eco_code guess_degrees(struct eco_place_look *l)
 static uint32_t listed(uint32_t found) { return found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX; }
 
 /* Lists the grids that fit, without UTM's if `others`, and says how many more there are. */
-static bool list_choices(const struct eco_crs_choice *choices, uint32_t found, bool others, char *text, size_t size)
+static bool list_choices(const struct eco_crs_choice *choices, uint32_t found, bool others, char *text,
+	size_t size)
 {
 	char choice[200];
 	bool any = false;
@@ -168,7 +173,8 @@ static bool list_choices(const struct eco_crs_choice *choices, uint32_t found, b
 		bool kept = i < ECO_CRS_CHOICES_MAX;
 		if (others && (!kept || strstr(choices[i].name, "UTM")))
 			continue;
-		snprintf(choice, sizeof choice, kept ? "%s (%s; at %.2f, %.2f)" : "", choices[i].code, choices[i].name,
+		snprintf(choice, sizeof choice, kept ? "%s (%s; at %.2f, %.2f)" : "", choices[i].code,
+			choices[i].name,
 			choices[i].degrees[0], choices[i].degrees[1]);
 		eco_phrase_add(text, size, choice);
 		any = true;
@@ -183,7 +189,8 @@ static bool may_be_utm(const struct eco_place_look *l)
 }
 
 /* Names the few grids that have the place; else all UTM zones may be meant. */
-static enum eco_code ask_for_grid(struct eco_place_look *l, const struct eco_crs_choice *choices, uint32_t found)
+static enum eco_code ask_for_grid(struct eco_place_look *l, const struct eco_crs_choice *choices,
+	uint32_t found)
 {
 	char list[400] = "";
 	struct eco_crs_facts facts;
@@ -192,16 +199,19 @@ static enum eco_code ask_for_grid(struct eco_place_look *l, const struct eco_crs
 		return eco_place_fail(l, "which CRS are its coordinates in? %.0f, "
 			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
 			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
-			"EPSG:32701 to EPSG:32760; or the country's grid, %s", l->at[0], l->at[1], facts.degrees[1],
+			"EPSG:32701 to EPSG:32760; or the country's grid, %s", l->at[0], l->at[1],
+			facts.degrees[1],
 			any ? list : "such as EPSG:2154 in France");
 	}
 	list_choices(choices, found, false, list, sizeof list);
-	return eco_place_fail(l, "which CRS are its coordinates in? %.0f, %.0f %s%s; give it with --crs EPSG:...",
+	return eco_place_fail(l,
+		"which CRS are its coordinates in? %.0f, %.0f %s%s; give it with --crs EPSG:...",
 		l->at[0], l->at[1],
 		found > 0 ? "may be in " : "is in no CRS of PROJ's register as easting and northing", list);
 }
 
-static enum eco_code take_choice(struct eco_place_look *l, const struct eco_crs_choice *choice, const char *why)
+static enum eco_code take_choice(struct eco_place_look *l, const struct eco_crs_choice *choice,
+	const char *why)
 {
 	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", choice->code);
 	eco_place_why(l->guess->crs_why, "%.80s, %s; a place at %.3f, %.3f", choice->name, why,
@@ -226,9 +236,12 @@ static enum eco_code settle_axes(struct eco_place_look *l)
 {
 	const struct eco_place_guess *g = l->guess;
 	struct eco_crs_facts named, turned;
-	if (g->from_geometry || g->swapped || l->asked->axes_said || g->crs[0] == 0 || !eco_words_any(l->names[0], "x")
-			|| !eco_words_any(l->names[1], "y") || eco_crs_look(g->crs, l->at, &named, NULL) != ECO_OK
-			|| !named.x_is_north || !named.inside || eco_crs_look(g->crs, l->turned, &turned, NULL) != ECO_OK
+	if (g->from_geometry || g->swapped || l->asked->axes_said || g->crs[0] == 0
+		|| !eco_words_any(l->names[0], "x")
+			|| !eco_words_any(l->names[1], "y") || eco_crs_look(g->crs, l->at, &named,
+			NULL) != ECO_OK
+			|| !named.x_is_north || !named.inside || eco_crs_look(g->crs, l->turned, &turned,
+			NULL) != ECO_OK
 			|| !turned.inside || eco_place_dem_has(l, named.degrees))
 		return ECO_OK;
 	if (eco_place_dem_has(l, turned.degrees))
@@ -236,7 +249,8 @@ static enum eco_code settle_axes(struct eco_place_look *l)
 	return eco_place_fail(l, "does \"%.40s\" count to the north, as x does in %s "
 		"(%.40s), or to the east, as in most tables? To the east the plants are at %.3f, %.3f: "
 		"--x \"%.40s\" --y \"%.40s\"; to the north at %.3f, %.3f: --x \"%.40s\" --y \"%.40s\"",
-		l->names[0], l->guess->crs, named.name, named.degrees[0], named.degrees[1], l->names[0], l->names[1],
+		l->names[0], l->guess->crs, named.name, named.degrees[0], named.degrees[1], l->names[0],
+		l->names[1],
 		turned.degrees[0], turned.degrees[1], l->names[1], l->names[0]);
 }
 
@@ -245,7 +259,8 @@ static bool take_dem(struct eco_place_look *l)
 {
 	const struct eco_raster_extent *dem = l->asked->dem;
 	struct eco_crs_facts facts;
-	if (!dem || dem->crs[0] == 0 || eco_crs_look(dem->crs, l->at, &facts, NULL) != ECO_OK || facts.geographic
+	if (!dem || dem->crs[0] == 0 || eco_crs_look(dem->crs, l->at, &facts, NULL) != ECO_OK
+		|| facts.geographic
 			|| facts.code[0] == 0 || !eco_raster_extent_has(dem, l->at))
 		return false;
 	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
@@ -302,10 +317,12 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 	enum eco_code code = eco_crs_look(crs, l->at, &facts, l->error);
 	if (code)
 		return code;
-	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", strlen(crs) < sizeof l->guess->crs ? crs : facts.code);
+	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", strlen(crs) < sizeof l->guess->crs ? crs
+		: facts.code);
 	eco_place_why(l->guess->crs_why, "%.80s, as %s", facts.name, who);
 	if (!isnan(facts.degrees[0]))
-		eco_place_why(l->guess->crs_why, "; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
+		eco_place_why(l->guess->crs_why, "; a place at %.3f, %.3f", facts.degrees[0],
+			facts.degrees[1]);
 	enum eco_crs_fit fit;
 	struct eco_crs_span span = { .any = true, .has_decimals = !are_whole(l) };
 	for (int k = 0; k < 2; k++) {
@@ -313,7 +330,8 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 		span.low[k] = l->xy[k].low;
 		span.high[k] = l->xy[k].high;
 	}
-	code = eco_crs_refuse_degrees(&span, crs, is_heap_of_degrees(l), l->asked->table->path, &fit, area, l->error);
+	code = eco_crs_refuse_degrees(&span, crs, is_heap_of_degrees(l), l->asked->table->path, &fit, area,
+		l->error);
 	if (code)
 		return code;
 	if (facts.geographic)
@@ -329,7 +347,8 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 	return ECO_OK;
 }
 
-/* A letter S is the south, or the band from 32 to 40 degrees north: then the terrain tells the half, or the user. */
+/* A letter S is the south, or the band from 32 to 40 degrees north: then the terrain tells the half, or the
+ * user. */
 static enum eco_code zone_crs(struct eco_place_look *l, const struct eco_zones *z, char crs[32])
 {
 	enum eco_zone_half half = z->zone.half;
@@ -339,8 +358,10 @@ static enum eco_code zone_crs(struct eco_place_look *l, const struct eco_zones *
 	if (z->zone.epsg || half == ECO_HALF_NORTH || (half == ECO_HALF_OPEN && dem_has_in(l, crs, l->at)))
 		return ECO_OK;
 	if (half == ECO_HALF_OPEN && !dem_has_in(l, south, l->at))
-		return eco_place_fail(l, "\"%.40s\" says \"%s\": is that zone %u in the north, --crs %s, or in the "
-			"south, --crs %s?", l->asked->table->columns[z->column], z->first, z->zone.number, crs, south);
+		return eco_place_fail(l,
+			"\"%.40s\" says \"%s\": is that zone %u in the north, --crs %s, or in the "
+			"south, --crs %s?", l->asked->table->columns[z->column], z->first, z->zone.number,
+			crs, south);
 	memcpy(crs, south, sizeof south);
 	return ECO_OK;
 }
@@ -363,7 +384,8 @@ static enum eco_code take_zone(struct eco_place_look *l, bool *taken)
 		return eco_place_fail(l, "its rows are in several zones: \"%.40s\" "
 			"is \"%s\" and \"%s\", and an entry has one CRS. Put each zone into a table of its own; or "
 			"start with --crs %s and give scene.json an entry for each zone, with \"only\": "
-			"{\"%.40s\": \"%s\"} and its own \"crs\"", name, zones.first, zones.other, crs, name, zones.first);
+			"{\"%.40s\": \"%s\"} and its own \"crs\"", name, zones.first, zones.other, crs, name,
+			zones.first);
 	snprintf(who, sizeof who, "\"%.40s\" says, \"%s\"", name, zones.first);
 	return code ? code : take_stated(l, crs, who);
 }
@@ -425,7 +447,8 @@ static enum eco_code doubt_stated(struct eco_place_look *l)
 		code = eco_zones_find(l->asked->table, l->asked->source, may_be_utm(l), &zones, l->error);
 	if (code || named.geographic || zones.column == ECO_NONE)
 		return code;
-	bool elsewhere = zone_crs(&own, &zones, crs) == ECO_OK && eco_crs_look(crs, l->at, &other, NULL) == ECO_OK
+	bool elsewhere = zone_crs(&own, &zones, crs) == ECO_OK && eco_crs_look(crs, l->at, &other,
+		NULL) == ECO_OK
 		&& hypot(named.degrees[0] - other.degrees[0], named.degrees[1] - other.degrees[1]) > NEAR_DEG;
 	const char *name = l->asked->table->columns[zones.column];
 	if (zones.other[0] != 0)

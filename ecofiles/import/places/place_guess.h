@@ -12,9 +12,9 @@ struct eco_offsets {
 	double quadrat_m;            /* 0: x and y count from one point */
 };
 
-/* ECO_BAD_INPUT, with the columns to add: plants of several plots have no centre; the quadrats that are meant do not
- * show; or many rows share each x and y, unless the user `said` these columns. A plant's own place counts more than
- * an azimuth. */
+/* ECO_BAD_INPUT, with the columns to add: plants of several plots have no centre; the quadrats that are
+ * meant do not show; or many rows share each x and y, unless the user `said` these columns. A plant's own
+ * place counts more than an azimuth. */
 enum eco_code eco_offsets_find(struct eco_offsets *offsets, const struct eco_table *table,
 	const struct eco_columns *columns, bool said, struct eco_error *error);
 

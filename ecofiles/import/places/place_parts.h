@@ -1,5 +1,5 @@
-/* Shared by the files of the guess of places; private. A table's words tell its grid: the names of x and y, and a
- * column with the UTM zone or the CRS of each row, "18N", "18 T", "18", "EPSG:32618". */
+/* Shared by the files of the guess of places; private. A table's words tell its grid: the names of x and y,
+ * and a column with the UTM zone or the CRS of each row, "18N", "18 T", "18", "EPSG:32618". */
 #ifndef ECO_PLACE_PARTS_H
 #define ECO_PLACE_PARTS_H
 
@@ -20,8 +20,8 @@ struct eco_zones {
 	char first[24], other[24];
 };
 
-/* The first column whose texts are all zones; all rows are read if a name speaks of zones. A zone by number alone
- * counts if the column's name says that it is UTM's, or if other names do (`utm`). */
+/* The first column whose texts are all zones; all rows are read if a name speaks of zones. A zone by number
+ * alone counts if the column's name says that it is UTM's, or if other names do (`utm`). */
 enum eco_code eco_zones_find(const struct eco_table *table, const struct eco_rows_source *source, bool utm,
 	struct eco_zones *zones, struct eco_error *error);
 struct place_range { double low, middle, high; };

@@ -126,7 +126,8 @@ enum eco_skip {
 	ECO_KEPT_OPEN,               /* "> 101": its bound */
 	ECO_KEPT_OTHER_UNIT,         /* a value with its own unit, which counts */
 	ECO_KEPT_UNREAD,             /* no size in the text: the next source, else the plant's own */
-	ECO_KEPT_UNUSED,             /* height beyond 0.01 to 300 m, crown radius beyond 0.01 to 100 m: as UNREAD */
+	ECO_KEPT_UNUSED,
+		            /* height beyond 0.01 to 300 m, crown radius beyond 0.01 to 100 m: as UNREAD */
 	ECO_KEPT_IMPLAUSIBLE,        /* height > 116 m, dbh > 12 m, crown radius > 60 m */
 	ECO_KEPT_DUPLICATE,          /* at the place of an earlier plant */
 	ECO_SKIP_COUNT

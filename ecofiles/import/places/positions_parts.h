@@ -37,8 +37,8 @@ void eco_levels_free(struct eco_levels *levels);
 
 /* ---- Sizes (positions_species.c) ---- */
 
-/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none, or below low_m, or above
- * high_m. *remarks gets a bit for each enum eco_skip that the text shows. */
+/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none, or below low_m, or
+ * above high_m. *remarks gets a bit for each enum eco_skip that the text shows. */
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
 	double low_m, double high_m, uint32_t *remarks);
 

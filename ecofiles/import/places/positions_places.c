@@ -22,8 +22,8 @@
 
 /* ---- Places taken ---- */
 
-/* The slot of a hash, or the free slot where it belongs: open addressing over 64-bit hashes of millimetres. Two
- * places with one hash (in one of 10^5 inventories of 10^7 rows) count as one. */
+/* The slot of a hash, or the free slot where it belongs: open addressing over 64-bit hashes of millimetres.
+ * Two places with one hash (in one of 10^5 inventories of 10^7 rows) count as one. */
 static uint64_t *slot_of(uint64_t *slots, size_t size, uint64_t hash)
 {
 	size_t at = hash & (size - 1);
@@ -214,16 +214,18 @@ static void note_far(struct eco_positions *p)
 		return;
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted
 			&& hypot(swapped[0], swapped[1]) <= FAR_M)
-		eco_rows_note(p->rows, "its plants stand %.0f km and more from the scene's origin, and would be "
+		eco_rows_note(p->rows,
+		"its plants stand %.0f km and more from the scene's origin, and would be "
 		"near it with their coordinates swapped: x is easting or longitude, y is northing or "
 		"latitude", p->nearest_m / 1000);
 	else
-		eco_rows_note(p->rows, "its plants stand %.0f km and more from the scene's origin; are x, y, crs "
+		eco_rows_note(p->rows,
+			"its plants stand %.0f km and more from the scene's origin; are x, y, crs "
 		"and the origin what they should be?", p->nearest_m / 1000);
 }
 
-/* Refuses degrees where metres are meant; notes places that lie in the CRS's area of use only if x and y change
- * places. */
+/* Refuses degrees where metres are meant; notes places that lie in the CRS's area of use only if x and y
+ * change places. */
 static enum eco_code check_area(struct eco_positions *p, struct eco_error *error)
 {
 	const char *own = p->spec->crs ? p->spec->crs : p->from_geometry ? p->rows->crs : NULL,
@@ -275,7 +277,8 @@ static enum verdict find_duplicate(struct eco_positions *p, const double at[3])
 	if (!add_place(p, at))
 		return GOOD;
 	snprintf(text, sizeof text, "%.3f, %.3f", at[0], at[1]);
-	enum verdict skipped = eco_row_skip(p, p->spec->skip_duplicates ? ECO_SKIP_DUPLICATE : ECO_KEPT_DUPLICATE,
+	enum verdict skipped = eco_row_skip(p, p->spec->skip_duplicates ? ECO_SKIP_DUPLICATE
+		: ECO_KEPT_DUPLICATE,
 		text);
 	return p->spec->skip_duplicates ? skipped : GOOD;
 }

@@ -142,7 +142,8 @@ static void key_lines(const struct report *r, const struct eco_positions_counts 
 	if (s->fallback.name && s->fallback.plant == ECO_NONE)
 		count_line(r, &c->keys[s->map_count], c->where, "left out by the map: *");
 	if (unused > 0 && c->rows > 0)
-		line(r, "%12s  %u key%s of the map fit no row: %s", "", unused, unused == 1 ? "" : "s", names);
+		line(r, "%12s  %u key%s of the map fit no row: %s", "", unused, unused == 1 ? "" : "s",
+			names);
 }
 
 static void unknown_lines(const struct report *r, const struct eco_positions_counts *c)

@@ -1,6 +1,6 @@
-/* Species, sizes and levels of an inventory. It has few different species in many rows, so each text is matched with
- * the keys once and remembered. A limit bounds memory; texts beyond it are matched each time and not named among the
- * unknown ones. */
+/* Species, sizes and levels of an inventory. It has few different species in many rows, so each text is
+ * matched with the keys once and remembered. A limit bounds memory; texts beyond it are matched each time
+ * and not named among the unknown ones. */
 #include <stdlib.h>
 #include <string.h>
 #include <math.h>
@@ -70,7 +70,8 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 		uint32_t before = table->texts.count, number = eco_string_number(&table->texts, text);
 		if (table->texts.count > before) {
 			eco_grow(&table->known, &table->room, before, sizeof *table->known);
-			table->known[number] = (struct known){ table->texts.items[number], match(table, text), 0, 0 };
+			table->known[number] = (struct known){ table->texts.items[number], match(table, text),
+				0, 0 };
 		}
 		struct known *known = &table->known[number];
 		if (known->count++ == 0)
@@ -140,7 +141,8 @@ static const struct eco_allometry *rule_of(const struct eco_size *size, uint32_t
 {
 	const struct eco_allometry *last = size->rules + size->rule_count;
 	for (const struct eco_allometry *rule = size->rules; rule < last; rule++)
-		if (rule->plant == plant || rule->plant == ECO_NONE) /* this one is the last: for all other plants */
+		if (rule->plant == plant
+			|| rule->plant == ECO_NONE) /* this one is the last: for all other plants */
 			return rule;
 	return NULL;
 }

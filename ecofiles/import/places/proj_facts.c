@@ -10,13 +10,6 @@
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/words.h"
 
-ECO_MODULE_EXPORT const struct eco_proj_module eco_proj_module = {
-	.version = ECO_MODULE_VERSION, .crs_open = proj_crs_open, .crs_convert = proj_crs_convert,
-		.crs_close = proj_crs_close,
-	.crs_look = proj_crs_look, .crs_choices = proj_crs_choices,
-	.crs_place = proj_crs_place, .crs_degrees = proj_crs_degrees,
-};
-
 PJ_CONTEXT *proj_quiet_context(void)
 {
 	PJ_CONTEXT *context = proj_context_create();
@@ -141,11 +134,12 @@ static enum eco_code open_crs(struct opened *o, const char *text, struct eco_err
 	if (o->crs && proj_is_crs(o->crs))
 		return ECO_OK;
 	close_crs(o);
-	return eco_fail(error, ECO_BAD_INPUT, "the CRS \"%.100s\" is not known; write a code such as \"EPSG:4326\" "
+	return eco_fail(error, ECO_BAD_INPUT,
+		"the CRS \"%.100s\" is not known; write a code such as \"EPSG:4326\" "
 		"(degrees) or \"EPSG:32632\" (a UTM zone)", text);
 }
 
-enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
+static enum eco_code crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
 	struct eco_error *error)
 {
 	struct opened o;
@@ -160,7 +154,7 @@ enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs
 
 /* ---- Where on Earth ---- */
 
-enum eco_code proj_crs_degrees(const char *text, double (*places)[2], size_t count, struct eco_error *error)
+static enum eco_code crs_degrees(const char *text, double (*places)[2], size_t count, struct eco_error *error)
 {
 	struct opened o;
 	enum eco_code code = open_crs(&o, text, error);
@@ -169,13 +163,15 @@ enum eco_code proj_crs_degrees(const char *text, double (*places)[2], size_t cou
 	PJ *conversion = proj_to_degrees(o.context, o.crs, proj_create(o.context, "EPSG:4326"));
 	bool good = conversion;
 	for (size_t i = 0; i < count && good; i++) {
-		PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(places[i][0], places[i][1], 0, HUGE_VAL));
+		PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(places[i][0], places[i][1], 0,
+			HUGE_VAL));
 		good = isfinite(at.xy.x) && isfinite(at.xy.y);
 		places[i][0] = at.xy.x;
 		places[i][1] = at.xy.y;
 	}
 	if (!good)
-		code = eco_fail(error, ECO_BAD_INPUT, "longitude and latitude of places of the CRS \"%.100s\" are not known",
+		code = eco_fail(error, ECO_BAD_INPUT,
+			"longitude and latitude of places of the CRS \"%.100s\" are not known",
 			text);
 	proj_destroy(conversion);
 	close_crs(&o);
@@ -185,12 +181,12 @@ enum eco_code proj_crs_degrees(const char *text, double (*places)[2], size_t cou
 static double rounded(double degrees) { return round(degrees * 1e7) / 1e7; }
 
 /* The convergence is the bearing, clockwise from north, of a place a little further up the map. */
-enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
+static enum eco_code crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
 	struct eco_error *error)
 {
 	double at[2][2] = { { xy[0], xy[1] }, { xy[0], xy[1] + 10 } };
 	struct opened earth;
-	enum eco_code code = proj_crs_degrees(text, at, 2, error);
+	enum eco_code code = crs_degrees(text, at, 2, error);
 	if (!code)
 		code = open_crs(&earth, "EPSG:4326", error);
 	if (code)
@@ -314,7 +310,7 @@ static enum eco_code try_all(PJ_CONTEXT *context, const double xy[2], const char
 	return code;
 }
 
-enum eco_code proj_crs_choices(const double xy[2], const char *words,
+static enum eco_code crs_choices(const double xy[2], const char *words,
 	struct eco_crs_choice *choices, uint32_t *found, struct eco_error *error)
 {
 	PJ_CONTEXT *context = proj_quiet_context();
@@ -334,3 +330,10 @@ enum eco_code proj_crs_choices(const double xy[2], const char *words,
 		proj_context_destroy(context);
 	return code ? eco_fail(error, code, "no memory for the CRSs of PROJ") : ECO_OK;
 }
+
+ECO_MODULE_EXPORT const struct eco_proj_module eco_proj_module = {
+	.version = ECO_MODULE_VERSION, .crs_open = proj_crs_open, .crs_convert = proj_crs_convert,
+		.crs_close = proj_crs_close,
+	.crs_look = crs_look, .crs_choices = crs_choices,
+	.crs_place = crs_place, .crs_degrees = crs_degrees,
+};

@@ -19,13 +19,6 @@ enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_req
 enum eco_code proj_crs_convert(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why,
 	struct eco_error *error);
 void proj_crs_close(struct eco_crs_path *path);
-enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
-	struct eco_error *error);
-enum eco_code proj_crs_choices(const double xy[2], const char *words, struct eco_crs_choice *choices,
-	uint32_t *found, struct eco_error *error);
-enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
-	struct eco_error *error);
-enum eco_code proj_crs_degrees(const char *text, double (*places)[2], size_t count, struct eco_error *error);
 
 extern const struct eco_proj_module eco_proj_module;
 

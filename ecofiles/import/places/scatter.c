@@ -112,8 +112,8 @@ static int64_t square_of(int64_t cell)
 	return cell >= 0 ? cell / LATTICE_CELLS : -((LATTICE_CELLS - 1 - cell) / LATTICE_CELLS);
 }
 
-/* Visits all places of the area's box with ranks below rank_end, cell row by cell row, as far as the area reaches in
- * that row, with a cell to spare: a road across the country is a small part of its box. */
+/* Visits all places of the area's box with ranks below rank_end, cell row by cell row, as far as the area
+ * reaches in that row, with a cell to spare: a road across the country is a small part of its box. */
 static void sweep_box(const struct sweep *w)
 {
 	double cell = w->side / LATTICE_CELLS;
@@ -121,7 +121,8 @@ static void sweep_box(const struct sweep *w)
 	for (int64_t y = (int64_t)floor(w->area->low[1] / cell); y <= (int64_t)floor(w->area->high[1] / cell); y++) {
 		double span[2];
 		int64_t row = square_of(y);
-		if (!eco_area_span(&w->scatter->input.areas, w->index, (double)(y - 1) * cell, (double)(y + 2) * cell, span))
+		if (!eco_area_span(&w->scatter->input.areas, w->index, (double)(y - 1) * cell,
+			(double)(y + 2) * cell, span))
 			continue;
 		for (int64_t x = (int64_t)floor(span[0] / cell) - 1; x <= (int64_t)floor(span[1] / cell) + 1;
 				x++) {
@@ -259,7 +260,8 @@ static void clear_share(struct eco_scatter *s, struct filling *f)
 {
 	const struct eco_area *area = &s->input.areas.items[f->area];
 	const struct candidates *c = &s->candidates;
-	struct sweep w = { s, area, side_for((double)f->wanted / area->size_m2), ECO_BLUE_NOISE_POINTS, f->area };
+	struct sweep w = { s, area, side_for((double)f->wanted / area->size_m2), ECO_BLUE_NOISE_POINTS,
+		f->area };
 	size_t clear = 0;
 	if (s->input.clear.count == 0 || s->spec->count_column)
 		return;

@@ -22,8 +22,8 @@ static const struct { double middle_m, high_m; const char *says; } typical[] = {
 	[ECO_QUANTITY_HEIGHT] = { 10, 22, "height" }, [ECO_QUANTITY_DBH] = { 0.22, 0.75, "trunk diameter" },
 	[ECO_QUANTITY_GIRTH] = { 0.7, 2.4, "trunk girth" } };
 
-/* A wood is high and even, its tallest are half as tall again as its middle; it could be taken for a street in
- * feet only where it is measured in metres. */
+/* A wood is high and even, its tallest are half as tall again as its middle; it could be taken for a street
+ * in feet only where it is measured in metres. */
 #define WOOD_MIDDLE_M 22
 #define WOOD_HIGH_M 34
 #define WOOD_HIGH 1.5
@@ -74,7 +74,8 @@ static size_t doubt(enum eco_quantity quantity, double unit_m, const struct eco_
 	size_t best = best_unit(quantity, n, UNITS);
 	if (!(n->middle > 0) || fabs(units_rows[best].metres / unit_m - 1) < 1e-4)
 		return UNITS;
-	return usual_misfit(quantity, unit_m, n) - usual_misfit(quantity, units_rows[best].metres, n) > DOUBT ? best : UNITS;
+	return usual_misfit(quantity, unit_m, n) - usual_misfit(quantity, units_rows[best].metres, n) > DOUBT
+		? best : UNITS;
 }
 
 const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers)
@@ -90,7 +91,8 @@ static void ask(struct eco_unit_guess *guess, enum eco_quantity quantity, size_t
 	guess->other = units_rows[b].unit;
 	snprintf(guess->why, sizeof guess->why, "half of them are above %.4g, the largest about %.4g: a %s "
 		"of %.3g m if in %s, of %.3g m if in %s", n->middle, n->high, typical[quantity].says,
-		n->middle * units_rows[a].metres, units_rows[a].unit, n->middle * units_rows[b].metres, units_rows[b].unit);
+		n->middle * units_rows[a].metres, units_rows[a].unit, n->middle * units_rows[b].metres,
+		units_rows[b].unit);
 }
 
 const char *eco_unit_of_name(const char *name)
@@ -125,7 +127,8 @@ static bool decide_beside(struct eco_unit_guess *guess, size_t a, size_t b, cons
 {
 	if (!beside || is_metric(units_rows[a].unit) == is_metric(units_rows[b].unit))
 		return false;
-	guess->unit = is_metric(units_rows[a].unit) == is_metric(beside) ? units_rows[a].unit : units_rows[b].unit;
+	guess->unit = is_metric(units_rows[a].unit) == is_metric(beside) ? units_rows[a].unit
+		: units_rows[b].unit;
 	snprintf(guess->why, sizeof guess->why, "it may be %s or %s by its numbers; other sizes are in %s",
 		units_rows[a].unit, units_rows[b].unit, beside);
 	return true;
@@ -153,7 +156,8 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 		ask(&guess, quantity, best, next, numbers);
 	else
 		snprintf(guess.why, sizeof guess.why, "half of them are above %.4g %s, the largest about "
-			"%.4g; in %s half would be above %.3g m", numbers->middle, units_rows[best].unit, numbers->high,
+			"%.4g; in %s half would be above %.3g m", numbers->middle, units_rows[best].unit,
+			numbers->high,
 			units_rows[next].unit, numbers->middle * units_rows[next].metres);
 	return guess;
 }

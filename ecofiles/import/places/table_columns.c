@@ -1,5 +1,6 @@
 /* A column's role by the words of its name, in points, and by its content: a place or a size is made of
- * numbers, a species is a text, best one that names plants. An even selection of a table's rows shows the content. */
+ * numbers, a species is a text, best one that names plants. An even selection of a table's rows shows the
+ * content. */
 #include "ecofiles/import/places/table_columns.h"
 
 #include <ctype.h>
@@ -20,8 +21,8 @@ const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "heigh
 #define CONTENT_POINTS 60
 #define NUMERIC_LEAST 0.5
 
-/* A word of five letters (bytes) and more counts within a longer one, too, "kronendurchmesser", one of four at
- * its end, "baumhohe". */
+/* A word of five letters (bytes) and more counts within a longer one, too, "kronendurchmesser", one of four
+ * at its end, "baumhohe". */
 static bool means(const char *word, const char *list)
 {
 	char own[ECO_WORD_BYTES];
@@ -61,7 +62,8 @@ static int points_by_name(enum eco_role role, const char *name)
 /* "tree_type", "nom de l'arbre": a plant's word and one for its kind. */
 static int points_by_kind(const char *name)
 {
-	return eco_words_any(name, eco_words_set("plant")) && eco_words_any(name, eco_words_set("kind")) ? 55 : 0;
+	return eco_words_any(name, eco_words_set("plant")) && eco_words_any(name, eco_words_set("kind")) ? 55
+		: 0;
 }
 
 /* "x", "coord_x", "utm17n_e": one letter at an end of the name. */
@@ -101,7 +103,8 @@ bool eco_column_says_degrees(const char *name)
 /* ---- Content ---- */
 
 /* The share of a column's filled texts, of the first rows, that are such. */
-static double share(const struct eco_table *table, uint32_t column, uint32_t rows, bool (*is)(const char *, char),
+static double share(const struct eco_table *table, uint32_t column, uint32_t rows, bool (*is)(const char *,
+	char),
 	char decimal)
 {
 	uint32_t filled = 0, good = 0;
@@ -118,7 +121,8 @@ static double share(const struct eco_table *table, uint32_t column, uint32_t row
 static bool is_number(const char *text, char decimal)
 {
 	double number;
-	return eco_text_number(text, decimal ? decimal : '.', &number) || (!decimal && eco_text_number(text, ',', &number));
+	return eco_text_number(text, decimal ? decimal : '.', &number) || (!decimal && eco_text_number(text,
+		',', &number));
 }
 
 /* A number, a range, a bound. */
@@ -152,7 +156,8 @@ static int points(const struct eco_table *table, enum eco_role role, uint32_t co
 	if (sum <= 0 || role == ECO_ROLE_PLOT)
 		return sum;
 	bool place = role == ECO_ROLE_X || role == ECO_ROLE_Y;
-	return share(table, column, UINT32_MAX, place ? is_number : is_size, place ? 0 : decimal) >= NUMERIC_LEAST ? sum : 0;
+	return share(table, column, UINT32_MAX, place ? is_number : is_size, place ? 0
+		: decimal) >= NUMERIC_LEAST ? sum : 0;
 }
 
 /* ---- Choice ---- */
@@ -263,7 +268,8 @@ bool eco_columns_are_local(const struct eco_table *table, const struct eco_colum
 		if (columns->of[k] == ECO_NONE)
 			return false;
 		eco_words_of(table->columns[columns->of[k]], words, sizeof words);
-		if (!eco_words_next(&at, word) || !eco_words_have(eco_words_set(k ? "quadrat y" : "quadrat x"), word))
+		if (!eco_words_next(&at, word) || !eco_words_have(eco_words_set(k ? "quadrat y"
+			: "quadrat x"), word))
 			return false;
 	}
 	return true;
@@ -508,7 +514,8 @@ static void add_field(struct reader *r, const char *field, uint64_t line)
 		uint32_t number = eco_string_number(&r->texts, text);
 		if (number == v->count) {
 			eco_grow(&v->items, &r->capacity, v->count, sizeof *v->items);
-			v->items[v->count++] = (struct eco_table_value){ .text = eco_copy_text(text), .first_line = line };
+			v->items[v->count++] = (struct eco_table_value){ .text = eco_copy_text(text),
+				.first_line = line };
 		}
 		v->items[number].rows++;
 	}

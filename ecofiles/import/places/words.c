@@ -18,7 +18,8 @@ enum kind { GAP, LETTER, CAPITAL, DIGIT };
 /* Cyrillic letters: small, and without the marks of two. */
 static enum kind take_cyrillic(unsigned point, char sign[3])
 {
-	unsigned small = point >= 0x410 && point < 0x430 ? point + 0x20 : point < 0x410 ? point + 0x50 : point;
+	unsigned small = point >= 0x410 && point < 0x430 ? point + 0x20 : point < 0x410 ? point + 0x50
+		: point;
 	enum kind kind = small != point ? CAPITAL : LETTER;
 	small = small == 0x451 ? 0x435 : small;
 	sign[0] = (char)(0xc0 | small >> 6);
@@ -246,7 +247,8 @@ static bool find_coded(const char *word, struct eco_flora *flora)
 		for (const char *at = species_rows[i].epithets; eco_words_next(&at, epithet);)
 			if (strncmp(epithet, word + half, half) == 0) {
 				find_genus(species_rows[i].genus, flora);
-				snprintf(flora->coded, sizeof flora->coded, "%s %s", species_rows[i].genus, epithet);
+				snprintf(flora->coded, sizeof flora->coded, "%s %s", species_rows[i].genus,
+					epithet);
 				return true;
 			}
 	}

@@ -1,6 +1,7 @@
 /* Names as words: "Höhe (m)", "HOEHE_M", "decimalLatitude" and "utm17n_e" become "hohe m", "hoehe m",
- * "decimal latitude" and "utm 17 n e". For comparing the names of columns, species and files. The words that are
- * known stand in words/NAME.tsv; the Makefile makes build/words/NAME.table of each, an array of its rows. */
+ * "decimal latitude" and "utm 17 n e". For comparing the names of columns, species and files. The words that
+ * are known stand in words/NAME.tsv; the Makefile makes build/words/NAME.table of each, an array of its
+ * rows. */
 #ifndef ECO_WORDS_H
 #define ECO_WORDS_H
 
@@ -46,8 +47,9 @@ struct eco_flora {
 	char coded[64];              /* the species that a code stands for; "": it is none */
 };
 
-/* The plant that a name means. `spelling`: also by words of five letters and more that are nearly a genus or its
- * common name, and by codes of two or three letters of each word of a common species: "fasy", "QUEROB". */
+/* The plant that a name means. `spelling`: also by words of five letters and more that are nearly a genus or
+ * its common name, and by codes of two or three letters of each word of a common species: "fasy",
+ * "QUEROB". */
 struct eco_flora eco_flora_of(const char *name, bool spelling);
 
 /* Whether a name is such a code. */

@@ -131,7 +131,6 @@ void eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
 void eco_flight_free(struct eco_flight *flight);
 /* The least and the greatest of its eyes. */
 void eco_flight_box(const struct eco_flight *flight, double low[3], double high[3]);
-double eco_distance(const double a[3], const double b[3]);
 double eco_angle_deg(const double a[3], const double b[3]);
 
 /* Turns and moves it, sets it on the ground, raises it above, and makes it look at a point, in this order. A

@@ -36,7 +36,7 @@ struct work {
 
 /* ---- Directions ---- */
 
-double eco_distance(const double a[3], const double b[3])
+static double distance_of(const double a[3], const double b[3])
 {
 	return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])
 		+ (b[2] - a[2]) * (b[2] - a[2]));
@@ -276,7 +276,7 @@ static void make_samples(struct work *w)
 	for (uint32_t i = 0; i < f->count; i++) {
 		struct eco_sample *s = &f->samples[i];
 		set_axes(s, i ? s - 1 : NULL);
-		f->length_m += i ? eco_distance(s->eye, s[-1].eye) : 0;
+		f->length_m += i ? distance_of(s->eye, s[-1].eye) : 0;
 	}
 }
 
@@ -367,7 +367,7 @@ static void look_at(struct eco_flight *f, const double at[3])
 		struct eco_sample *s = &f->samples[i];
 		const double x = at[0] - s->eye[0], y = at[1] - s->eye[1], z = at[2] - s->eye[2];
 		axes(atan2(x, y) * TRACK_DEG, atan2(z, hypot(x, y)) * TRACK_DEG, 0, s->look, s->up);
-		if (i && eco_distance(s->eye, at) < 1e-6)
+		if (i && distance_of(s->eye, at) < 1e-6)
 			memcpy(s->n + 3, s[-1].n + 3, 6 * sizeof *s->n);
 	}
 }
@@ -416,10 +416,10 @@ static double error_at(struct fit *f, uint32_t i, uint32_t sample)
 		double slope_b = (numbers(f, after)[n] - a[n]) * per_b;
 		at[n] = a[n] + s * s * (3 - 2 * s) * (b[n] - a[n]) + h * s * r * (r * slope_a - s * slope_b);
 	}
-	double m = eco_distance(at, is), look_deg = eco_angle_deg(at + LOOK, is + LOOK);
+	double m = distance_of(at, is), look_deg = eco_angle_deg(at + LOOK, is + LOOK);
 	double deg = fmax(fmax(look_deg, eco_angle_deg(at + UP, is + UP)), fabs(at[FOV] - is[FOV]));
 	/* looks that nearly cancel each other are no looks */
-	deg = eco_distance(at + LOOK, (double[3]){ 0 }) < 0.1 ? 180 : deg;
+	deg = distance_of(at + LOOK, (double[3]){ 0 }) < 0.1 ? 180 : deg;
 	f->script->error_m = fmax(f->script->error_m, m);
 	f->script->error_deg = fmax(f->script->error_deg, deg);
 	return fmax(m / f->error_m, deg / f->error_deg);

@@ -124,7 +124,8 @@ static bool find_trees(struct ogr_rows *r)
 	r->layer = GDALDatasetGetLayerByName(r->data, "SolitaryVegetationObject");
 	r->trees = r->layer && !r->areas;
 	if (r->trees && GDALDatasetGetLayerByName(r->data, "PlantCover"))
-		eco_rows_note(&r->rows, "its PlantCover are passed over: they are areas; as GeoJSON polygons, \"scatter\" "
+		eco_rows_note(&r->rows,
+			"its PlantCover are passed over: they are areas; as GeoJSON polygons, \"scatter\" "
 			"fills them with plants");
 	return r->trees;
 }
@@ -457,7 +458,8 @@ static bool read_bytes(const char *path, void *bytes, size_t count)
 	return good;
 }
 
-/* A Shapefile says its length, in words of two bytes, and GDAL takes what is missing for rows without a place. */
+/* A Shapefile says its length, in words of two bytes, and GDAL takes what is missing for rows without a
+ * place. */
 static enum eco_code check_shape(const struct ogr_rows *r, struct eco_error *error)
 {
 	unsigned char head[28];

@@ -150,10 +150,12 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	if (code)
 		;
 	else if (head->size > 4 && memcmp(head->bytes, "PAR1", 4) == 0 && !ogr_knows(source->path))
-		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: it cannot be read: the installed GDAL has no driver for "
+		code = eco_fail(error, ECO_UNSUPPORTED,
+			"%.300s: it cannot be read: the installed GDAL has no driver for "
 			"Parquet; export GeoPackage, GeoJSON or CSV", source->path);
 	else if (has_extension(source->path, gltf_names))
-		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF is a model, not a table: export the instances of its "
+		code = eco_fail(error, ECO_UNSUPPORTED,
+			"%.300s: glTF is a model, not a table: export the instances of its "
 			"scene as CSV with x, y, yaw_deg and scale", source->path);
 	else if (is_utf16(head))
 		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: its text is UTF-16; save it as UTF-8 "
@@ -167,8 +169,10 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))
 		code = open_ogr(rows, source, error);
 	else if (has_extension(source->path, binary) && !memchr(head->bytes, '\n', head->size))
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: it cannot be read: by its name it is binary, and it begins as "
-			"text, \"%.20s\"; copy, download or export it again", source->path, (char *)head->bytes);
+		code = eco_fail(error, ECO_DAMAGED,
+			"%.300s: it cannot be read: by its name it is binary, and it begins as "
+			"text, \"%.20s\"; copy, download or export it again", source->path,
+			(char *)head->bytes);
 	else if (has_extension(source->path, csv_names)
 			|| (has_extension(source->path, tab) && memcmp(head->bytes, "!table", 6) != 0)
 		|| (!has_extension(source->path, tab) && !ogr_knows(source->path)))
@@ -294,7 +298,8 @@ bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point)
 	for (int pair = 0; pair < 2; pair++)
 		for (uint32_t i = 0; i < rows->field_count && i < rows->column_count; i++)
 			/* DEGREE_DIGITS tell a place from other pairs of numbers */
-			if (pair ? degree_pair(rows->fields[i], at) >= DEGREE_DIGITS : read_wkt_point(rows->fields[i], at)) {
+			if (pair ? degree_pair(rows->fields[i], at) >= DEGREE_DIGITS
+				: read_wkt_point(rows->fields[i], at)) {
 				*point = (struct eco_rows_point){ i, true, pair };
 				rows->has_geometry = true;
 				rows->has_z = !isnan(at[2]);
@@ -308,7 +313,8 @@ void eco_rows_point_state(struct eco_rows *rows, const struct eco_rows_point *po
 	if (!point->is_pair)
 		return;
 	rows->crs = eco_copy_text("EPSG:4326");
-	eco_rows_note(rows, "\"%.60s\" has latitude and longitude in one field", rows->columns[point->column]);
+	eco_rows_note(rows, "\"%.60s\" has latitude and longitude in one field",
+		rows->columns[point->column]);
 }
 
 void eco_rows_point_take(struct eco_rows *rows, const struct eco_rows_point *point)

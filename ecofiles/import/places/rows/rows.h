@@ -100,7 +100,8 @@ void eco_rows_free_texts(struct eco_rows *rows);
 
 #define ECO_ROWS_POINT_LOOK 64u          /* rows in which a column with points is looked for */
 
-struct eco_rows_point { uint32_t column; bool found, is_pair; };       /* is_pair: of degrees; else well-known text */
+struct eco_rows_point { uint32_t column; bool found,
+	is_pair; };       /* is_pair: of degrees; else well-known text */
 
 /* The first column with a point in the row at hand, well-known text before pairs of degrees; sets
  * has_geometry and has_z. False: none has. */

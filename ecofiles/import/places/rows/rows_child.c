@@ -1,7 +1,7 @@
 /* A table is read in a child process (guard.h) and handed over row by row through a pipe, so that reading
- * and placing overlap and nobody holds the whole file. A message is a struct as it lies in memory, as both ends
- * are one program, then its texts, each with its ending 0, and the area. The parent checks each message:
- * after a bug in a library it may be anything. */
+ * and placing overlap and nobody holds the whole file. A message is a struct as it lies in memory, as both
+ * ends are one program, then its texts, each with its ending 0, and the area. The parent checks each
+ * message: after a bug in a library it may be anything. */
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <stddef.h>
@@ -60,7 +60,8 @@ static enum eco_code send_head(FILE *out, const struct eco_rows *rows, struct ec
 	return code;
 }
 
-static enum eco_code send_notes(FILE *out, const struct eco_rows *rows, uint32_t *sent, struct eco_error *error)
+static enum eco_code send_notes(FILE *out, const struct eco_rows *rows, uint32_t *sent,
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (; *sent < rows->note_count && !code; ++*sent)
@@ -92,7 +93,8 @@ static enum eco_code send_rows(FILE *out, struct eco_rows *rows, const struct ec
 			code = rows->next(rows, &more, error);
 		if (!code && more)
 			code = send_message(out, &(struct message){ .kind = 'R', .texts = rows->field_count,
-				.row = rows->row, .line = rows->line, .place = rows->place }, rows->fields, wanted,
+				.row = rows->row, .line = rows->line, .place = rows->place }, rows->fields,
+				wanted,
 				error);
 	}
 	if (!code)
@@ -244,7 +246,8 @@ enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source
 	c->rows.next = next;
 	c->rows.close = close_child;
 	c->rows.fields = c->texts;
-	enum eco_code code = eco_guard_start(&c->guard, work, (void *)source, source->path, &limits, &c->stream,
+	enum eco_code code = eco_guard_start(&c->guard, work, (void *)source, source->path, &limits,
+		&c->stream,
 		error);
 	if (!code)
 		code = receive(c, error);

@@ -290,8 +290,8 @@ static unsigned filled_fields(const char **text, char separator, unsigned *lines
 	return count + filled;
 }
 
-/* Titles, dates and empty lines before the table, as reports have them: records of one field at most, before one of
- * several. */
+/* Titles, dates and empty lines before the table, as reports have them: records of one field at most, before
+ * one of several. */
 static const char *skip_titles(struct csv *csv, const char *text)
 {
 	const char *at = text;
@@ -302,7 +302,8 @@ static const char *skip_titles(struct csv *csv, const char *text)
 			: count_separators(at), &lines);
 		if (filled >= NAMES_LEAST && titles > 0) {
 			csv->line += before;
-			eco_rows_note(&csv->rows, "what stands before line %llu is no table: that line names the "
+			eco_rows_note(&csv->rows,
+				"what stands before line %llu is no table: that line names the "
 				"columns", (unsigned long long)csv->line);
 			return names;
 		}
