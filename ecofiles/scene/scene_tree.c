@@ -17,6 +17,7 @@
 
 struct walk {
 	struct eco_sources *sources;
+	const char *path;                    /* of the outermost file */
 	char **real;                         /* real path of each source; owned */
 	bool *open;                          /* on the walk's path: naming it again is a cycle */
 	uint32_t *finished, finished_count;
@@ -35,7 +36,7 @@ static enum eco_code read_text(const char *path, char **text, size_t *size, stru
 }
 
 /* Reads the naming file once more to give the error the place of child number `child`. */
-static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t child, enum eco_code code,
+static _Noreturn void fail_at_child(struct walk *walk, uint32_t source, uint32_t child, enum eco_code code,
 	const char *text)
 {
 	struct eco_error unread = { .code = ECO_OK };
@@ -54,8 +55,7 @@ static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t 
 		}
 		json_decref(root);
 	}
-	free(json);
-	return eco_fail(walk->error, code, "%s: %s", file.name, text);
+	eco_stop(code, "%s: %s", file.name, text);
 }
 
 /* "a.json -> b.json -> a.json", beginning with the file that is named again. */
@@ -72,81 +72,69 @@ static void chain_text(const struct walk *walk, uint32_t again, char *text, size
 		snprintf(text + used, size - used, "%s", walk->sources->items[again].path);
 }
 
-static enum eco_code add_source(struct walk *walk, const char *path, char *real, uint32_t *index)
+/* The new source's number. */
+static uint32_t add_source(struct walk *walk, const char *path, char *real)
 {
 	struct eco_sources *sources = walk->sources;
 	char *text;
 	size_t size = 0;
-	*index = sources->count;
-	enum eco_code code = read_text(path, &text, &size, walk->error);
-	code = code ? code : eco_source_parse(&sources->items[*index], text, size, path, true, walk->error);
+	eco_check(read_text(path, &text, &size, walk->error));
+	eco_check(eco_source_parse(&sources->items[sources->count], text, size, path, true, walk->error));
 	free(text);
-	if (code) {
-		free(real);
-		return code;
-	}
-	walk->real[sources->count++] = real;
-	return ECO_OK;
+	walk->real[sources->count] = real;
+	return sources->count++;
 }
 
-static enum eco_code walk_source(struct walk *walk, uint32_t index);
+static void walk_source(struct walk *walk, uint32_t index);
 
-static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t number)
+static void walk_child(struct walk *walk, uint32_t parent, uint32_t number)
 {
 	struct eco_sources *sources = walk->sources;
 	struct eco_source_child *child = &sources->items[parent].children[number];
 	char *real = realpath(child->eco, NULL), text[360];
 	uint32_t index = 0;
 	if (!real)
-		return fail_at_child(walk, parent, number, ECO_IO, strerror(errno));
+		fail_at_child(walk, parent, number, ECO_IO, strerror(errno));
 	while (index < sources->count && strcmp(walk->real[index], real) != 0)
 		index++;
+	child->source = index;
 	if (index < sources->count) {
 		free(real);
-		child->source = index;
 		if (!walk->open[index])
-			return ECO_OK;
+			return;
 		chain_text(walk, index, text, sizeof text);
-		return fail_at_child(walk, parent, number, ECO_BAD_INPUT, text);
+		fail_at_child(walk, parent, number, ECO_BAD_INPUT, text);
 	}
-	if (walk->depth >= DEPTH_MAX || sources->count >= ECO_SOURCES_MAX) {
-		free(real);
+	if (walk->depth >= DEPTH_MAX || index >= ECO_SOURCES_MAX) {
 		snprintf(text, sizeof text, "more than %u files, or nested more than %u deep",
 			ECO_SOURCES_MAX, DEPTH_MAX);
-		return fail_at_child(walk, parent, number, ECO_TOO_LARGE, text);
+		fail_at_child(walk, parent, number, ECO_TOO_LARGE, text);
 	}
-	enum eco_code code = add_source(walk, child->eco, real, &index);
-	if (code)
-		return code;
-	child->source = index;
+	add_source(walk, child->eco, real);
 	if (sources->items[index].ground.height_count > 0 ||
 		sources->items[index].ground_image.file_count > 0) {
 		snprintf(text, sizeof text, "%.200s has ground, but only the outermost file can: a nested "
 			"file stands where it is placed", child->eco);
-		return fail_at_child(walk, parent, number, ECO_UNSUPPORTED, text);
+		fail_at_child(walk, parent, number, ECO_UNSUPPORTED, text);
 	}
-	return walk_source(walk, index);
+	walk_source(walk, index);
 }
 
-static enum eco_code walk_source(struct walk *walk, uint32_t index)
+static void walk_source(struct walk *walk, uint32_t index)
 {
 	const struct eco_source *source = &walk->sources->items[index];
 	walk->open[index] = true;
 	walk->chain[walk->depth++] = index;
 	for (uint32_t i = 0; i < source->child_count; i++) {
 		struct eco_source_child *child = &source->children[i];
-		if (i > 0 && strcmp(child->eco, child[-1].eco) == 0) {
+		if (i > 0 && strcmp(child->eco, child[-1].eco) == 0)
 			child->source = child[-1].source;
-			continue;
-		}
-		enum eco_code code = walk_child(walk, index, i);
-		if (code)
-			return code;
+		else
+			walk_child(walk, index, i);
 	}
 	walk->depth--;
 	walk->open[index] = false;
 	walk->finished[walk->finished_count++] = index;
-	return ECO_OK;
 }
 
 /* Orders the sources by the reverse of their finishing. */
@@ -167,27 +155,24 @@ static void order_sources(struct walk *walk)
 	sources->items = items;
 }
 
-static enum eco_code load(struct walk *walk, const char *path)
+static void load(void *ctx)
 {
-	char *real = realpath(path, NULL);
-	uint32_t root;
+	struct walk *walk = ctx;
+	char *real = realpath(walk->path, NULL);
 	if (!real)
-		return eco_fail_read(walk->error, path, errno);
-	enum eco_code code = add_source(walk, path, real, &root);
-	code = code ? code : walk_source(walk, root);
-	if (!code)
-		order_sources(walk);
-	return code;
+		eco_check(eco_fail_read(walk->error, walk->path, errno));
+	walk_source(walk, add_source(walk, walk->path, real));
+	order_sources(walk);
 }
 
 enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, struct eco_error *error)
 {
-	struct walk walk = { .sources = sources, .error = error };
+	struct walk walk = { .sources = sources, .path = path, .error = error };
 	*sources = (struct eco_sources){ eco_alloc(ECO_SOURCES_MAX, sizeof *sources->items), 0 };
 	walk.real = eco_alloc(ECO_SOURCES_MAX, sizeof *walk.real);
 	walk.open = eco_alloc(ECO_SOURCES_MAX, sizeof *walk.open);
 	walk.finished = eco_alloc(ECO_SOURCES_MAX, sizeof *walk.finished);
-	enum eco_code code = load(&walk, path);
+	enum eco_code code = eco_try(load, &walk, error);
 	for (uint32_t i = 0; i < sources->count; i++)
 		free(walk.real[i]);
 	free(walk.real);
