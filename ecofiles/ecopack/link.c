@@ -94,10 +94,7 @@ struct eco_list link_list(const struct link_part *part, uint32_t list)
 void link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
 {
 	struct eco_error why = { 0 };
-	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why);
-	if (code && code != ECO_DAMAGED)
-		eco_stop(code, "%s", why.text);         /* the pack that is written is at fault */
-	link_check(part, code, &why);
+	link_check(part, eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why), &why);
 	make_keep_list(&l->m, part->list_of[list]);
 }
 

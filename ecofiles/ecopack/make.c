@@ -223,24 +223,21 @@ void make_keep_list(struct make *m, uint32_t list_id)
 uint32_t make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
 	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner)
 {
-	uint32_t id;
-	eco_check(eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, &id, m->error));
+	uint32_t id = eco_pack_add_list(m->writer, list, elements, ends, end_count, partner);
 	make_keep_list(m, id);
 	return id;
 }
 
 uint32_t make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded)
 {
-	uint32_t id;
-	eco_check(eco_pack_add_encoded(m->writer, list, encoded, &id, m->error));
+	uint32_t id = eco_pack_add_encoded(m->writer, list, encoded);
 	make_keep_list(m, id);
 	return id;
 }
 
 uint32_t make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_bytes *chunks, uint32_t count)
 {
-	uint32_t id;
-	eco_check(eco_pack_add_bytes(m->writer, list, chunks, count, &id, m->error));
+	uint32_t id = eco_pack_add_bytes(m->writer, list, chunks, count);
 	make_keep_list(m, id);
 	return id;
 }

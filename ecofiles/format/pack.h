@@ -287,29 +287,31 @@ struct eco_pack_writer;
 /* A file at `path` is replaced only if it is a pack or empty. */
 enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error);
 
-/* Encodes `elements` in chunks that end at elements `ends[i]` and appends them. Sets chunk_first,
+/* Functions that add a list return its id, and stop (eco_try) where it cannot be coded or written.
+ *
+ * Encodes `elements` in chunks that end at elements `ends[i]` and appends them. Sets chunk_first,
  * chunk_count, primitive_count and element_count of the stored list, whose grid is finer by
  * 2^ECO_EXACT_SHIFT where elements have `exact`. For FORM, `partner_elements` are the partner's elements
  * as they were given, `elements` holds one form of each in the same order, and the ends are the same. A
  * partner may have several forms. Chunks with equal payload are stored once. */
-enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list,
+uint32_t eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list,
 	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
-	const struct eco_elements *partner_elements, uint32_t *list_id, struct eco_error *error);
+	const struct eco_elements *partner_elements);
 /* The same in two steps, for lists without a partner: encoding needs no writer and may run in many threads
  * at a time. The caller frees encoded chunks in any case. */
 struct eco_encoded { struct eco_encoded_chunk *chunks; uint32_t count; };
 enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list,
 	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
 	struct eco_error *error);
-enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list,
-	const struct eco_encoded *encoded, uint32_t *list_id, struct eco_error *error);
+uint32_t eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_encoded *encoded);
 void eco_encoded_free(struct eco_encoded *encoded);
 /* Adds a list of BYTES chunks, one a file. */
 struct eco_bytes { uint8_t *at; size_t size; };
-enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
-	const struct eco_bytes *files, uint32_t file_count, uint32_t *list_id, struct eco_error *error);
-/* Adds a list of another pack, with its payloads, after checking them. In `list` the references to other
- * lists, tiles, plants and colours are those of the new pack. */
+uint32_t eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_bytes *files, uint32_t file_count);
+/* Adds a list of another pack, with its payloads, after checking them: the code says what is wrong with these.
+ * In `list` the references to other lists, tiles, plants and colours are those of the new pack. */
 enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list,
 	const struct eco_pack *from, uint32_t from_list, uint32_t *list_id, struct eco_error *error);
 /* All elements of a list of points added before, decoded from the payloads written. */

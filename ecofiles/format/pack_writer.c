@@ -3,7 +3,7 @@
  * stays small, and a full disk is noticed early), and eco_pack_commit copies them behind
  * the tables. The target's name appears only by renaming a complete, synced file. A process that is killed
  * leaves its unfinished file; the next one that writes the same pack removes it. Programs that write packs run
- * once: without memory they end (memory.h). */
+ * once: without memory they end, and what cannot be written stops them (memory.h). */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -40,41 +40,30 @@ struct eco_pack_writer {
 };
 
 /* Says what could not be done, and why (errno). */
-static enum eco_code io_failed(const char *path, const char *what, struct eco_error *error)
+static _Noreturn void io_failed(const char *path, const char *what)
 {
 	int reason = errno;
-	return eco_fail(error, ECO_IO, "%.330s: cannot %s: %s%s", path, what, strerror(reason),
-		eco_advice_write(reason));
+	eco_stop(ECO_IO, "%.330s: cannot %s: %s%s", path, what, strerror(reason), eco_advice_write(reason));
 }
 
-static enum eco_code write_all(int file, const char *path, const void *bytes, size_t size,
-	struct eco_error *error)
+static void write_all(const struct eco_pack_writer *w, int file, const void *bytes, size_t size)
 {
-	const uint8_t *at = bytes;
-	while (size > 0) {
-		ssize_t written = write(file, at, size);
-		if (written < 0 && errno == EINTR)
-			continue;
-		if (written <= 0)
-			return io_failed(path, "write", error);
-		at += written;
-		size -= (size_t)written;
+	for (size_t done = 0; done < size;) {
+		ssize_t written = write(file, (const uint8_t *)bytes + done, size - done);
+		if (written == 0 || (written < 0 && errno != EINTR))
+			io_failed(w->temporary, "write");
+		done += written > 0 ? (size_t)written : 0;
 	}
-	return ECO_OK;
 }
 
-static enum eco_code read_spool(const struct eco_pack_writer *w, uint64_t offset, uint8_t *bytes, size_t size,
-	struct eco_error *error)
+static void read_spool(const struct eco_pack_writer *w, uint64_t offset, uint8_t *bytes, size_t size)
 {
 	for (size_t done = 0; done < size;) {
 		ssize_t got = pread(w->spool, bytes + done, size - done, (off_t)(offset + done));
-		if (got < 0 && errno == EINTR)
-			continue;
-		if (got <= 0)
-			return io_failed(w->temporary, "read back payloads", error);
-		done += (size_t)got;
+		if (got == 0 || (got < 0 && errno != EINTR))
+			io_failed(w->temporary, "read back payloads");
+		done += got > 0 ? (size_t)got : 0;
 	}
-	return ECO_OK;
 }
 
 /* The folder part of a path, malloc'ed. */
@@ -87,15 +76,15 @@ static char *folder_of(const char *path)
 }
 
 /* Creates the unfinished file and locks it; another process may have taken it for left over in between. */
-static enum eco_code open_unfinished(struct eco_pack_writer *w, struct eco_error *error)
+static void open_unfinished(struct eco_pack_writer *w)
 {
 	eco_unfinished_remove(w->path);
 	for (;;) {
 		w->file = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 		if (w->file < 0)
-			return io_failed(w->path, "create", error);
+			io_failed(w->path, "create");
 		if (eco_unfinished_lock(w->file))
-			return ECO_OK;
+			return;
 		close(w->file);
 	}
 }
@@ -125,6 +114,15 @@ static enum eco_code check_target(const char *path, struct eco_error *error)
 	return ECO_OK;
 }
 
+static void open_files(void *writer)
+{
+	struct eco_pack_writer *w = writer;
+	open_unfinished(w);
+	w->spool = eco_file_nameless(w->folder);
+	if (w->spool < 0)
+		io_failed(w->folder, "create a file in it");
+}
+
 enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error)
 {
 	struct eco_pack_writer *w = *writer = NULL;
@@ -137,10 +135,7 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 	w->folder = folder_of(path);
 	if (asprintf(&w->temporary, "%s.tmp-%ld", path, (long)getpid()) < 0)
 		eco_end("no memory");
-	code = open_unfinished(w, error);
-	w->spool = code ? -1 : eco_file_nameless(w->folder);
-	if (!code && w->spool < 0)
-		code = io_failed(w->folder, "create a file in it", error);
+	code = eco_try(open_files, w, error);
 	if (code)
 		eco_pack_abort(w);
 	else
@@ -194,8 +189,8 @@ static void grow_ids(struct eco_pack_writer *w)
 		w->ids.slots[id_slot(w, &w->chunks[i])] = i + 1;
 }
 
-static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, size_t size,
-	uint32_t elements, uint32_t primitives, struct eco_error *error)
+static void add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, size_t size, uint32_t elements,
+	uint32_t primitives)
 {
 	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled,
 		.size_bytes = (uint32_t)size, .element_count = elements, .primitive_count = primitives };
@@ -205,14 +200,11 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 	if (w->ids.slots[slot] != 0) {
 		chunk.offset = w->chunks[w->ids.slots[slot] - 1].offset;
 	} else {
-		enum eco_code code = write_all(w->spool, w->temporary, bytes, size, error);
-		if (code)
-			return code;
+		write_all(w, w->spool, bytes, size);
 		w->spooled += size;
 		w->ids.slots[slot] = w->chunk_count + 1;
 	}
 	w->chunks[w->chunk_count++] = chunk;
-	return ECO_OK;
 }
 
 /* Primitives of elements [first, end). */
@@ -281,49 +273,48 @@ static uint32_t add_list(struct eco_pack_writer *w, const struct eco_list *list,
 	return w->list_count++;
 }
 
-enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list,
-	const struct eco_encoded *encoded, uint32_t *list_id, struct eco_error *error)
+uint32_t eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_encoded *encoded)
 {
 	uint32_t chunk_first = writer->chunk_count;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < encoded->count && !code; i++) {
+	for (uint32_t i = 0; i < encoded->count; i++) {
 		const struct eco_encoded_chunk *chunk = &encoded->chunks[i];
-		code = add_chunk(writer, chunk->bytes, chunk->size, chunk->elements, chunk->primitives, error);
+		add_chunk(writer, chunk->bytes, chunk->size, chunk->elements, chunk->primitives);
 	}
-	*list_id = code ? ECO_NONE : add_list(writer, list, chunk_first);
-	return code;
+	return add_list(writer, list, chunk_first);
 }
 
-enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list,
+uint32_t eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list,
 	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
-	const struct eco_elements *partner_elements, uint32_t *list_id, struct eco_error *error)
+	const struct eco_elements *partner_elements)
 {
 	struct eco_encoded encoded;
+	struct eco_error why = { ECO_OK };
 	bool form = list->coder == ECO_CODER_FORM;
-	*list_id = ECO_NONE;
 	assert(form == (partner_elements != NULL) && (!form || list->partner < writer->list_count));
 	enum eco_code code = encode(&encoded, list, elements, partner_elements,
-		form ? writer->lists[list->partner].attributes : 0, ends, end_count, error);
-	code = code ? code : eco_pack_add_encoded(writer, list, &encoded, list_id, error);
+		form ? writer->lists[list->partner].attributes : 0, ends, end_count, &why);
+	if (code)
+		eco_stop(code, "%s", why.text);
+	uint32_t id = eco_pack_add_encoded(writer, list, &encoded);
 	eco_encoded_free(&encoded);
-	for (int axis = 0; axis < 3 && !code && elements->exact; axis++)
-		writer->lists[*list_id].grid_step[axis] /= 1 << ECO_EXACT_SHIFT;
-	return code;
+	for (int axis = 0; axis < 3 && elements->exact; axis++)
+		writer->lists[id].grid_step[axis] /= 1 << ECO_EXACT_SHIFT;
+	return id;
 }
 
-enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
-	const struct eco_bytes *files, uint32_t file_count, uint32_t *list_id, struct eco_error *error)
+uint32_t eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_bytes *files, uint32_t file_count)
 {
 	uint32_t chunk_first = writer->chunk_count;
-	enum eco_code code = ECO_OK;
 	assert(list->coder == ECO_CODER_BYTES);
-	for (uint32_t i = 0; i < file_count && !code; i++)
-		code = files[i].size > 0 && files[i].size <= ECO_CHUNK_BYTES_MAX
-			? add_chunk(writer, files[i].at, files[i].size, 1, 1, error)
-			: eco_fail(error, ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit",
-			writer->list_count, files[i].size, ECO_CHUNK_BYTES_MAX);
-	*list_id = code ? ECO_NONE : add_list(writer, list, chunk_first);
-	return code;
+	for (uint32_t i = 0; i < file_count; i++) {
+		if (files[i].size < 1 || files[i].size > ECO_CHUNK_BYTES_MAX)
+			eco_stop(ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit", writer->list_count,
+				files[i].size, ECO_CHUNK_BYTES_MAX);
+		add_chunk(writer, files[i].at, files[i].size, 1, 1);
+	}
+	return add_list(writer, list, chunk_first);
 }
 
 enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list,
@@ -331,18 +322,17 @@ enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct e
 {
 	const struct eco_list *old = &from->scene.lists[from_list];
 	uint32_t chunk_first = writer->chunk_count;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = old->chunk_first; i < old->chunk_first + old->chunk_count && !code; i++) {
+	for (uint32_t i = old->chunk_first; i < old->chunk_first + old->chunk_count; i++) {
 		const struct eco_chunk *chunk = &from->scene.chunks[i];
 		const uint8_t *bytes;
 		size_t size;
-		code = eco_pack_payload(from, i, &bytes, &size, error);
-		if (!code)
-			code = add_chunk(writer, bytes, size, chunk->element_count, chunk->primitive_count,
-				error);
+		enum eco_code code = eco_pack_payload(from, i, &bytes, &size, error);
+		if (code)
+			return code;
+		add_chunk(writer, bytes, size, chunk->element_count, chunk->primitive_count);
 	}
-	*list_id = code ? ECO_NONE : add_list(writer, list, chunk_first);
-	return code;
+	*list_id = add_list(writer, list, chunk_first);
+	return ECO_OK;
 }
 
 /* Appends points to points. */
@@ -375,7 +365,7 @@ static enum eco_code join_chunks(struct eco_elements *points, const struct eco_l
 		if (pack)
 			code = eco_pack_payload(pack, list->chunk_first + i, &bytes, &size, error);
 		else
-			code = read_spool(writer, chunk->offset, spooled, chunk->size_bytes, error);
+			read_spool(writer, chunk->offset, spooled, chunk->size_bytes);
 		code = code ? code : eco_chunk_decode(list, chunk, i, bytes, chunk->size_bytes, &part, error);
 		if (!code)
 			join(points, &part);
@@ -456,30 +446,20 @@ static const uint8_t *bytes_of(const struct eco_section *s, const struct eco_sce
 	return owned->bytes;
 }
 
-static enum eco_code write_padding(struct eco_pack_writer *w, uint64_t at, uint64_t offset,
-	struct eco_error *error)
-{
-	static const uint8_t zeros[ECO_PACK_ALIGN];
-	return write_all(w->file, w->temporary, zeros, offset - at, error);
-}
-
-static enum eco_code copy_payloads(struct eco_pack_writer *w, struct eco_error *error)
+static void copy_payloads(const struct eco_pack_writer *w)
 {
 	const size_t most = 1u << 18;
 	uint8_t *buffer = eco_alloc(most, 1);
-	enum eco_code code = ECO_OK;
-	for (uint64_t at = 0; !code && at < w->spooled; at += most) {
+	for (uint64_t at = 0; at < w->spooled; at += most) {
 		size_t size = w->spooled - at < most ? w->spooled - at : most;
-		code = read_spool(w, at, buffer, size, error);
-		code = code ? code : write_all(w->file, w->temporary, buffer, size, error);
+		read_spool(w, at, buffer, size);
+		write_all(w, w->file, buffer, size);
 	}
 	free(buffer);
-	return code;
 }
 
 /* The hash of the header covers the bytes before the hash and the section table behind it. */
-static enum eco_code write_header(struct eco_pack_writer *w, const struct eco_section *sections, uint32_t count,
-	struct eco_error *error)
+static void write_header(const struct eco_pack_writer *w, const struct eco_section *sections, uint32_t count)
 {
 	struct eco_writer hashed = { 0 }, all = { 0 };
 	eco_write_bytes(&hashed, ECO_PACK_MAGIC, 8);
@@ -496,15 +476,14 @@ static enum eco_code write_header(struct eco_pack_writer *w, const struct eco_se
 	}
 	if (hashed.failed || all.failed)
 		eco_end("no memory");
-	enum eco_code code = write_all(w->file, w->temporary, all.bytes, all.size, error);
+	write_all(w, w->file, all.bytes, all.size);
 	eco_writer_free(&hashed);
 	eco_writer_free(&all);
-	return code;
 }
 
-static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scene *scene,
-	const char *meta_json, struct eco_error *error)
+static void write_file(struct eco_pack_writer *w, const struct eco_scene *scene, const char *meta_json)
 {
+	static const uint8_t zeros[ECO_PACK_ALIGN];
 	struct eco_section sections[ECO_SECTION_KIND_END];
 	struct eco_writer owned[ECO_SECTION_KIND_END] = { { 0 } };
 	const uint8_t *bytes[ECO_SECTION_KIND_END];
@@ -518,53 +497,61 @@ static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scen
 		if (owned[i].failed)
 			eco_end("no memory");
 	}
-	enum eco_code code = write_header(w, sections, count, error);
-	for (uint32_t i = 0; i < count && !code; at = sections[i].offset + sections[i].size, i++) {
-		code = write_padding(w, at, sections[i].offset, error);
-		if (!code)
-			code = !bytes[i] ? copy_payloads(w, error)
-				: write_all(w->file, w->temporary, bytes[i], sections[i].size, error);
-	}
-	for (uint32_t i = 0; i < count; i++)
+	write_header(w, sections, count);
+	for (uint32_t i = 0; i < count; at = sections[i].offset + sections[i].size, i++) {
+		write_all(w, w->file, zeros, sections[i].offset - at);
+		if (bytes[i])
+			write_all(w, w->file, bytes[i], sections[i].size);
+		else
+			copy_payloads(w);
 		eco_writer_free(&owned[i]);
-	return code;
+	}
 }
 
 /* After this the pack is there even if the machine stops. */
-static enum eco_code publish(struct eco_pack_writer *w, struct eco_error *error)
+static void publish(struct eco_pack_writer *w)
 {
-	enum eco_code code = ECO_OK;
-	int folder;
 	if (fsync(w->file) != 0)
-		return io_failed(w->temporary, "sync", error);
+		io_failed(w->temporary, "sync");
 	if (rename(w->temporary, w->path) != 0)
-		return io_failed(w->path, "rename the finished file to this name", error);
-	folder = open(w->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-	if (folder < 0 || fsync(folder) != 0)
-		code = io_failed(w->folder, "sync the folder", error);
-	if (folder >= 0)
-		close(folder);
+		io_failed(w->path, "rename the finished file to this name");
 	/* The temporary file has been renamed: there is nothing to remove. */
 	close(w->file);
 	w->file = -1;
-	return code;
+	int folder = open(w->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	if (folder < 0 || fsync(folder) != 0)
+		io_failed(w->folder, "sync the folder");
+	close(folder);
+}
+
+struct commit {
+	struct eco_pack_writer *writer;
+	struct eco_scene scene;
+	const char *meta_json;
+	struct eco_error *error;
+};
+
+static void commit(void *ctx)
+{
+	struct commit *c = ctx;
+	struct eco_pack_writer *w = c->writer;
+	c->scene.lists = w->lists;
+	c->scene.list_count = w->list_count;
+	c->scene.chunks = w->chunks;
+	c->scene.chunk_count = w->chunk_count;
+	if (c->scene.place_count > UINT32_MAX)
+		eco_stop(ECO_TOO_LARGE, "%s: %llu places, at most %u fit in a pack", w->path,
+			(unsigned long long)c->scene.place_count, UINT32_MAX);
+	eco_check(eco_scene_check(&c->scene, c->error));
+	write_file(w, &c->scene, c->meta_json);
+	publish(w);
 }
 
 enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene,
 	const char *meta_json, struct eco_error *error)
 {
-	struct eco_scene whole = *scene;
-	enum eco_code code = ECO_OK;
-	whole.lists = writer->lists;
-	whole.list_count = writer->list_count;
-	whole.chunks = writer->chunks;
-	whole.chunk_count = writer->chunk_count;
-	if (whole.place_count > UINT32_MAX)
-		code = eco_fail(error, ECO_TOO_LARGE, "%s: %llu places, at most %u fit in a pack",
-			writer->path, (unsigned long long)whole.place_count, UINT32_MAX);
-	code = code ? code : eco_scene_check(&whole, error);
-	code = code ? code : write_file(writer, &whole, meta_json, error);
-	code = code ? code : publish(writer, error);
+	struct commit c = { writer, *scene, meta_json, error };
+	enum eco_code code = eco_try(commit, &c, error);
 	eco_pack_abort(writer);
 	return code;
 }

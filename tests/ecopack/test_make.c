@@ -390,9 +390,8 @@ static void verify_says(const struct eco_bytes *levels, uint32_t count, uint32_t
 	struct eco_error error = { 0 };
 	char line[256], wanted[64];
 	bool found = false;
-	uint32_t id;
 	assert_ok(small_pack_write(&b, in_root("hurt.eco"), &w, &error), error);
-	assert_ok(eco_pack_add_bytes(w, &list, levels, count, &id, &error), error);
+	uint32_t id = eco_pack_add_bytes(w, &list, levels, count);
 	b.scene.needs |= ECO_NEED_IMPOSTORS;
 	assert_ok(eco_pack_commit(w, &b.scene, SMALL_PACK_META, &error), error);
 	scene_free(&b);

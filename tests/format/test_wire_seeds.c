@@ -10,7 +10,7 @@
 #define FOLDER "tests/fuzz/corpus/stream"
 #define SEEDS 3u
 
-/* Kinds of seeds: see fuzz_stream in tests/fuzz. */
+/* A seed has what follows, and of streams the portion that they come in, less 1: see fuzz_stream in tests/fuzz. */
 enum kind { STREAM, FRAMES, PLAN };
 
 /* Frames without hashes: type, two bytes of length, payload. */

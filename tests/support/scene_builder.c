@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 #include "lod/build/ground_tree.h"
@@ -296,33 +297,38 @@ void scene_add_files(struct scene_builder *b, uint32_t list, const struct eco_by
 		put_chunk(b, list, copy_of(files[i].at, files[i].size), files[i].size, 1, 1);
 }
 
-enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta,
-	struct eco_pack_writer **keep, struct eco_error *error)
+struct writing { struct scene_builder *builder; struct eco_pack_writer *writer; };
+
+static void write_lists(void *ctx)
 {
-	struct eco_pack_writer *w;
-	enum eco_code code = eco_pack_create(&w, path, error);
-	if (code)
-		return code;
-	for (uint32_t id = 0, stored; id < b->scene.list_count && !code; id++) {
+	struct writing *writing = ctx;
+	struct scene_builder *b = writing->builder;
+	for (uint32_t id = 0; id < b->scene.list_count; id++) {
 		const struct eco_list *list = &b->lists[id];
 		struct scene_ends ends = ends_of(b, id);
 		if (list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
-			code = eco_pack_add_bytes(w, list, levels_of(b, id), b->texture_levels, &stored,
-				error);
+			eco_pack_add_bytes(writing->writer, list, levels_of(b, id), b->texture_levels);
 		else if (list->kind == ECO_LIST_IMPOSTOR || list->kind == ECO_LIST_GROUND_IMAGE
 				|| list->kind == ECO_LIST_INVENTORY)
-			code = eco_pack_add_bytes(w, list, ends.files, ends.count, &stored, error);
+			eco_pack_add_bytes(writing->writer, list, ends.files, ends.count);
 		else
-			code = eco_pack_add_list(w, list, &b->elements[id], ends.ends, ends.count,
-				list->coder == ECO_CODER_FORM ? &b->elements[list->partner] : NULL, &stored,
-				error);
+			eco_pack_add_list(writing->writer, list, &b->elements[id], ends.ends, ends.count,
+				list->coder == ECO_CODER_FORM ? &b->elements[list->partner] : NULL);
 	}
+}
+
+enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta,
+	struct eco_pack_writer **keep, struct eco_error *error)
+{
+	struct writing writing = { b, NULL };
+	enum eco_code code = eco_pack_create(&writing.writer, path, error);
+	code = code ? code : eco_try(write_lists, &writing, error);
 	if (code)
-		eco_pack_abort(w);
+		eco_pack_abort(writing.writer);
 	else if (keep)
-		*keep = w;
+		*keep = writing.writer;
 	else
-		code = eco_pack_commit(w, &b->scene, meta, error);
+		code = eco_pack_commit(writing.writer, &b->scene, meta, error);
 	return code;
 }
 
