@@ -37,11 +37,13 @@ static _Thread_local struct trial { jmp_buf back; struct eco_error *error; } *tr
 
 enum eco_code eco_try(void (*steps)(void *ctx), void *ctx, struct eco_error *error)
 {
-	struct trial own = { .error = error }, *const outer = trial;
+	static _Thread_local struct eco_error unsaid;
+	struct trial own = { .error = error ? error : &unsaid }, *const outer = trial;
+	unsaid.code = ECO_OK;
 	trial = &own;
 	if (setjmp(own.back)) {
 		trial = outer;
-		return error->code;
+		return own.error->code;
 	}
 	steps(ctx);
 	trial = outer;
