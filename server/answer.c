@@ -20,7 +20,7 @@
 #define LARGE_BYTES (128u << 10)         /* chunks of so many are sent from their file */
 #define IMMUTABLE "max-age=31536000, immutable"
 
-static void add_header(struct srv_answer *answer, const char *name, const char *value)
+void srv_answer_add(struct srv_answer *answer, const char *name, const char *value)
 {
 	if (answer->response && value && MHD_add_response_header(answer->response, name, value) != MHD_YES)
 		/* an answer without a header it needs would be a wrong answer */
@@ -32,40 +32,35 @@ static void add_validators(struct srv_answer *answer, const struct srv_validator
 {
 	char date[SRV_DATE_BYTES] = "";
 	if (!validators->etag[0]) {
-		add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+		srv_answer_add(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
 		return;
 	}
-	add_header(answer, MHD_HTTP_HEADER_ETAG, validators->etag);
+	srv_answer_add(answer, MHD_HTTP_HEADER_ETAG, validators->etag);
 	if (validators->modified_s)
 		srv_date_format(date, validators->modified_s);
-	add_header(answer, MHD_HTTP_HEADER_LAST_MODIFIED, date[0] ? date : NULL);
+	srv_answer_add(answer, MHD_HTTP_HEADER_LAST_MODIFIED, date[0] ? date : NULL);
 	char text[80];
 	snprintf(text, sizeof text, "private, %s", cache_control);
-	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, validators->is_private ? text : cache_control);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CACHE_CONTROL, validators->is_private ? text : cache_control);
 }
 
 /* Headers of a plan, a stream or a description. */
 static void add_head(struct srv_answer *answer, const char *type, const struct srv_validators *validators,
 	const char *timing)
 {
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
 	add_validators(answer, validators, "no-cache");
-	add_header(answer, "Server-Timing", timing);
-}
-
-void srv_answer_add(struct srv_answer *answer, const char *name, const char *value)
-{
-	add_header(answer, name, value);
+	srv_answer_add(answer, "Server-Timing", timing);
 }
 
 void srv_answer_allow_origin(struct srv_answer *answer, const char *origin, bool varies)
 {
 	if (varies)
-		add_header(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ORIGIN);
+		srv_answer_add(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ORIGIN);
 	if (!origin)
 		return;
-	add_header(answer, "Access-Control-Allow-Origin", origin);
-	add_header(answer, "Access-Control-Expose-Headers", "ETag, Server-Timing, X-Request-Id, Retry-After, "
+	srv_answer_add(answer, "Access-Control-Allow-Origin", origin);
+	srv_answer_add(answer, "Access-Control-Expose-Headers", "ETag, Server-Timing, X-Request-Id, Retry-After, "
 		"Content-Range");
 }
 
@@ -74,7 +69,7 @@ static void answer_bytes(struct srv_answer *answer, unsigned status, const void 
 {
 	*answer = (struct srv_answer){ .status = status, .size_bytes = size,
 		.response = MHD_create_response_from_buffer(size, (void *)bytes, MHD_RESPMEM_PERSISTENT) };
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
 }
 
 /* Takes json->out, without what its buffer has left. */
@@ -90,7 +85,7 @@ static void answer_text(struct srv_answer *answer, unsigned status, struct srv_j
 	if (answer->response)
 		json->out = (struct eco_writer){ 0 };
 	eco_writer_free(&json->out);
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
 }
 
 void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_details *details)
@@ -98,14 +93,14 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 	struct srv_json json = { 0 };
 	srv_problem_write(&json, details->problem, details->detail, details->instance);
 	answer_text(answer, srv_problem_rows[details->problem].status, &json, "application/problem+json");
-	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
-	add_header(answer, MHD_HTTP_HEADER_ALLOW, details->allow);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+	srv_answer_add(answer, MHD_HTTP_HEADER_ALLOW, details->allow);
 	if (answer->status == MHD_HTTP_SERVICE_UNAVAILABLE)
-		add_header(answer, MHD_HTTP_HEADER_RETRY_AFTER, "1");
+		srv_answer_add(answer, MHD_HTTP_HEADER_RETRY_AFTER, "1");
 	if (answer->status == MHD_HTTP_UNAUTHORIZED)
-		add_header(answer, MHD_HTTP_HEADER_WWW_AUTHENTICATE, "Bearer");
+		srv_answer_add(answer, MHD_HTTP_HEADER_WWW_AUTHENTICATE, "Bearer");
 	if (details->close)
-		add_header(answer, MHD_HTTP_HEADER_CONNECTION, "close");
+		srv_answer_add(answer, MHD_HTTP_HEADER_CONNECTION, "close");
 }
 
 void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const struct srv_validators *validators)
@@ -119,17 +114,17 @@ void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text)
 	struct srv_json as_is = { .out = *text };
 	*text = (struct eco_writer){ 0 };
 	answer_text(answer, MHD_HTTP_OK, &as_is, "text/plain; version=0.0.4; charset=utf-8");
-	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+	srv_answer_add(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
 }
 
 void srv_answer_options(struct srv_answer *answer, const char *allow)
 {
 	answer_bytes(answer, MHD_HTTP_NO_CONTENT, "", 0, NULL);
-	add_header(answer, MHD_HTTP_HEADER_ALLOW, allow);
-	add_header(answer, "Access-Control-Allow-Methods", allow);
-	add_header(answer, "Access-Control-Allow-Headers",
+	srv_answer_add(answer, MHD_HTTP_HEADER_ALLOW, allow);
+	srv_answer_add(answer, "Access-Control-Allow-Methods", allow);
+	srv_answer_add(answer, "Access-Control-Allow-Headers",
 		"Authorization, Content-Type, If-None-Match, Range");
-	add_header(answer, "Access-Control-Max-Age", "600");
+	srv_answer_add(answer, "Access-Control-Max-Age", "600");
 }
 
 static ssize_t read_nothing(void *ctx, uint64_t position, char *block, size_t room)
@@ -186,26 +181,26 @@ void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file
 	char policy[sizeof SITE_POLICY + SRV_FRAMES_BYTES];
 	snprintf(policy, sizeof policy, SITE_POLICY "%s", frames);
 	answer_bytes(answer, MHD_HTTP_OK, file->forms[form].bytes, file->forms[form].size, file->type);
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_ENCODING, srv_form_names[form]);
-	add_header(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ACCEPT_ENCODING);
-	add_header(answer, "Content-Security-Policy", policy);
-	add_header(answer, "X-Content-Type-Options", "nosniff");
+	srv_answer_add(answer, MHD_HTTP_HEADER_CONTENT_ENCODING, srv_form_names[form]);
+	srv_answer_add(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ACCEPT_ENCODING);
+	srv_answer_add(answer, "Content-Security-Policy", policy);
+	srv_answer_add(answer, "X-Content-Type-Options", "nosniff");
 	add_validators(answer, validators, immutable ? "public, " IMMUTABLE : "no-cache");
 }
 
 void srv_answer_no_page(struct srv_answer *answer, const char *html)
 {
 	answer_bytes(answer, MHD_HTTP_NOT_FOUND, html, strlen(html), "text/html; charset=utf-8");
-	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
-	add_header(answer, "Content-Security-Policy",
+	srv_answer_add(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+	srv_answer_add(answer, "Content-Security-Policy",
 		"default-src 'none'; base-uri 'none'; form-action 'none'");
 }
 
 void srv_answer_elsewhere(struct srv_answer *answer, const char *location)
 {
 	answer_bytes(answer, MHD_HTTP_TEMPORARY_REDIRECT, "", 0, NULL);
-	add_header(answer, MHD_HTTP_HEADER_LOCATION, location);
-	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-cache");
+	srv_answer_add(answer, MHD_HTTP_HEADER_LOCATION, location);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-cache");
 }
 
 /* ---- Streams ---- */
@@ -301,8 +296,8 @@ struct srv_kept_body *srv_kept_body_copy(const struct srv_piece *pieces, uint32_
 void srv_answer_no_stream(struct srv_answer *answer, const char *timing)
 {
 	answer_bytes(answer, MHD_HTTP_NO_CONTENT, "", 0, NULL);
-	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
-	add_header(answer, "Server-Timing", timing);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+	srv_answer_add(answer, "Server-Timing", timing);
 }
 
 /* ---- Chunks ---- */
@@ -353,12 +348,12 @@ static void answer_range(struct srv_answer *answer, const struct srv_scene *scen
 	if (!answer_file_part(answer, scene, scene->pack->scene.chunks[chunk].offset + range->first, part))
 		answer_bytes(answer, 0, bytes + range->first, part, NULL);
 	answer->status = range->kind == SRV_RANGE_PART ? MHD_HTTP_PARTIAL_CONTENT : MHD_HTTP_OK;
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
-	add_header(answer, MHD_HTTP_HEADER_ACCEPT_RANGES, "bytes");
+	srv_answer_add(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
+	srv_answer_add(answer, MHD_HTTP_HEADER_ACCEPT_RANGES, "bytes");
 	add_validators(answer, validators, validators->is_private ? IMMUTABLE : "public, " IMMUTABLE);
 	snprintf(text, sizeof text, "bytes %llu-%llu/%zu", (unsigned long long)range->first,
 		(unsigned long long)range->end - 1, size);
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, range->kind == SRV_RANGE_PART ? text : NULL);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CONTENT_RANGE, range->kind == SRV_RANGE_PART ? text : NULL);
 }
 
 static void answer_outside(struct srv_answer *answer, size_t size, const char *instance)
@@ -368,7 +363,7 @@ static void answer_outside(struct srv_answer *answer, size_t size, const char *i
 	srv_answer_problem(answer, &(struct srv_problem_details){ .problem = SRV_PROBLEM_RANGE,
 		.detail = text, .instance = instance });
 	snprintf(text, sizeof text, "bytes */%zu", size);
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
+	srv_answer_add(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
 }
 
 void srv_answer_chunk(struct srv_answer *answer, const struct srv_scene *scene, uint32_t chunk,

@@ -5,7 +5,7 @@
 
 #include "server/request/condition.h"
 #include "server/plan_cache.h"
-#include "server/request/problem.h"
+#include "server/request/json.h"
 #include "server/site.h"
 #include "server/stream.h"
 

@@ -16,7 +16,7 @@
 #include "server/access.h"
 #include "server/exchange.h"
 #include "server/log.h"
-#include "server/typical.h"
+#include "server/stream.h"
 
 #define CHORES_MAX 4             /* that wait */
 /* The reaper counts connections; the library only has to be able to. */

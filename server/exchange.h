@@ -4,9 +4,8 @@
  *   -> answered directly, or handed to a work thread while the connection is suspended -> answered when
  *   resumed -> free
  *
- * exchange.c receives and sends, exchange_plan.c makes plans and streams, exchange_direct.c the other
- * answers. The polling thread owns an exchange, except between srv_work_submit and MHD_resume_connection,
- * when the work thread does. */
+ * exchange.c receives and sends, exchange_answer.c makes answers. The polling thread owns an exchange, except
+ * between srv_work_submit and MHD_resume_connection, when the work thread does. */
 #ifndef SRV_EXCHANGE_H
 #define SRV_EXCHANGE_H
 
@@ -18,7 +17,7 @@
 #include "server/request/query.h"
 #include "server/reaper.h"
 #include "server/reload.h"
-#include "server/request/route.h"
+#include "server/request/target.h"
 #include "server/work.h"
 
 struct MHD_Connection;

@@ -13,7 +13,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/status.h"
-#include "server/request/route.h"
+#include "server/request/target.h"
 
 enum srv_log_form { SRV_LOG_TEXT, SRV_LOG_JSON };
 

@@ -19,7 +19,7 @@
 #include "server/log.h"
 #include "server/sandbox.h"
 #include "server/site.h"
-#include "server/typical.h"
+#include "server/stream.h"
 
 #define ENVIRONMENT "ECOSERVE_"
 #define NAMES_SHOWN 8u

@@ -46,7 +46,7 @@ struct srv_scene {
 	json_t *meta;                            /* of the pack; an object if it has none */
 	struct lod_plan_tables *tables;
 	struct srv_outlook outlook;
-	_Atomic(uint64_t) typical_work;          /* of a plan (typical.h); 0: not found yet */
+	_Atomic(uint64_t) typical_work;          /* of a plan (stream.h); 0: not found yet */
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
 };

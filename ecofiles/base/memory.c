@@ -33,7 +33,7 @@ _Noreturn void eco_end(const char *why)
 	_exit(1);
 }
 
-static _Thread_local struct trial { jmp_buf back; struct eco_error *error; } *trial;
+static _Thread_local struct trial { jmp_buf back; struct eco_error *error; volatile enum eco_code code; } *trial;
 
 enum eco_code eco_try(void (*steps)(void *ctx), void *ctx, struct eco_error *error)
 {
@@ -41,13 +41,10 @@ enum eco_code eco_try(void (*steps)(void *ctx), void *ctx, struct eco_error *err
 	struct trial own = { .error = error ? error : &unsaid }, *const outer = trial;
 	unsaid.code = ECO_OK;
 	trial = &own;
-	if (setjmp(own.back)) {
-		trial = outer;
-		return own.error->code;
-	}
-	steps(ctx);
+	if (!setjmp(own.back))
+		steps(ctx);
 	trial = outer;
-	return ECO_OK;
+	return own.code;
 }
 
 void eco_stop(enum eco_code code, const char *format, ...)
@@ -57,14 +54,16 @@ void eco_stop(enum eco_code code, const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
-	eco_fail(trial->error, code, "%s", text);
-	longjmp(trial->back, 1);
+	eco_check(eco_fail(trial->error, code, "%s", text));
+	abort();
 }
 
 void eco_check(enum eco_code code)
 {
-	if (code)
-		longjmp(trial->back, 1);
+	if (!code)
+		return;
+	trial->code = code;
+	longjmp(trial->back, 1);
 }
 
 static void *given(void *memory)

@@ -2,7 +2,6 @@
 #include "ecofiles/ecopack/cache.h"
 
 #include <dirent.h>
-#include <elf.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <link.h>
@@ -210,30 +209,15 @@ void main_cache_close(struct main_cache *cache)
 
 /* ---- Keys: of the program ---- */
 
-/* Hashes a library's build id, as results may change with the library. One without an id counts by its
- * name, which has a version. */
+/* Results may change with a library: its name, size and time stand for it. */
 static int add_library(struct dl_phdr_info *info, size_t size, void *ctx)
 {
+	struct stat status = { .st_size = 0 };
 	(void)size;
-	bool found = false;
-	for (int i = 0; i < info->dlpi_phnum; i++) {
-		const ElfW(Phdr) *header = &info->dlpi_phdr[i];
-		if (header->p_type != PT_NOTE)
-			continue;
-		struct eco_reader r = { (const uint8_t *)info->dlpi_addr + header->p_vaddr, header->p_memsz,
-			0, false };
-		while (!r.failed && r.at < r.size) {
-			uint32_t name = eco_read_u32(&r), length = eco_read_u32(&r), type = eco_read_u32(&r);
-			eco_read_bytes(&r, (name + 3) & ~3u);
-			const uint8_t *note = eco_read_bytes(&r, (length + 3) & ~3u);
-			if (note && type == NT_GNU_BUILD_ID && name == 4) {
-				XXH3_128bits_update(ctx, note, length);
-				found = true;
-			}
-		}
-	}
-	if (!found)
-		XXH3_128bits_update(ctx, info->dlpi_name, strlen(info->dlpi_name) + 1);
+	stat(info->dlpi_name, &status);
+	const int64_t is[] = { status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec };
+	XXH3_128bits_update(ctx, info->dlpi_name, strlen(info->dlpi_name) + 1);
+	XXH3_128bits_update(ctx, is, sizeof is);
 	return 0;
 }
 

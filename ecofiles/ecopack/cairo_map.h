@@ -1,8 +1,5 @@
-/* Inside ecocairo.so, which draws the map of `ecopack map`:
- *
- *   the picture and its legend                                cairo_map.c
- *   the ground, contour lines, plants                         cairo_land.c
- *   shapes and texts on a canvas of cairo                     cairo_canvas.c
+/* Inside ecocairo.so, which draws the map of `ecopack map`: the picture and its legend (cairo_map.c); the ground, contour
+ * lines and plants, and shapes and texts on a canvas of cairo (cairo_land.c).
  *
  * Texts are the same everywhere: DejaVu Sans, without hinting, smoothed in gray. */
 #ifndef ECO_CAIRO_MAP_H

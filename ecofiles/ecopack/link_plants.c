@@ -41,20 +41,15 @@ static struct range colors_of(const struct eco_scene *s, uint32_t plant)
 	return range.first < range.end ? range : (struct range){ range.end, range.end };
 }
 
-static uint32_t since(uint32_t index, uint32_t first) { return index == ECO_NONE ? ECO_NONE : index - first; }
-
 static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32_t plant,
 	const struct eco_ladder *ladder, uint32_t list_first)
 {
 	struct eco_ladder l = *ladder;
-	l.plant = 0;
+	uint32_t *const lists[] = { &l.points, &l.lines, &l.simple, &l.impostor, &l.triangles };
+	for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+		*lists[i] -= *lists[i] == ECO_NONE ? 0 : list_first;
+	l.plant = l.curve_first = 0;
 	l.anchor -= s->plants[plant].anchor_first;
-	l.points = since(l.points, list_first);
-	l.lines = since(l.lines, list_first);
-	l.simple = since(l.simple, list_first);
-	l.impostor = since(l.impostor, list_first);
-	l.triangles = since(l.triangles, list_first);
-	l.curve_first = 0;
 	eco_record_write(w, ECO_SECTION_LADDERS, &l);
 	for (uint32_t i = 0; i < eco_ladder_samples(ladder); i++)
 		eco_record_write(w, ECO_SECTION_CURVES, &s->curves[ladder->curve_first + i]);
@@ -68,7 +63,7 @@ static void write_list(struct eco_writer *w, const struct link_part *part, const
 	l.owner = 0;
 	l.palette_first -= l.palette_count ? color_first : 0;
 	l.image = l.image == ECO_NONE ? ECO_NONE : part->list_of[l.image];
-	l.partner = since(l.partner, list_first);
+	l.partner -= l.partner == ECO_NONE ? 0 : list_first;
 	l.chunk_first = 0;
 	eco_record_write(w, ECO_SECTION_LISTS, &l);
 	for (uint32_t i = list->chunk_first; i < list->chunk_first + list->chunk_count; i++)

@@ -4,13 +4,13 @@
  *   ground      eco_ground_import, rounded to the pack's grid, cut into tiles                make_ground.c
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure     make_plants.c
  *               or taken from the cache of finished plants                                        cache.c
- *   textures    those that plants share, once                                                make_textures.c
+ *   textures    those that plants share, once                                                  make_plants.c
  *   places      instances and inventories, put on the ground, scaled to their heights        make_places.c
- *   tiles       lod_tiles_build; instance lists, tables, point summaries       make_tiles.c, make_summaries.c
- *   image       rasters of colours or classes, cut into tiles                                 make_image.c
+ *   tiles       lod_tiles_build; instance lists, tables, point summaries                          make_tiles.c
+ *   image       rasters of colours or classes, cut into tiles                                 make_ground.c
  *   inventory   which row of which inventory each plant is, and of which species
  *                                                                                        make_inventory.c
- *   commit      tables, META, rename                                                         make_meta.c
+ *   commit      tables, META, rename                                                         make_inventory.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */
 #ifndef ECO_MAIN_MAKE_H
@@ -111,7 +111,7 @@ struct make {
 	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
 	struct make_array stands;
 	struct make_inventory *inventory;        /* make_inventory.c; NULL before the first place */
-	struct make_species *stood_species;      /* make_species.c; the same */
+	struct make_species *stood_species;      /* the same */
 	/* the scene's tables as they grow */
 	struct make_array anchors, ladders, curves, tiles, groups, children, lists, palette;
 	struct make_array places;    /* of ECO_PLACE_BYTES */

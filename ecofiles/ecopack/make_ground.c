@@ -3,15 +3,15 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "ecofiles/base/angle16.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/places/size_units.h"
 #include "lod/build/ground_tree.h"
 #include "lod/build/summary.h"
-#include "lod/eye.h"
+#include "lod/build/texture.h"
 #include "lod/ground_choice.h"
 
 /* Steps of heights that are not whole are a centimetre, or a part of the relief where that is less; but no finer
@@ -201,14 +201,6 @@ struct feet {
 	uint64_t apart;              /* plants from one that is taken to the next */
 };
 
-static void take(struct feet *f, const struct lod_place *file, const double at[3])
-{
-	double *to = f->at[f->count++];
-	to[0] = file->at[0] + file->scale * (file->cosine * at[0] - file->sine * at[1]);
-	to[1] = file->at[1] + file->scale * (file->sine * at[0] + file->cosine * at[1]);
-	to[2] = file->at[2] + file->scale * at[2];
-}
-
 /* The first plant that is taken among those from number `first` on. */
 static uint64_t taken_from(const struct feet *f, uint64_t first)
 {
@@ -216,7 +208,7 @@ static uint64_t taken_from(const struct feet *f, uint64_t first)
 	return over ? f->apart - over : 0;
 }
 
-static void take_group(struct feet *f, const struct eco_group *group, const struct lod_place *file,
+static void take_group(struct feet *f, const struct eco_group *group, const struct eco_placement *file,
 	uint64_t first)
 {
 	const struct eco_list *list = &f->scene->lists[group->list];
@@ -225,28 +217,12 @@ static void take_group(struct feet *f, const struct eco_group *group, const stru
 		double at[3];
 		for (int k = 0; k < 3; k++)
 			at[k] = list->grid_origin[k] + list->grid_step[k] * p.position[k];
-		take(f, file, at);
+		eco_placement_point(file, at, f->at[f->count++]);
 	}
 }
 
-static struct lod_place placed(const struct lod_place *file, const struct eco_child *child)
-{
-	struct lod_place inner = *file;
-	double sine, cosine;
-	if (!child->placed)
-		return inner;
-	eco_angle16_sincos(child->turn, &sine, &cosine);
-	inner.at[0] += file->scale * (file->cosine * child->at[0] - file->sine * child->at[1]);
-	inner.at[1] += file->scale * (file->sine * child->at[0] + file->cosine * child->at[1]);
-	inner.at[2] += file->scale * child->at[2];
-	inner.sine = file->sine * cosine + file->cosine * sine;
-	inner.cosine = file->cosine * cosine - file->sine * sine;
-	inner.scale *= (double)child->scale;
-	return inner;
-}
-
 /* first: the number of plants before the tile's. */
-static void take_tile(struct feet *f, uint32_t id, const struct lod_place *file, uint64_t first)
+static void take_tile(struct feet *f, uint32_t id, const struct eco_placement *file, uint64_t first)
 {
 	const struct eco_scene *s = f->scene;
 	const struct eco_tile *tile = &s->tiles[id];
@@ -257,9 +233,10 @@ static void take_tile(struct feet *f, uint32_t id, const struct lod_place *file,
 		first += s->groups[g].count;
 	}
 	for (uint32_t c = tile->child_first; c < tile->child_first + tile->child_count; c++) {
-		struct lod_place inner = placed(file, &s->children[c]);
-		take_tile(f, s->children[c].tile, &inner, first);
-		first += s->tiles[s->children[c].tile].instance_count;
+		const struct eco_child *child = &s->children[c];
+		struct eco_placement inner = child->placed ? eco_placement_inside(file, child) : *file;
+		take_tile(f, child->tile, &inner, first);
+		first += s->tiles[child->tile].instance_count;
 	}
 }
 
@@ -290,7 +267,7 @@ void make_ground_through(struct make *m)
 		return;
 	main_progress("laying ground through the plants", NULL, 0);
 	f.at = eco_alloc(root->instance_count / f.apart + 1, sizeof *f.at);
-	take_tile(&f, m->scene.root, &(struct lod_place){ .cosine = 1, .scale = 1 }, 0);
+	take_tile(&f, m->scene.root, &(struct eco_placement){ .scale = 1 }, 0);
 	struct eco_ground_feet feet = { .at = (const double (*)[3])f.at, .count = f.count,
 		.low = { root->low[0], root->low[1] }, .high = { root->high[0], root->high[1] } };
 	eco_ground_through(&m->ground, &feet);
@@ -299,4 +276,180 @@ void make_ground_through(struct make *m)
 	m->ground_through = true;
 	free(f.at);
 	make_ground_pack(m);
+}
+
+/* ---- The image ---- */
+
+/* The image of the ground: squares come from its reader depth first, and become tiles. Those that are split
+ * are made of their quarters, so that no pixel is read twice. Encoding takes longest, and is done for a batch
+ * of tiles at a time; lists are numbered coarse to fine, as they are sent. */
+
+#define BATCH 64u                        /* tiles whose texels wait to be encoded */
+
+struct tile {
+	struct eco_list list;
+	uint32_t children[4];        /* in image.tiles; 0: none */
+	struct eco_writer levels[ECO_GROUND_IMAGE_LEVELS];
+};
+
+struct waiting { uint32_t tile; uint8_t *rgba; };
+
+struct image {
+	struct make *m;
+	struct eco_ground_image_reader *reader;
+	struct tile *tiles;          uint32_t count, capacity;
+	struct waiting waiting[BATCH]; uint32_t waiting_count;
+	uint32_t encoded;
+};
+
+static struct eco_ground_image_options options_of(const struct make *m)
+{
+	const struct eco_source *source = &m->sources.items[0];
+	return (struct eco_ground_image_options){ .source = &source->ground_image, .scene_crs = source->crs,
+		.origin = { source->origin[0], source->origin[1], source->origin[2] }, .low = { 1, 1 } };
+}
+
+/* Warns later, when it is known where plants stand. */
+void make_image_look(struct make *m)
+{
+	const struct eco_ground_image_options options = options_of(m);
+	if (options.source->file_count)
+		eco_check(eco_ground_image_look(&options, m->error));
+}
+
+/* ---- Encoding ---- */
+
+static void drop(void *result)
+{
+	struct eco_writer *levels = result;
+	for (uint32_t i = 0; i < ECO_GROUND_IMAGE_LEVELS; i++)
+		eco_writer_free(&levels[i]);
+}
+
+static enum eco_code encode(void *ctx, uint64_t i, void *result, struct eco_error *error)
+{
+	return lod_image_levels(result, ((const struct image *)ctx)->waiting[i].rgba, error);
+}
+
+static enum eco_code keep(void *ctx, uint64_t i, void *result, struct eco_error *error)
+{
+	struct image *image = ctx;
+	struct tile *tile = &image->tiles[image->waiting[i].tile];
+	(void)error;
+	if (image->encoded++ % 16 == 0)
+		main_progress("packing the ground's image", NULL, 0);
+	memcpy(tile->levels, result, sizeof tile->levels);
+	memset(result, 0, sizeof tile->levels);
+	return ECO_OK;
+}
+
+static void encode_waiting(struct image *image)
+{
+	eco_check(main_jobs_run(&(struct main_jobs){ .count = image->waiting_count,
+		.threads = make_threads(image->m), .result_size = sizeof image->tiles->levels, .work = encode,
+		.take = keep, .drop = drop, .ctx = image }, image->m->error));
+	for (uint32_t i = 0; i < image->waiting_count; i++)
+		free(image->waiting[i].rgba);
+	image->waiting_count = 0;
+}
+
+/* Takes a copy of the texels. */
+static void wait_for(struct image *image, uint32_t tile, const uint8_t *rgba)
+{
+	uint8_t *copy = eco_alloc(1, ECO_GROUND_IMAGE_BYTES);
+	memcpy(copy, rgba, ECO_GROUND_IMAGE_BYTES);
+	image->waiting[image->waiting_count++] = (struct waiting){ tile, copy };
+	if (image->waiting_count == BATCH)
+		encode_waiting(image);
+}
+
+/* ---- The tree ---- */
+
+static uint32_t read_tile(struct image *image, const struct eco_list *list, uint8_t *rgba);
+
+static void read_quarters(struct image *image, uint32_t id, uint8_t *rgba)
+{
+	uint8_t *room = eco_alloc(4, ECO_GROUND_IMAGE_BYTES);
+	const uint8_t *quarters[4];
+	for (uint32_t q = 0; q < 4; q++) {
+		struct eco_list list = image->tiles[id].list;
+		eco_ground_image_quarter(&list, q);
+		quarters[q] = room + (size_t)q * ECO_GROUND_IMAGE_BYTES;
+		uint32_t child = read_tile(image, &list, room + (size_t)q * ECO_GROUND_IMAGE_BYTES);
+		image->tiles[id].children[q] = child;
+	}
+	lod_image_join(rgba, quarters);
+	free(room);
+}
+
+/* The next square, and what it is split into; returns its number. The root's place comes with it. */
+static uint32_t read_tile(struct image *image, const struct eco_list *list, uint8_t *rgba)
+{
+	struct eco_ground_image_tile square = { .rgba = rgba };
+	eco_check(eco_ground_image_next(image->reader, &square, image->m->error));
+	eco_grow(&image->tiles, &image->capacity, image->count, sizeof *image->tiles);
+	uint32_t id = image->count++;
+	image->tiles[id] = (struct tile){ .list = *list };
+	if (!id) {
+		struct eco_list *root = &image->tiles[0].list;
+		memcpy(root->grid_origin, square.low, sizeof square.low);
+		root->grid_step[0] = root->grid_step[1] = square.texel_m;
+	}
+	if (square.split)
+		read_quarters(image, id, rgba);
+	wait_for(image, id, rgba);
+	return id;
+}
+
+/* Level by level, as the pack wants them. */
+static void pack_tiles(struct image *image)
+{
+	struct make *m = image->m;
+	uint32_t *order = eco_alloc(image->count, sizeof *order), end = 1;
+	m->ground_images = eco_alloc(image->count, sizeof *m->ground_images);
+	for (uint32_t i = 0; i < image->count; i++) {
+		struct tile *tile = &image->tiles[order[i]];
+		m->ground_images[i].list = make_add_levels(m, &tile->list, tile->levels, ECO_GROUND_IMAGE_LEVELS);
+		m->ground_images[i].child_first = tile->children[0] ? end : 0;
+		for (uint32_t q = 0; q < 4 && tile->children[0]; q++)
+			order[end++] = tile->children[q];
+	}
+	free(order);
+	m->scene.ground_images = m->ground_images;
+	m->scene.ground_image_count = image->count;
+}
+
+static void read_all(void *image)
+{
+	const struct eco_list root = { .kind = ECO_LIST_GROUND_IMAGE, .coder = ECO_CODER_BYTES,
+		.owner = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+	uint8_t *rgba = eco_alloc(1, ECO_GROUND_IMAGE_BYTES);
+	read_tile(image, &root, rgba);
+	free(rgba);
+}
+
+void make_image(struct make *m)
+{
+	struct image image = { .m = m };
+	struct eco_ground_image_options options = options_of(m);
+	const struct eco_tile *root = &m->scene.tiles[m->scene.root];
+	if (!options.source->file_count || !m->has_ground)
+		return;
+	main_progress("reading the ground's image", NULL, 0);
+	memcpy(options.low, root->low, sizeof options.low);
+	memcpy(options.high, root->high, sizeof options.high);
+	options.warn = main_note_text;
+	struct eco_error missed = { .code = ECO_OK }, *error = m->error;
+	eco_check(eco_ground_image_open(&image.reader, &options, m->error));
+	m->error = &missed;              /* what the child says comes first */
+	enum eco_code code = eco_try(read_all, &image, &missed);
+	m->error = error;
+	eco_check(eco_ground_image_close(image.reader, m->error));
+	if (code)
+		eco_stop(code, "%s", missed.text);
+	encode_waiting(&image);
+	pack_tiles(&image);
+	for (uint32_t i = 0; i < image.count; i++)
+		drop(image.tiles[i].levels);
+	free(image.tiles);
 }

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/texture.h"
 #include "ecofiles/ecopack/run.h"
@@ -122,7 +123,7 @@ struct work {
 	bool stop;
 };
 
-struct job { struct work *work; uint32_t plant; double from, to; };
+struct job { struct work *work; uint32_t plant; double from, to; struct eco_error error; };
 
 /* Usual shares of a plant's time. */
 #define IMPORTED 0.08
@@ -148,20 +149,16 @@ static bool tell(void *ctx, double share)
 	return go;
 }
 
-static enum eco_code keep_textures(struct make_plant *plant, const struct eco_model *model,
-	struct eco_error *error)
+static void keep_textures(struct make_plant *plant, const struct eco_model *model, struct eco_error *error)
 {
 	plant->textures = eco_alloc(plant->built.image_count, sizeof *plant->textures);
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		uint32_t id = plant->built.images[i];
-		enum eco_code code = lod_texture_make(&plant->textures[i], model, id, error);
-		if (code)
-			return code;
+		eco_check(lod_texture_make(&plant->textures[i], model, id, error));
 		for (uint32_t k = 0; k < model->material_count; k++)
 			plant->cutout = plant->cutout
 				|| (model->materials[k].image == id && model->materials[k].cutout);
 	}
-	return ECO_OK;
 }
 
 /* Bounds of the stored plant: distance from the axis, and heights. Splats stand around these, and may lie a
@@ -214,7 +211,7 @@ static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t
 }
 
 /* Builds and measures a plant, or takes it from the cache. */
-static enum eco_code build_or_recall(struct job *job, const struct eco_model *model, struct eco_error *error)
+static void build_or_recall(struct job *job, const struct eco_model *model)
 {
 	struct make *m = job->work->m;
 	struct make_plant *plant = &m->plants[job->plant];
@@ -225,18 +222,16 @@ static enum eco_code build_or_recall(struct job *job, const struct eco_model *mo
 	main_times_stage(MAIN_STAGE_CACHE);
 	bool cached = m->cache.folder[0] && main_cache_key(&key, model, &options);
 	if (cached && main_cache_get_plant(&m->cache, &key, model, plant->name, &plant->built))
-		return ECO_OK;
+		return;
 	job->from = IMPORTED;
 	job->to = BUILT;
-	enum eco_code code = lod_plant_build(&plant->built, model, &options, error);
+	eco_check(lod_plant_build(&plant->built, model, &options, &job->error));
 	job->from = BUILT;
 	job->to = 1;
-	if (!code)
-		code = lod_plant_measure(&plant->built, model, &options, error);
+	eco_check(lod_plant_measure(&plant->built, model, &options, &job->error));
 	main_times_stage(MAIN_STAGE_CACHE);
-	if (!code && cached)
+	if (cached)
 		main_cache_put_plant(&m->cache, &key, &plant->built);
-	return code;
 }
 
 static enum eco_code import_model(struct make_plant *plant, struct eco_model *model, struct eco_error *error)
@@ -250,8 +245,9 @@ static enum eco_code import_model(struct make_plant *plant, struct eco_model *mo
 
 #define DRAFT_TEXELS 512u                /* of a side of a draft's texture */
 
-static enum eco_code build_plant(struct job *job, struct eco_error *error)
+static void build_plant(void *ctx)
 {
+	struct job *job = ctx;
 	struct make_plant *plant = &job->work->m->plants[job->plant];
 	struct eco_model model = { 0 };
 	job->from = 0;
@@ -259,11 +255,10 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	tell(job, 0);
 	pthread_mutex_lock(&job->work->libraries);
 	main_times_stage(MAIN_STAGE_MODELS);
-	enum eco_code code = import_model(plant, &model, error);
+	enum eco_code code = import_model(plant, &model, &job->error);
 	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
-	if (code)
-		return code;
+	eco_check(code);
 	plant->triangles_in = model.triangles_in;
 	memcpy(plant->dropped, model.dropped, sizeof plant->dropped);
 	memcpy(plant->foot, model.foot, sizeof plant->foot);
@@ -272,23 +267,18 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	/* a draft is built of the texels that it keeps */
 	for (uint32_t i = 0; i < model.image_count && job->work->m->options->draft; i++)
 		lod_texture_shrink(&model.images[i], DRAFT_TEXELS);
-	code = build_or_recall(job, &model, error);
-	main_times_stage(MAIN_STAGE_NONE);
+	build_or_recall(job, &model);
 	main_times_stage(MAIN_STAGE_TEXTURES);
-	if (!code)
-		code = keep_textures(plant, &model, error);
+	keep_textures(plant, &model, &job->error);
 	main_times_stage(MAIN_STAGE_NONE);
-	if (!code)
-		measure_body(plant);
+	measure_body(plant);
 	eco_model_free(&model);
-	return code;
 }
 
 static void *work_on(void *ctx)
 {
 	struct work *work = ctx;
 	for (;;) {
-		struct eco_error error = { 0 };
 		pthread_mutex_lock(&work->lock);
 		struct job job = { .work = work, .plant = work->next };
 		bool more = !work->stop && work->next < work->m->plant_count;
@@ -297,7 +287,7 @@ static void *work_on(void *ctx)
 		pthread_mutex_unlock(&work->lock);
 		if (!more)
 			return NULL;
-		enum eco_code code = build_plant(&job, &error);
+		enum eco_code code = eco_try(build_plant, &job, &job.error);
 		pthread_mutex_lock(&work->lock);
 		work->done++;
 		work->share[job.plant] = 1;
@@ -306,7 +296,7 @@ static void *work_on(void *ctx)
 			work->stop = true;
 			if (job.plant < work->failed) {
 				work->failed = job.plant;
-				work->error = error;
+				work->error = job.error;
 			}
 		}
 		pthread_mutex_unlock(&work->lock);
@@ -433,4 +423,85 @@ void make_plants_free(struct make *m)
 	for (uint32_t s = 0; m->plant_of && s < m->sources.count; s++)
 		free(m->plant_of[s]);
 	free(m->plant_of);
+}
+
+/* ---- Textures ---- */
+
+/* Textures of a pack, shared by its plants. */
+
+/* All levels that both have are alike. */
+static bool same_image(const struct make_texture *a, const struct make_texture *b)
+{
+	size_t size = (a->count < b->count ? a->count : b->count) * sizeof *a->colors;
+	return a->outlined == b->outlined && memcmp(a->colors, b->colors, size) == 0
+		&& (!a->outlined || memcmp(a->outlines, b->outlines, size) == 0);
+}
+
+uint32_t make_share_texture(struct make *m, const struct make_texture *texture)
+{
+	struct make_texture *all = m->textures.items;
+	uint32_t at = 0;
+	while (at < m->textures.count && !same_image(&all[at], texture))
+		at++;
+	if (at == m->textures.count) {
+		make_add(&m->textures, texture, 1, sizeof *texture);
+		return at;
+	}
+	const struct make_texture *fine = texture->count > all[at].count ? texture : &all[at],
+		*other = fine == texture ? &all[at] : texture;
+	/* what a texel of the finer one's last level covers where the other is seen */
+	float area = ldexpf(other->texel_area, 2 * ((int)other->count - (int)fine->count));
+	struct make_texture both = *fine;
+	both.texel_area = fmaxf(fine->texel_area, area);
+	all[at] = both;
+	return at;
+}
+
+static struct make_texture describe(struct lod_texture *texture)
+{
+	struct make_texture t = { .count = texture->count, .outlined = texture->outlines,
+		.texel_area = texture->texel_area, .from = texture };
+	for (uint32_t k = 0; k < t.count; k++) {
+		t.colors[k] = eco_chunk_hash(texture->colors[k].bytes, texture->colors[k].size);
+		if (t.outlined)
+			t.outlines[k] = eco_chunk_hash(texture->outlines[k].bytes, texture->outlines[k].size);
+	}
+	return t;
+}
+
+/* Finds each plant's textures among the shared ones. */
+static void find(struct make *m)
+{
+	for (uint32_t p = 0; p < m->plant_count; p++) {
+		struct make_plant *plant = &m->plants[p];
+		plant->images = eco_alloc(plant->built.image_count, sizeof *plant->images);
+		for (uint32_t i = 0; i < plant->built.image_count; i++) {
+			struct make_texture texture = describe(&plant->textures[i]);
+			plant->images[i] = make_share_texture(m, &texture);
+		}
+	}
+}
+
+static void pack(struct make *m, struct make_texture *shared)
+{
+	const struct lod_texture *texture = shared->from;
+	struct eco_list list = { .kind = ECO_LIST_OUTLINE, .coder = ECO_CODER_BYTES, .owner = ECO_NONE,
+		.image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
+		.unit_area = shared->texel_area, .level = texture->loss };
+	if (texture->outlines)
+		list.image = make_add_levels(m, &list, texture->outlines, texture->count);
+	list.kind = ECO_LIST_IMAGE;
+	list.level = 0;
+	shared->list = make_add_levels(m, &list, texture->colors, texture->count);
+}
+
+void make_textures(struct make *m)
+{
+	find(m);
+	struct make_texture *all = m->textures.items;
+	for (uint32_t i = 0; i < m->textures.count; i++)
+		pack(m, &all[i]);
+	for (uint32_t p = 0; p < m->plant_count; p++)
+		for (uint32_t i = 0; i < m->plants[p].built.image_count; i++)
+			m->plants[p].images[i] = all[m->plants[p].images[i]].list;
 }

@@ -130,24 +130,26 @@ static void paint(const struct picture *p, const struct eco_list *list)
 	}
 }
 
-static enum eco_code read_square(const struct picture *p, struct eco_list list, bool is_root)
+static void read_square(const struct picture *p, struct eco_list list, bool is_root)
 {
 	struct eco_ground_image_tile tile = { .rgba = p->square };
-	enum eco_code code = eco_ground_image_next(p->reader, &tile, p->m->error);
-	if (code)
-		return code;
+	eco_check(eco_ground_image_next(p->reader, &tile, p->m->error));
 	if (is_root) {
 		memcpy(list.grid_origin, tile.low, sizeof tile.low);
 		list.grid_step[0] = list.grid_step[1] = tile.texel_m;
 	}
-	for (uint32_t q = 0; q < 4 && tile.split && !code; q++) {
+	for (uint32_t q = 0; q < 4 && tile.split; q++) {
 		struct eco_list quarter = list;
 		eco_ground_image_quarter(&quarter, q);
-		code = read_square(p, quarter, false);
+		read_square(p, quarter, false);
 	}
-	if (!tile.split && !code)
+	if (!tile.split)
 		paint(p, &list);
-	return code;
+}
+
+static void read_squares(void *picture)
+{
+	read_square(picture, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, true);
 }
 
 static void read_image(struct map *m)
@@ -169,7 +171,7 @@ static void read_image(struct map *m)
 	m->image = p.rgba;
 	eco_check(eco_ground_image_open(&p.reader, &options, error));
 	m->error = &missed;              /* what the child says comes first */
-	enum eco_code code = read_square(&p, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, true);
+	enum eco_code code = eco_try(read_squares, &p, &missed);
 	m->error = error;
 	eco_check(eco_ground_image_close(p.reader, error));
 	if (code)

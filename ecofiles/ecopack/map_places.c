@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/angle16.h"
+#include "ecofiles/format/plan.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/places/areas.h"
 #include "ecofiles/ecopack/run.h"
@@ -232,33 +234,22 @@ static void add_scattered(struct map *m, uint32_t source, const struct eco_scatt
 
 /* ---- Nested files ---- */
 
-struct turned { double at[2], sine, cosine, scale; };
-
-static struct turned turn_of(const struct turned *parent, const struct eco_source_child *child)
+static struct eco_placement inside(const struct eco_placement *outer, const struct eco_source_child *child)
 {
-	double yaw = child->yaw_deg * (M_PI / 180), c = cos(yaw), s = sin(yaw);
-	return (struct turned){
-		{ parent->at[0]
-		+ parent->scale * (parent->cosine * child->at[0] - parent->sine * child->at[1]),
-		parent->at[1]
-		+ parent->scale * (parent->sine * child->at[0] + parent->cosine * child->at[1]) },
-		parent->sine * c + parent->cosine * s, parent->cosine * c - parent->sine * s,
-		parent->scale * child->scale };
+	const struct eco_child like = { .at = { child->at[0], child->at[1], child->at[2] },
+		.turn = eco_angle16_from_deg(child->yaw_deg), .scale = (float)child->scale };
+	return eco_placement_inside(outer, &like);
 }
 
-static void put(const struct turned *t, double x, double y, double out[2])
-{
-	out[0] = t->at[0] + t->scale * (t->cosine * x - t->sine * y);
-	out[1] = t->at[1] + t->scale * (t->sine * x + t->cosine * y);
-}
+static const struct eco_placement as_is = { .scale = 1 };
 
-static const struct turned as_is = { .cosine = 1, .scale = 1 };
-
-static void corners_of(const struct turned *t, const struct map_bounds *b, double corners[8])
+static void corners_of(const struct eco_placement *t, const struct map_bounds *b, double corners[8])
 {
-	for (int i = 0; i < 4; i++)
-		put(t, i == 0 || i == 3 ? b->low[0] : b->high[0], i < 2 ? b->low[1] : b->high[1],
-			corners + 2 * i);
+	for (int i = 0; i < 4; i++) {
+		double at[3] = { i == 0 || i == 3 ? b->low[0] : b->high[0], i < 2 ? b->low[1] : b->high[1], 0 };
+		eco_placement_point(t, at, at);
+		memcpy(corners + 2 * i, at, 2 * sizeof *at);
+	}
 }
 
 static void sum_up(struct map *m, uint32_t source)
@@ -271,7 +262,7 @@ static void sum_up(struct map *m, uint32_t source)
 		map_extend(b, m->own[source].items[i].x, m->own[source].items[i].y);
 	for (uint32_t i = 0; i < s->child_count; i++) {
 		const struct map_bounds *nested = &m->bounds[s->children[i].source];
-		struct turned t = turn_of(&as_is, &s->children[i]);
+		struct eco_placement t = inside(&as_is, &s->children[i]);
 		double corners[8];
 		corners_of(&t, nested, corners);
 		for (int k = 0; k < 4 && !map_is_empty(nested); k++)
@@ -305,7 +296,7 @@ static void count_kinds(struct map *m)
 	free(times);
 }
 
-static void add_bounds(struct map *m, uint32_t source, const struct turned *t)
+static void add_bounds(struct map *m, uint32_t source, const struct eco_placement *t)
 {
 	if (m->outline_count == OUTLINES_MAX || map_is_empty(&m->bounds[source]))
 		return;
@@ -316,20 +307,20 @@ static void add_bounds(struct map *m, uint32_t source, const struct turned *t)
 }
 
 /* Draws the files that `source` nests, and their plants if there is room for all. */
-static void expand(struct map *m, uint32_t source, const struct turned *t, bool plants, uint32_t depth)
+static void expand(struct map *m, uint32_t source, const struct eco_placement *t, bool plants, uint32_t depth)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	for (uint64_t i = 0; i < m->own[source].count && plants && depth; i++) {
 		struct map_point point = m->own[source].items[i];
-		double at[2];
-		put(t, (double)point.x, (double)point.y, at);
+		double at[3] = { (double)point.x, (double)point.y, 0 };
+		eco_placement_point(t, at, at);
 		point.x = (float)at[0];
 		point.y = (float)at[1];
 		point.height_m *= (float)t->scale;
 		add_point(&m->points, &point);
 	}
 	for (uint32_t i = 0; i < s->child_count; i++) {
-		struct turned nested = turn_of(t, &s->children[i]);
+		struct eco_placement nested = inside(t, &s->children[i]);
 		if (depth == 0)
 			add_bounds(m, s->children[i].source, &nested);
 		if (plants)

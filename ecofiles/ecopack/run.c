@@ -1,5 +1,6 @@
 /* One line, redrawn at most ten times a second. Without a terminal: lines at least four seconds apart,
  * none equal to the one before. */
+#include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
 
 #include <inttypes.h>
@@ -331,5 +332,20 @@ enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *erro
 		free(r.done);
 		free(r.results);
 	}
+	return code;
+}
+
+/* ---- Options of all commands ---- */
+
+bool main_is_quiet;
+
+const struct eco_option main_common[] = {
+	{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &main_is_quiet, .help = "neither progress nor notes, only "
+		"errors" }, { 0 } };
+
+enum eco_code main_read(const struct main_command *command, int argc, char **argv, struct eco_error *error)
+{
+	enum eco_code code = eco_command_read(&command->line, argc, argv, error);
+	main_progress_quiet(main_is_quiet);
 	return code;
 }

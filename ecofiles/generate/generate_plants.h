@@ -123,7 +123,7 @@ struct gen_frond {
 };
 void gen_frond(struct gen_mesh *mesh, const struct gen_frond *frond, struct gen_random *random);
 
-/* ---- Textures (generate_texture.c) ---- */
+/* ---- Textures (generate_mesh.c) ---- */
 
 void gen_texture_write(const char *folder, const char *name, struct eco_error *error);
 

@@ -20,7 +20,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "server/request/problem.h"
+#include "server/request/json.h"
 
 #define SRV_HEAD_BYTES_MAX 8192u
 #define SRV_HEADERS_MAX 100u

@@ -16,7 +16,7 @@
  *   requests [--seed S] [--only NUMBER] [--times N] COUNT PACK...
  *
  * COUNT requests, shared among the packs. --times: a plan may take N times the work of an ordinary one of the
- * scene (server/typical.h); default: any work.
+ * scene (server/stream.h); default: any work.
  *
  * Prints a JSON object for each pack and describes the first violations. Exit 1 if there was one. */
 #include <getopt.h>
@@ -30,7 +30,7 @@
 #include "client-min/view_query.h"
 #include "client-min/view_select.h"
 #include "lod/plan/planner.h"
-#include "server/typical.h"
+#include "server/stream.h"
 #include "tests/support/serve/random_request.h"
 
 enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, UNDRAWN, NOT_SAME, FALLS, UNUSED, WHOLE, SENSELESS,
@@ -415,7 +415,7 @@ static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, const
 	run.came = calloc(run.scene->pack->scene.list_count + 1u, sizeof *run.came);
 	if (!run.came)
 		random_stop(path, &(struct eco_error){ .text = "no memory" });
-	run.work_max *= run.work_max ? srv_typical_work(scenes.scenes[0]) : 0;
+	run.work_max *= run.work_max ? srv_typical_find(scenes.scenes[0], NULL) : 0;
 	for (uint64_t i = 0; i < count; i++) {
 		if (i % CLIENT_EVERY == 0)
 			new_client(&run);

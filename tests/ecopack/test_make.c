@@ -453,39 +453,6 @@ UNIT_TEST(test_damaged_impostors_are_named)
 	free(levels[1].at);
 }
 
-UNIT_TEST(test_info_counts_impostors)
-{
-	write_slope();
-	struct eco_pack *pack = made("slope.json", "info.eco");
-	const struct eco_scene *s = &pack->scene;
-	uint32_t lists = 0, levels = 0;
-	for (uint32_t i = 0; i < s->list_count; i++)
-		if (s->lists[i].kind == ECO_LIST_IMPOSTOR) {
-			lists++;
-			levels += s->lists[i].chunk_count;
-		}
-	assert_int_equal(lists, s->plant_count);
-	assert_true(s->needs & ECO_NEED_IMPOSTORS);
-	eco_pack_close(pack);
-	FILE *out = tmpfile();
-	assert_int_equal(inspect_info(in_root("info.eco"), true, out, NULL), ECO_OK);
-	rewind(out);
-	json_t *info = json_loadf(out, 0, NULL), *need;
-	json_t *kind = json_object_get(json_object_get(info, "lists"), "impostors");
-	assert_int_equal(json_integer_value(json_object_get(kind, "lists")), lists);
-	assert_int_equal(json_integer_value(json_object_get(kind, "chunks")), levels);
-	assert_int_equal(json_integer_value(json_object_get(kind, "primitives")), levels);
-	assert_true(json_integer_value(json_object_get(kind, "bytes")) > 0);
-	assert_true(fabs(json_real_value(json_object_get(kind, "bits_each")) * levels
-		- 8.0 * (double)json_integer_value(json_object_get(kind, "bytes"))) < 1e-3);
-	size_t i, needed = 0;
-	json_array_foreach(json_object_get(info, "needs"), i, need)
-		needed += strcmp(json_string_value(need), "impostors") == 0;
-	assert_int_equal(needed, 1);
-	json_decref(info);
-	fclose(out);
-}
-
 static int prepare(void **state)
 {
 	scratch_open("make");

@@ -1,6 +1,5 @@
-/* More vertices look no worse, each plant alone with 1, 2, 4, ... vertices: a generated tree of cards, and
- * fields of blades. Nor does one kind of list alone look better than what the planner
- * chooses among all. */
+/* More vertices look no worse, each plant alone with 1, 2, 4, ... vertices: a generated tree of cards
+ * and fields of blades. Nor does one kind of list alone look better than what the planner chooses among all. */
 #include <math.h>
 #include <stdio.h>
 

@@ -19,9 +19,8 @@
 #include "ecofiles/scene/scene.h"
 #include "server/request/condition.h"
 #include "server/request/framing.h"
-#include "server/request/problem.h"
 #include "server/request/query.h"
-#include "server/request/route.h"
+#include "server/request/target.h"
 #include "tests/fuzz/fuzz.h"
 
 /* A head that passed: whole lines, none of which begins with a space, a colon or nothing. */

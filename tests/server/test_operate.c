@@ -7,7 +7,7 @@
 #include "server/access.h"
 #include "server/log.h"
 #include "server/reload.h"
-#include "server/typical.h"
+#include "server/stream.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/pack_resign.h"

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "server/describe.h"
-#include "server/request/problem.h"
+#include "server/request/json.h"
 #include "tests/support/files.h"
 #include "tests/support/serve/serve_daemon.h"
 

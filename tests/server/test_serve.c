@@ -4,8 +4,8 @@
 #include <ctype.h>
 
 #include "ecofiles/format/wire.h"
-#include "server/request/problem.h"
-#include "server/request/route.h"
+#include "server/request/json.h"
+#include "server/request/target.h"
 #include "tests/support/files.h"
 
 UNIT_TEST(health_and_scenes_are_described)

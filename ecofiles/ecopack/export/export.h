@@ -3,7 +3,7 @@
  * Its chunks, each named by its id, or 3D Tiles 1.1 (export.c):
  *
  *   export_plant(&x, number)   a plant in up to three levels: plants/N-L.bin           export_plant.c
- *   export_mesh_compress(...)  its triangles, for EXT_meshopt_compression              export_compress.c
+ *   export_mesh_compress(...)  its triangles, for EXT_meshopt_compression                 export_plant.c
  *   export_instances(...)      where a tile's plants stand: tiles/T.bin                export_content.c
  *   export_level, export_summary, export_ground     contents of tiles: .gltf           export_content.c
  *   export_ground_image(...)   what lies on a tile of ground: tiles/ground-T.png       export_image.c

@@ -21,52 +21,45 @@
 
 /* ---- Textures ---- */
 
-static enum eco_code last_payload(const struct plant_view *p, const struct eco_list *list,
-	const uint8_t **bytes, size_t *size, struct eco_error *error)
+static void last_payload(const struct plant_view *p, const struct eco_list *list, const uint8_t **bytes,
+	size_t *size, struct eco_error *error)
 {
-	return eco_pack_payload(p->pack, list->chunk_first + list->chunk_count - 1, bytes, size, error);
+	eco_check(eco_pack_payload(p->pack, list->chunk_first + list->chunk_count - 1, bytes, size, error));
 }
 
 /* Its finest level. */
-static enum eco_code decode_picture(const struct plant_view *p, struct plant_view_list *to,
-	struct eco_error *error)
+static void decode_picture(const struct plant_view *p, struct plant_view_list *to, struct eco_error *error)
 {
 	const struct eco_list *cut = to->image == ECO_NONE ? NULL : &p->pack->scene.lists[to->image];
 	struct eco_texture_part colors = { 0 }, outline = { 0 };
 	const uint8_t *bytes;
 	size_t size;
-	enum eco_code code = last_payload(p, to->list, &bytes, &size, error);
-	if (!code)
-		code = eco_texture_read_colors(&colors, bytes, size, error);
-	if (!code && cut)
-		code = last_payload(p, cut, &bytes, &size, error);
-	if (!code && cut)
-		code = eco_texture_read_outline(&outline, bytes, size, error);
-	if (!code)
-		code = eco_texture_show(&to->picture, &colors, cut ? &outline : NULL, error);
-	for (size_t i = 0; !code && i < (size_t)to->picture.width * to->picture.height; i++)
+	last_payload(p, to->list, &bytes, &size, error);
+	eco_check(eco_texture_read_colors(&colors, bytes, size, error));
+	if (cut) {
+		last_payload(p, cut, &bytes, &size, error);
+		eco_check(eco_texture_read_outline(&outline, bytes, size, error));
+	}
+	eco_check(eco_texture_show(&to->picture, &colors, cut ? &outline : NULL, error));
+	for (size_t i = 0; i < (size_t)to->picture.width * to->picture.height; i++)
 		to->cutout = to->cutout || to->picture.rgba[4 * i + 3] < 128;
 	eco_texture_part_free(&colors);
 	eco_texture_part_free(&outline);
-	return code;
 }
 
 /* ---- Lists ---- */
 
-static enum eco_code decode_impostor(struct plant_view_list *to, uint32_t chunk, const uint8_t *bytes,
-	size_t size, struct eco_error *error)
+static void decode_impostor(struct plant_view_list *to, uint32_t chunk, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	struct eco_impostor_body body;
 	struct eco_impostor_level level;
-	enum eco_code code = eco_impostor_level_read(&level, &body, bytes, size, error);
-	if (code)
-		return code;
-	code = lod_impostor_open(&to->impostors[chunk], &body, &level, error);
+	eco_check(eco_impostor_level_read(&level, &body, bytes, size, error));
+	eco_check(lod_impostor_open(&to->impostors[chunk], &body, &level, error));
 	eco_impostor_level_free(&level);
-	return code;
 }
 
-static enum eco_code decode_list(struct plant_view *p, uint32_t id, struct eco_error *error)
+static void decode_list(struct plant_view *p, uint32_t id, struct eco_error *error)
 {
 	const struct eco_scene *s = &p->pack->scene;
 	const struct eco_list *list = &s->lists[id];
@@ -76,42 +69,39 @@ static enum eco_code decode_list(struct plant_view *p, uint32_t id, struct eco_e
 		.chunks = eco_alloc(list->chunk_count, sizeof *to->chunks),
 		.impostors = list->kind == ECO_LIST_IMPOSTOR
 			? eco_alloc(list->chunk_count, sizeof *to->impostors) : NULL };
-	if (list->kind == ECO_LIST_IMAGE)
-		return list->chunk_count ? decode_picture(p, to, error) : ECO_OK;
-	enum eco_code code = ECO_OK;
-	for (uint32_t c = 0; c < list->chunk_count && !code; c++) {
+	if (list->kind == ECO_LIST_IMAGE && list->chunk_count)
+		decode_picture(p, to, error);
+	for (uint32_t c = 0; c < list->chunk_count && list->kind != ECO_LIST_IMAGE; c++) {
 		const struct eco_chunk *chunk = &s->chunks[list->chunk_first + c];
 		const uint8_t *bytes;
 		size_t size;
-		code = eco_pack_payload(p->pack, list->chunk_first + c, &bytes, &size, error);
-		if (!code)
-			code = to->impostors ? decode_impostor(to, c, bytes, size, error)
-				: eco_chunk_decode(list, chunk, c, bytes, size, &to->chunks[c], error);
-		to->chunk_count += !code;
+		eco_check(eco_pack_payload(p->pack, list->chunk_first + c, &bytes, &size, error));
+		if (to->impostors)
+			decode_impostor(to, c, bytes, size, error);
+		else
+			eco_check(eco_chunk_decode(list, chunk, c, bytes, size, &to->chunks[c], error));
+		to->chunk_count++;
 	}
-	return code;
 }
 
-static enum eco_code decode_lists(struct plant_view *p, struct eco_error *error)
+static void decode_lists(struct plant_view *p, struct eco_error *error)
 {
 	const struct eco_scene *s = &p->pack->scene;
 	const struct eco_plant *plant = &s->plants[p->number];
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = plant->ladder_first; i < plant->ladder_first + plant->ladder_count && !code; i++) {
+	for (uint32_t i = plant->ladder_first; i < plant->ladder_first + plant->ladder_count; i++) {
 		const struct eco_ladder *ladder = &s->ladders[i];
 		const uint32_t ids[] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles,
 			ladder->impostor };
-		for (int k = 0; k < 5 && !code; k++) {
+		for (int k = 0; k < 5; k++) {
 			if (ids[k] == ECO_NONE || p->lists[ids[k]].list)
 				continue;
-			code = decode_list(p, ids[k], error);
+			decode_list(p, ids[k], error);
 			p->lists[ids[k]].organ = ladder->organ;
 			uint32_t image = s->lists[ids[k]].image;
-			if (!code && image != ECO_NONE && !p->lists[image].list)
-				code = decode_list(p, image, error);
+			if (image != ECO_NONE && !p->lists[image].list)
+				decode_list(p, image, error);
 		}
 	}
-	return code;
 }
 
 /* ---- A scene of one plant ---- */
@@ -189,7 +179,7 @@ static void fit_view(struct plant_view *p, const struct plant_view_drawing *all,
 }
 
 /* Draws full detail, first into a view around the plant's sphere, then into one that just holds it. */
-static enum eco_code look(struct plant_view *p, uint32_t pixels, struct eco_error *error)
+static void look(struct plant_view *p, uint32_t pixels, struct eco_error *error)
 {
 	const struct eco_anchor *whole = &p->scene.anchors[p->scene.plants[p->number].anchor_first];
 	double target[3] = { whole->center[0], whole->center[1], whole->center[2] },
@@ -197,15 +187,12 @@ static enum eco_code look(struct plant_view *p, uint32_t pixels, struct eco_erro
 	struct plant_view_drawing all;
 	p->view = (struct eco_view){ .eye = { target[0], target[1] - away, target[2] + DOWN * away } };
 	set_view(p, target, 1.2 / AWAY_RADII, pixels);
-	enum eco_code code = plant_view_drawing_make(&all, p, ECO_VERTICES_MAX, error);
-	if (code)
-		return code;
+	eco_check(plant_view_drawing_make(&all, p, ECO_VERTICES_MAX, error));
 	p->full = all.vertices;
 	fit_view(p, &all, target, away);
 	plant_view_raster(&p->raster, p, &p->eye, &all, false);
 	memcpy(p->reference, p->raster.cover, (size_t)pixels * pixels);
 	plant_view_drawing_free(&all);
-	return ECO_OK;
 }
 
 /* ---- The planner's cuts ---- */
@@ -343,6 +330,18 @@ double plant_view_q(struct plant_view *view, const struct plant_view_drawing *dr
 
 /* ---- The plant ---- */
 
+struct opening { struct plant_view *view; uint32_t pixels; struct eco_error *error; };
+
+static void open_view(void *ctx)
+{
+	const struct opening *o = ctx;
+	eco_check(lod_raster_init(&o->view->raster, &(struct lod_raster_options){ .width = o->pixels,
+		.height = o->pixels }, o->error));
+	decode_lists(o->view, o->error);
+	make_scene(o->view);
+	look(o->view, o->pixels, o->error);
+}
+
 enum eco_code plant_view_open(struct plant_view *view, const struct eco_pack *pack, uint32_t number,
 	uint32_t pixels, struct eco_error *error)
 {
@@ -351,13 +350,7 @@ enum eco_code plant_view_open(struct plant_view *view, const struct eco_pack *pa
 		.list_count = pack->scene.list_count,
 		.lists = eco_alloc(pack->scene.list_count, sizeof *view->lists),
 		.reference = eco_alloc(pixels, pixels) };
-	enum eco_code code = lod_raster_init(&view->raster,
-		&(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
-	if (!code)
-		code = decode_lists(view, error);
-	make_scene(view);
-	if (!code)
-		code = look(view, pixels, error);
+	enum eco_code code = eco_try(open_view, &(struct opening){ view, pixels, error }, error);
 	if (code)
 		plant_view_close(view);
 	return code;

@@ -1,13 +1,13 @@
 /* Inside `ecopack start`: from a table of trees and a folder of models to a scene that can be packed.
  *
  *   start_check_order(...)        which argument is which
- *   start_rasters(&start)         terrain and picture                                 start_rasters.c
+ *   start_rasters(&start)         terrain and picture                                 start_look.c
  *   start_look(&start)            the table: columns, units, CRS                      start_look.c
  *   start_models_find(&start)     the folder: which files are models                  start_models.c
  *   start_match(&start)           a model for each species                            start_match.c
  *   start_models_see(&start)      the chosen ones: their sizes
  *   start_scene(&start)           scene.json as text                                  start_scene.c
- *   start_write(&start)           scene.json, map.png, camera.json, all or nothing    start_write.c
+ *   start_write(&start)           scene.json, map.png, camera.json, all or nothing    start_scene.c
  *
  * Every guess is a line: what was taken, why, and what changes it. It is printed, and kept in the scene's
  * notes. */

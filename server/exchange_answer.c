@@ -1,0 +1,383 @@
+/* Answers: of the routes that need no plan, and of the others. */
+#include "ecofiles/format/wire.h"
+#include "server/exchange.h"
+
+#include <microhttpd.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/chunk/chunk.h"
+#include "server/access.h"
+#include "server/describe.h"
+#include "server/log.h"
+#include "server/stream.h"
+
+static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
+{
+	const struct srv_scene *scene = exchange->scene;
+	const struct srv_access *access = exchange->host->config.access;
+	struct srv_validators validators = { .modified_s = scene ? scene->modified_s : 0,
+		.is_private = scene ? srv_access_is_private(access, scene->name)
+		: access && access->token_count };
+	if (validated && !json->out.failed) {
+		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
+		srv_etag_of(validators.etag, &id);
+	}
+	srv_answer_json(&exchange->answer, json, &validators);
+	srv_exchange_judge(exchange, &validators);
+}
+
+static void answer_chunk(struct srv_exchange *exchange)
+{
+	struct eco_chunk_id id;
+	char path[SRV_TARGET_BYTES_MAX];
+	uint32_t chunk;
+	struct srv_scene *scene = srv_parse_id(exchange->variables[1], &id)
+		? srv_edition_chunk(exchange->edition, exchange->variables[0], &id, &chunk) : NULL;
+	if (scene) {
+		srv_answer_chunk(&exchange->answer, scene, chunk, &exchange->conditions, (struct srv_chunk_terms){
+			exchange->method == SRV_METHOD_GET, srv_access_is_private(exchange->host->config.access,
+			scene->name) }, srv_exchange_path(exchange, path));
+		return;
+	}
+	srv_exchange_problem(exchange, SRV_PROBLEM_CHUNK, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
+		"the hashes of their payloads", exchange->variables[0], exchange->variables[1]);
+}
+
+/* An error after a part was written replaces that part. */
+static void answer_plants(struct srv_exchange *exchange)
+{
+	struct srv_plants_query query;
+	struct srv_json json = { 0 };
+	struct eco_error error = { 0 };
+	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
+	uint32_t list = srv_plants_list(exchange->scene, exchange->variables[1]);
+	enum eco_code code = srv_plants_query_parse(&query, &exchange->target, &error);
+	if (!code && query.pack.given && memcmp(&query.pack.id, pack, sizeof *pack) != 0) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that "
+			"'pack' names, and its lists have other numbers: ask for the view again");
+		return;
+	}
+	if (!code && list == ECO_NONE) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, "scene '%s' has no list of plants '%.64s'",
+			exchange->variables[0], exchange->variables[1]);
+		return;
+	}
+	code = code ? code : srv_describe_plants(&json, exchange->scene, list, &query, &error);
+	if (!code) {
+		answer_described(exchange, true, &json);
+		return;
+	}
+	eco_writer_free(&json.out);
+	srv_exchange_problem(exchange, srv_problem_of(code), "%s", error.text);
+}
+
+static void answer_file(struct srv_exchange *exchange, const struct srv_site_file *file, bool immutable)
+{
+	enum srv_form form = srv_site_form(file, srv_exchange_header(exchange,
+		MHD_HTTP_HEADER_ACCEPT_ENCODING));
+	struct eco_chunk_id id = eco_chunk_hash(file->forms[form].bytes, file->forms[form].size);
+	struct srv_validators validators = { .modified_s = 0 };
+	srv_etag_of(validators.etag, &id);
+	const struct srv_access *access = exchange->host->config.access;
+	srv_answer_file(&exchange->answer, file, form, immutable, access ? access->frames : "", &validators);
+	srv_exchange_judge(exchange, &validators);
+}
+
+/* `version`: of an address that has one, else NULL: that leads to the one that has. */
+static void answer_viewer(struct srv_exchange *exchange, const char *version, const char *name)
+{
+	const struct srv_site *site = exchange->host->config.site;
+	const struct srv_site_file *file = site ? srv_site_find(site, name) : NULL;
+	bool page = exchange->route == &srv_routes[SRV_INDEX];
+	const char *folder = exchange->route == &srv_routes[SRV_ICON] ? "viewer/" : "";
+	char location[16 + SRV_SITE_VERSION_BYTES + SRV_SITE_NAME_BYTES];
+	if (!file && page) {
+		srv_answer_no_page(&exchange->answer, srv_site_missing);
+	} else if (!file) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, "%s", site && site->count
+			? "the viewer has no such file"
+			: "the viewer is not built: say `make web`, then start ecoserve again (or "
+			"with --viewer DIR); /v1/scenes lists the scenes");
+	} else if (version && strcmp(version, site->version) != 0) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
+			"the server has another version of the viewer: load the page again");
+	} else if (!page && strcmp(name, SRV_SITE_INDEX) == 0) {
+		/* its addresses are relative to where it is served */
+		srv_answer_elsewhere(&exchange->answer, version ? "../../" : "../");
+	} else if (page || version || !site->version[0]) {
+		answer_file(exchange, file, version);
+	} else {
+		snprintf(location, sizeof location, "%s%s/%s", folder, site->version, name);
+		srv_answer_elsewhere(&exchange->answer, location);
+	}
+}
+
+static void answer_ready(struct srv_exchange *exchange)
+{
+	struct srv_json json = { 0 };
+	const struct srv_gauges gauges = srv_host_gauges(exchange->host);
+	if (!gauges.ready) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
+			"no further plan can wait now; send requests to another server for a moment");
+		return;
+	}
+	srv_json_add(&json, "{status:%s bad_packs:%lu}", "ready", gauges.bad_packs);
+	answer_described(exchange, false, &json);
+}
+
+static void answer_metrics(struct srv_exchange *exchange)
+{
+	struct eco_writer text = { 0 };
+	const struct srv_gauges gauges = srv_host_gauges(exchange->host);
+	srv_metrics_write(&text, &exchange->host->metrics, &gauges);
+	srv_answer_metrics(&exchange->answer, &text);
+}
+
+/* Only scenes that the client may open are listed. */
+static bool may_see(const struct srv_scene *scene, const void *exchange)
+{
+	const struct srv_exchange *asks = exchange;
+	return srv_access_scene(asks->host->config.access, scene->name, asks->authorization);
+}
+
+void srv_exchange_reload(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	struct srv_reload report;
+	struct eco_error error = { 0 };
+	struct srv_json json = { 0 };
+	enum eco_code code = srv_host_reload(exchange->host, &report, &error);
+	if (code || report.bad) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_RELOAD, "%s", code ? error.text : report.why);
+		return;
+	}
+	srv_json_add(&json, "{opened:%u same:%u gone:%u}", report.opened, report.same, report.gone);
+	answer_described(exchange, false, &json);
+}
+
+void srv_exchange_answer_direct(struct srv_exchange *exchange)
+{
+	struct srv_most most;
+	struct srv_json json = { 0 };
+	struct eco_error error = { 0 };
+	if (exchange->route == &srv_routes[SRV_PLANTS]) {
+		answer_plants(exchange);
+		return;
+	}
+	if (srv_query_none(&exchange->target, &error)) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "%s", error.text);
+		return;
+	}
+	switch (exchange->route - srv_routes) {
+	case SRV_HEALTH:
+		srv_json_add(&json, "{status:%s scenes:%u}", "ok", exchange->edition->store.count);
+		answer_described(exchange, false, &json);
+		break;
+	case SRV_READY:
+		answer_ready(exchange);
+		break;
+	case SRV_METRICS:
+		answer_metrics(exchange);
+		break;
+	case SRV_SCENES:
+		srv_describe_scenes(&json, &exchange->edition->store, may_see, exchange);
+		answer_described(exchange, true, &json);
+		break;
+	case SRV_SCENE:
+		most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
+		srv_describe_scene(&json, exchange->scene, &most);
+		answer_described(exchange, true, &json);
+		break;
+	case SRV_SPECIES:
+		srv_describe_species(&json, exchange->scene);
+		answer_described(exchange, true, &json);
+		break;
+	case SRV_INDEX:
+		answer_viewer(exchange, NULL, SRV_SITE_INDEX);
+		break;
+	case SRV_ICON:
+		answer_viewer(exchange, NULL, SRV_SITE_ICON);
+		break;
+	case SRV_VIEWER:
+		answer_viewer(exchange, NULL, exchange->variables[0]);
+		break;
+	case SRV_VIEWER_FILE:
+		answer_viewer(exchange, exchange->variables[0], exchange->variables[1]);
+		break;
+	default:
+		answer_chunk(exchange);
+	}
+}
+
+/* ---- Plans and streams ---- */
+
+/* From the parameters to an answer, which a work thread makes or the cache has. */
+
+#define PLAN_TEXT_MAX (64u << 20)        /* or --answer-bytes, if that is less */
+
+static const char *type_of(const struct srv_exchange *exchange)
+{
+	return exchange->route == &srv_routes[SRV_PLAN] ? "application/json" : "application/octet-stream";
+}
+
+/* Answers that follow from other requests than GET and HEAD have no tag, and are not kept. */
+static void keep_answer(struct srv_exchange *exchange, unsigned status, uint64_t size_bytes,
+	struct srv_kept_body *body)
+{
+	if (exchange->validators.etag[0])
+		srv_plan_cache_put(exchange->host->plans, exchange->validators.etag,
+			&(struct srv_kept_answer){ status, size_bytes, body });
+}
+
+/* The plan as JSON, in one piece. */
+static enum eco_code describe(struct srv_exchange *exchange, const struct srv_stream *stream, struct srv_body
+	*body, struct eco_error *error)
+{
+	uint64_t most = exchange->host->config.response_max < PLAN_TEXT_MAX ?
+		exchange->host->config.response_max : PLAN_TEXT_MAX;
+	struct srv_json json = { .most = most, .cancelled = &exchange->cancelled };
+	srv_describe_plan(&json, stream);
+	enum eco_code code = srv_json_end(&json);
+	*body = (struct srv_body){ .frames = json.out, .size_bytes = json.out.size, .piece_count = 1 };
+	if (!code && !(body->pieces = malloc(sizeof *body->pieces)))
+		code = ECO_NO_MEMORY;
+	if (!code) {
+		body->pieces[0] = (struct srv_piece){ json.out.bytes, json.out.size };
+		return ECO_OK;
+	}
+	srv_body_free(body);
+	return code == ECO_TOO_LARGE ? eco_fail(error, code, "the plan has %u cuts, and its text more than %llu bytes; "
+		"ask for fewer vertices, or for the stream", stream->steps[stream->step_count -
+		1].plan.cut_count, (unsigned long long)most)
+		: eco_fail(error, code, "the plan could not be written; ask again in a moment");
+}
+
+static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t
+	begun_us, struct eco_error *error)
+{
+	uint64_t planned_us = srv_clock_us();
+	char timing[96];
+	struct srv_body body = { .size_bytes = 0 };
+	bool is_stream = exchange->route == &srv_routes[SRV_STREAM], fits = stream->fits || !is_stream;
+	enum eco_code code = !fits ? ECO_OK : is_stream ? srv_stream_write(stream, &body, error)
+		: describe(exchange, stream, &body, error);
+	if (code)
+		return code;
+	snprintf(timing, sizeof timing, "plan;dur=%.3f, build;dur=%.3f", (double)(planned_us - begun_us) /
+		1000.0, (double)(srv_clock_us() - planned_us) / 1000.0);
+	if (!fits) {
+		keep_answer(exchange, MHD_HTTP_NO_CONTENT, 0, NULL);
+		srv_answer_no_stream(&exchange->answer, timing);
+		return ECO_OK;
+	}
+	struct srv_kept_body *kept = exchange->validators.etag[0] ? srv_kept_body_copy(body.pieces,
+		body.piece_count, body.size_bytes) : NULL;
+	keep_answer(exchange, MHD_HTTP_OK, body.size_bytes, kept);
+	if (!kept) {
+		srv_answer_body(&exchange->answer, &body, type_of(exchange), &exchange->validators, timing);
+		return ECO_OK;
+	}
+	srv_answer_kept(&exchange->answer, kept, type_of(exchange), &exchange->validators, timing);
+	srv_kept_body_release(kept);
+	srv_body_free(&body);
+	return ECO_OK;
+}
+
+void srv_exchange_make_plan(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	struct srv_host *host = exchange->host;
+	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
+		.rule = exchange->query.rule, .explain = exchange->query.explain, .holdings =
+		&exchange->holdings, .body_max = host->config.response_max, .cancelled = &exchange->cancelled,
+		.work_max = host->config.plan_times * srv_typical_find(exchange->scene, NULL) };
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	uint64_t begun_us = srv_clock_us();
+	srv_trace_capture(host->config.slow_ms ? &exchange->trace : NULL);
+	enum eco_code code = srv_stream_plan(&stream, &input, &error);
+	srv_trace_capture(NULL);
+	if (!code) {
+		exchange->plan_work = stream.work;
+		exchange->cut_short = stream.cut_short;
+		code = answer_planned(exchange, &stream, begun_us, &error);
+		srv_stream_free(&stream);
+	}
+	exchange->plan_us = srv_clock_us() - begun_us + 1;
+	srv_count_plan(&host->metrics, exchange->plan_us, exchange->plan_work, exchange->cut_short);
+	srv_count(&host->metrics, SRV_COUNT_PLANS_CANCELLED, atomic_load(&exchange->cancelled));
+	if (code)
+		srv_exchange_problem(exchange, srv_problem_of(code), "%s", error.text);
+	else
+		srv_exchange_judge(exchange, &exchange->validators);
+}
+
+/* A tag takes the pack and the target alone: whether one is named is known without a plan. "*" names whatever
+ * there is, so that does need one, or an earlier answer to the same request. */
+static bool answer_unplanned(struct srv_exchange *exchange)
+{
+	const struct srv_most most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
+	struct srv_validators *validators = &exchange->validators;
+	const char *none_match = exchange->conditions.if_none_match;
+	struct srv_kept_answer kept = { .size_bytes = SRV_SIZE_UNKNOWN };
+	char path[SRV_TARGET_BYTES_MAX];
+	srv_etag_request(validators->etag, exchange->scene,
+		(const uint64_t[3]){ exchange->host->config.plan_times, most.vertices, most.bytes }, exchange->raw);
+	validators->modified_s = exchange->scene->modified_s;
+	validators->is_private = srv_access_is_private(exchange->host->config.access, exchange->scene->name);
+	bool known = srv_plan_cache_get(exchange->host->plans, validators->etag, &kept), answered = true;
+	enum srv_verdict verdict = srv_conditions_judge(&exchange->conditions, validators->etag, validators->modified_s);
+	if (verdict == SRV_VERDICT_FAILED)
+		srv_answer_failed_condition(&exchange->answer, srv_exchange_path(exchange, path));
+	else if (verdict == SRV_VERDICT_NOT_MODIFIED && !srv_etag_any(none_match))
+		srv_answer_head(&exchange->answer, MHD_HTTP_NOT_MODIFIED, kept.size_bytes, type_of(exchange), validators);
+	else if (known && kept.status == MHD_HTTP_NO_CONTENT)
+		srv_answer_no_stream(&exchange->answer, NULL);
+	else if (known && kept.body)
+		srv_answer_kept(&exchange->answer, kept.body, type_of(exchange), validators, NULL);
+	else if (known && exchange->method == SRV_METHOD_HEAD)
+		srv_answer_head(&exchange->answer, kept.status, kept.size_bytes, type_of(exchange), validators);
+	else
+		answered = false;
+	srv_kept_body_release(kept.body);
+	srv_count(&exchange->host->metrics, SRV_COUNT_KEPT, answered);
+	if (answered) {
+		srv_exchange_judge(exchange, validators);
+		srv_trace(SRV_TRACE_CACHE, "%s: answered without a plan: %s", exchange->scene->name, validators->etag);
+	}
+	return answered;
+}
+
+bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
+{
+	struct eco_error error = { 0 };
+	if (srv_query_parse(&exchange->query, &exchange->target, &error)) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "%s", error.text);
+		return false;
+	}
+	const struct srv_most most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
+	srv_caps_apply(&most, &exchange->query.request);
+	if (exchange->query.explain && exchange->route != &srv_routes[SRV_PLAN]) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER,
+			"parameter 'explain': a stream explains nothing; ask .../plan with the same parameters");
+		return false;
+	}
+	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
+	if (exchange->query.pack.given && memcmp(pack->bytes, exchange->query.pack.id.bytes, sizeof pack->bytes) != 0) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that "
+			"'pack' names: forget what was held of it and ask again without holdings");
+		return false;
+	}
+	if (exchange->method != SRV_METHOD_POST)
+		return !answer_unplanned(exchange);
+	enum eco_code code = eco_wire_read_holdings(exchange->body, exchange->body_size, &exchange->holdings,
+		&error);
+	if (!code)
+		code = srv_holdings_check(&exchange->scene->pack->scene, &exchange->holdings, &error);
+	if (code)
+		srv_exchange_problem(exchange, code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY :
+			SRV_PROBLEM_HOLDINGS, "%s", error.text);
+	return !code;
+}
