@@ -198,8 +198,9 @@ static enum eco_code draw_part(struct viewer *v, struct view_frame *part, struct
 	part->vertices = v->picture.vertices;
 	part->draw_ms = v->picture.draw_ms;
 	part->ceiling = v->options.reference ? v->ceiling : NAN;
-	return code || !v->options.reference ? code
-		: view_measure_pair(&v->picture, &v->reference, NULL, &part->measures, error);
+	if (!code && v->options.reference)
+		view_measure_pair(&v->picture, &v->reference, NULL, &part->measures);
+	return code;
 }
 
 /* A picture for each mark, the same again where nothing came since the one before: a film keeps its time. */
@@ -324,13 +325,11 @@ static enum eco_code draw_reference(struct viewer *v, const struct eco_request *
 
 static enum eco_code score_frame(struct viewer *v, struct view_frame *f, struct eco_error *error)
 {
-	enum eco_code code = view_measure_pair(&v->picture, &v->reference, v->error_map, &f->measures, error);
-	if (code)
-		return code;
+	view_measure_pair(&v->picture, &v->reference, v->error_map, &f->measures);
 	if (v->options.tint == VIEW_TINT_KIND)   /* colours that stand for something else */
 		f->measures.picture_error = NAN;
 	f->ceiling = v->ceiling;
-	code = save_masks(v, f->frame, error);
+	enum eco_code code = save_masks(v, f->frame, error);
 	return code ? code : save_comparison(v, f, error);
 }
 

@@ -12,6 +12,7 @@
 
 #include "client-min/draw/view_mesh.h"
 #include "client-min/draw/view_picture.h"
+#include "ecofiles/base/memory.h"
 #include "lod/raster/flip.h"
 
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
@@ -312,21 +313,20 @@ static enum eco_code scene_make(struct scene *scene, const struct view_reference
 	*scene = (struct scene){ .job = job, .plan = view_store_plan(job->store) };
 	if (!scene->plan)
 		scene->plan = &nothing;
-	scene->meshes = calloc((size_t)s->cut_count + 1, sizeof *scene->meshes);
-	scene->items = calloc((size_t)s->cut_count + 1, sizeof *scene->items);
-	scene->order = malloc(((size_t)s->instance_count + 1) * sizeof *scene->order);
-	if (!scene->meshes || !scene->items || !scene->order)
-		return eco_no_memory(error, "the reference");
+	scene->meshes = eco_alloc(s->cut_count, sizeof *scene->meshes);
+	scene->items = eco_alloc((size_t)s->cut_count + 1, sizeof *scene->items);
+	scene->order = eco_alloc(s->instance_count, sizeof *scene->order);
 	for (uint32_t i = 0; i < s->instance_count; i++)
 		scene->order[i] = i;
 	qsort_r(scene->order, s->instance_count, sizeof *scene->order, by_distance, s->instances);
-	return view_owners_make(&scene->owners, s) ? make_meshes(scene, error)
-		: eco_no_memory(error, "the reference");
+	if (!view_owners_make(&scene->owners, s))
+		eco_end("no memory");
+	return make_meshes(scene, error);
 }
 
 static void scene_free(struct scene *scene)
 {
-	for (uint32_t c = 0; scene->meshes && c < scene->job->selection->cut_count; c++)
+	for (uint32_t c = 0; c < scene->job->selection->cut_count; c++)
 		view_mesh_free(&scene->meshes[c]);
 	free(scene->meshes);
 	free(scene->items);
@@ -334,23 +334,21 @@ static void scene_free(struct scene *scene)
 	view_table_free(&scene->owners);
 }
 
-static enum eco_code workers_make(struct worker **workers, const struct scene *scene,
-	const struct lod_raster_options *options, struct eco_error *error)
+static struct worker *workers_make(const struct scene *scene, const struct lod_raster_options *options)
 {
 	uint32_t count = view_thread_count(scene->job->threads);
-	*workers = calloc(count, sizeof **workers);
-	enum eco_code code = *workers ? ECO_OK : eco_no_memory(error, "the reference");
-	for (uint32_t i = 0; i < count && !code; i++) {
-		(*workers)[i].scene = scene;
-		(*workers)[i].count = count;
-		code = lod_raster_init(&(*workers)[i].raster, options, error);
+	struct worker *workers = eco_alloc(count, sizeof *workers);
+	for (uint32_t i = 0; i < count; i++) {
+		workers[i].scene = scene;
+		workers[i].count = count;
+		lod_raster_init(&workers[i].raster, options);
 	}
-	return code;
+	return workers;
 }
 
 static void workers_free(struct worker *workers)
 {
-	for (uint32_t i = 0, count = workers ? workers[0].count : 0; i < count; i++)
+	for (uint32_t i = 0, count = workers[0].count; i < count; i++)
 		lod_raster_free(&workers[i].raster);
 	free(workers);
 }
@@ -379,14 +377,13 @@ enum eco_code view_reference_draw(const struct view_reference_job *job, struct v
 		.owner = true, .item = true };
 	struct view_light_job light = { job->store, job->selection, job->eye, job->tint, job->threads };
 	struct scene scene;
-	struct worker *workers = NULL;
 	double start = view_clock_ms();
 	enum eco_code code = scene_make(&scene, job, error);
-	if (!code)
-		code = workers_make(&workers, &scene, &options, error);
-	if (!code)
+	if (!code) {
+		struct worker *workers = workers_make(&scene, &options);
 		draw_picture(workers, picture);
-	workers_free(workers);
+		workers_free(workers);
+	}
 	scene_free(&scene);
 	if (!code)
 		code = view_light_picture(&light, picture, error);
@@ -402,19 +399,18 @@ enum eco_code view_reference_count(const struct view_reference_job *job, struct 
 {
 	uint32_t part[2];
 	struct scene scene;
-	struct worker *workers = NULL;
 	part_size(coverage, part);
 	struct lod_raster_options options = { .width = part[0] * coverage->samples,
 		.height = part[1] * coverage->samples, .silhouette = true };
 	memset(coverage->count, 0, (size_t)coverage->width * coverage->height);
 	enum eco_code code = scene_make(&scene, job, error);
-	if (!code)
-		code = workers_make(&workers, &scene, &options, error);
-	for (uint32_t i = 0; !code && i < workers[0].count; i++)
-		workers[i].coverage = coverage;
-	if (!code)
+	if (!code) {
+		struct worker *workers = workers_make(&scene, &options);
+		for (uint32_t i = 0; i < workers[0].count; i++)
+			workers[i].coverage = coverage;
 		view_threads_run(workers[0].count, count_parts, workers);
-	workers_free(workers);
+		workers_free(workers);
+	}
 	scene_free(&scene);
 	return !code && stopped(job) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
 }
@@ -427,15 +423,14 @@ static enum eco_code count(const struct view_reference_job *job, const struct vi
 	uint32_t samples, uint8_t *counts, struct eco_error *error)
 {
 	struct view_coverage coverage = { picture->width, picture->height, samples, counts };
-	return counts ? view_reference_count(job, &coverage, error)
-		: eco_no_memory(error, "the samples of a picture");
+	return view_reference_count(job, &coverage, error);
 }
 
 enum eco_code view_measure_soft(const struct view_reference_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
 	if (!picture->soft)
-		picture->soft = malloc((size_t)picture->width * picture->height);
+		picture->soft = eco_alloc(picture->width, picture->height);
 	return count(job, picture, VIEW_SOFT_SAMPLES, picture->soft, error);
 }
 
@@ -443,7 +438,7 @@ enum eco_code view_measure_ceiling(const struct view_reference_job *job, const s
 	double *ceiling, struct eco_error *error)
 {
 	size_t pixels = (size_t)reference->width * reference->height;
-	uint8_t *counts = malloc(pixels);
+	uint8_t *counts = eco_alloc(pixels, 1);
 	enum eco_code code = count(job, reference, CEILING_SAMPLES, counts, error);
 	if (!code)
 		*ceiling = lod_q_ceiling(counts, reference->cover, pixels);
@@ -451,13 +446,13 @@ enum eco_code view_measure_ceiling(const struct view_reference_job *job, const s
 	return code;
 }
 
-enum eco_code view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
-	float *error_map, struct view_measures *measures, struct eco_error *error)
+void view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
+	float *error_map, struct view_measures *measures)
 {
 	lod_score(&measures->score, &(struct lod_score_input){ picture->width, picture->height,
 		picture->cover, reference->cover, picture->owner, reference->owner });
 	measures->soft_q = lod_soft_q(picture->soft, reference->soft,
 		(size_t)picture->width * picture->height);
-	return lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
-		reference->rgb, error_map }, &measures->picture_error, error);
+	measures->picture_error = lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
+		reference->rgb, error_map });
 }

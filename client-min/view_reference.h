@@ -45,7 +45,7 @@ enum eco_code view_measure_ceiling(const struct view_reference_job *job, const s
 	double *ceiling, struct eco_error *error);
 struct view_measures { struct lod_score score; double soft_q, picture_error; };  /* lod_soft_q; mean of lod_flip */
 /* Both pictures have their soft counts. `error_map`, if not NULL, receives lod_flip's error of each pixel. */
-enum eco_code view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
-	float *error_map, struct view_measures *measures, struct eco_error *error);
+void view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
+	float *error_map, struct view_measures *measures);
 
 #endif

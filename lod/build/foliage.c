@@ -243,7 +243,7 @@ void lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliag
 		sights->wood[i] = lod_arena_take(arena, sights->words, sizeof(uint64_t));
 		place_eye(&sights->eyes[i], directions[i], center, radius, pixels);
 	}
-	lod_raster_open(&raster,
+	lod_raster_init(&raster,
 		&(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true });
 	for (uint32_t i = 0; i < count; i++)
 		draw_reference(sights, i, &raster);

@@ -3,18 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/base/memory.h"
 #include "lod/build/weld.h"
 #include "lod/raster/texel.h"
 
 #define SOUP 512u
-
-void lod_raster_open(struct lod_raster *raster, const struct lod_raster_options *options)
-{
-	struct eco_error error;
-	if (lod_raster_init(raster, options, &error))
-		eco_end(error.text);
-}
 
 /* ---- Extent ---- */
 

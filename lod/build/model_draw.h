@@ -11,9 +11,6 @@
 #include "lod/raster/texel.h"
 #include "lod/raster/raster.h"
 
-/* lod_raster_init of pictures that are not too large, or the end of the program. */
-void lod_raster_open(struct lod_raster *raster, const struct lod_raster_options *options);
-
 /* The box around the usable triangles; false, and nothing is set, if there are none. */
 bool lod_model_bounds(const struct eco_model *model, float low[3], float high[3]);
 /* The radius of the sphere around the middle of that box; 0 for a model that is a point or nothing. */

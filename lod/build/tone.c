@@ -66,7 +66,7 @@ void lod_tone_count(uint32_t *seen, const struct lod_tone_views *views)
 {
 	struct lod_raster raster;
 	double directions[VIEWS][3];
-	lod_raster_open(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true });
+	lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true });
 	lod_directions_spread(directions, VIEWS, 1);
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		struct lod_eye eye;

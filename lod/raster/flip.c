@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "lod/lanes.h"
 #include "lod/light.h"
 
@@ -212,15 +213,14 @@ static void band_free(struct band *band)
 	free(band->turned);
 }
 
-static bool band_make(struct band *band, uint32_t width)
+static void band_make(struct band *band, uint32_t width)
 {
 	*band = (struct band){ .width = width,
 		.stride = ((size_t)width + 3) / 4 * 4 * (BAND + 2 * REACH) };
-	band->channels = malloc(CHANNELS * band->stride * sizeof(float));
-	band->filtered = malloc(FILTERED * band->stride * sizeof(float));
-	band->line = calloc((size_t)width + TAPS + 4, sizeof(float));
-	band->turned = calloc(band->stride, sizeof(float));
-	return band->channels && band->filtered && band->line && band->turned;
+	band->channels = eco_alloc(CHANNELS * band->stride, sizeof(float));
+	band->filtered = eco_alloc(FILTERED * band->stride, sizeof(float));
+	band->line = eco_alloc((size_t)width + TAPS + 4, sizeof(float));
+	band->turned = eco_alloc(band->stride, sizeof(float));
 }
 
 static void load(struct band *band, const uint8_t *rgb, uint32_t height, uint32_t first)
@@ -317,7 +317,7 @@ static double sum_errors(const struct band band[2], double most, float *error)
 	return sum;
 }
 
-enum eco_code lod_flip(const struct lod_flip_input *input, double *mean, struct eco_error *error)
+double lod_flip(const struct lod_flip_input *input)
 {
 	const uint8_t *pictures[2] = { input->test, input->reference };
 	struct filters filters = { .count = 0 };
@@ -325,8 +325,9 @@ enum eco_code lod_flip(const struct lod_flip_input *input, double *mean, struct 
 	double most = farthest(), sum = 0;
 	make_blurs(&filters);
 	make_features(&filters);
-	bool first = band_make(&band[0], input->width), both = band_make(&band[1], input->width) && first;
-	for (uint32_t y = 0; both && y < input->height; y += BAND) {
+	for (int k = 0; k < 2; k++)
+		band_make(&band[k], input->width);
+	for (uint32_t y = 0; y < input->height; y += BAND) {
 		for (int k = 0; k < 2; k++) {
 			band[k].rows = input->height - y < BAND ? input->height - y : BAND;
 			load(&band[k], pictures[k], input->height, y);
@@ -334,8 +335,7 @@ enum eco_code lod_flip(const struct lod_flip_input *input, double *mean, struct 
 		}
 		sum += sum_errors(band, most, input->error ? input->error + (size_t)y * input->width : NULL);
 	}
-	*mean = sum / ((double)input->width * input->height);
 	band_free(&band[0]);
 	band_free(&band[1]);
-	return both ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory to compare two pictures");
+	return sum / ((double)input->width * input->height);
 }

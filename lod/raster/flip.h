@@ -7,8 +7,6 @@
 
 #include <stdint.h>
 
-#include "ecofiles/base/status.h"
-
 /* `test` is compared with `reference`: sRGB, 3 bytes a pixel, rows without gaps. */
 struct lod_flip_input {
 	uint32_t width, height;
@@ -17,6 +15,6 @@ struct lod_flip_input {
 };
 /* The mean error of all pixels, 0 to 1; 0 for pictures that are the same. A picture is worked on in bands, so
  * that memory grows with its width only. */
-enum eco_code lod_flip(const struct lod_flip_input *input, double *mean, struct eco_error *error);
+double lod_flip(const struct lod_flip_input *input);
 
 #endif

@@ -11,52 +11,32 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/view.h"
 #include "lod/geometry.h"
 #include "lod/raster/raster_state.h"
 
 #define BLOCK (1u << LOD_BLOCK_SHIFT)
 
-static bool allocate(struct lod_raster *raster, const struct lod_raster_options *options)
+void lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options)
 {
 	size_t pixels = (size_t)options->width * options->height;
-	struct lod_raster_state *state = raster->state = calloc(1, sizeof *state);
-	if (!state)
-		return false;
+	struct lod_raster_state *state = eco_alloc(1, sizeof *state);
+	if (!pixels || options->width > ECO_IMAGE_MAX || options->height > ECO_IMAGE_MAX)
+		eco_end("a picture has no pixels, or too many");
+	assert(!options->silhouette || (!options->owner && !options->item));
 	state->blocks_x = (options->width + BLOCK - 1) >> LOD_BLOCK_SHIFT;
 	state->blocks_y = (options->height + BLOCK - 1) >> LOD_BLOCK_SHIFT;
 	size_t blocks = (size_t)state->blocks_x * state->blocks_y;
-	raster->depth = malloc(pixels * sizeof *raster->depth);
-	raster->cover = malloc(pixels);
-	raster->owner = options->owner ? malloc(pixels * sizeof *raster->owner) : NULL;
-	raster->item = options->item ? malloc(pixels * sizeof *raster->item) : NULL;
-	state->block = malloc(blocks * sizeof *state->block);
-	state->stale = malloc(blocks);
-	return raster->depth && raster->cover && (raster->owner || !options->owner)
-		&& (raster->item || !options->item) && state->block && state->stale;
-}
-
-enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options,
-	struct eco_error *error)
-{
-	memset(raster, 0, sizeof *raster);
-	if (!options->width || !options->height || options->width > ECO_IMAGE_MAX
-			|| options->height > ECO_IMAGE_MAX)
-		return eco_fail(error, ECO_BAD_INPUT, "a picture of %u x %u pixels: sides must be 1 to %u",
-			options->width, options->height, ECO_IMAGE_MAX);
-	if (!allocate(raster, options)) {
-		lod_raster_free(raster);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture of %u x %u pixels",
-			options->width, options->height);
-	}
-	raster->width = options->width;
-	raster->height = options->height;
-	raster->state->place.cosine = raster->state->place.scale = 1;
-	raster->state->silhouette = options->silhouette;
+	state->block = eco_alloc(blocks, sizeof *state->block);
+	state->stale = eco_alloc(blocks, 1);
+	state->place.cosine = state->place.scale = 1;
+	state->silhouette = options->silhouette;
+	*raster = (struct lod_raster){ .width = options->width, .height = options->height, .state = state,
+		.depth = eco_alloc(pixels, sizeof *raster->depth), .cover = eco_alloc(pixels, 1),
+		.owner = options->owner ? eco_alloc(pixels, sizeof *raster->owner) : NULL,
+		.item = options->item ? eco_alloc(pixels, sizeof *raster->item) : NULL };
 	lod_raster_window(raster, raster->width, raster->height, 0, 0);
-	assert(!options->silhouette || (!options->owner && !options->item));
-	lod_raster_clear(raster);
-	return ECO_OK;
 }
 
 void lod_raster_free(struct lod_raster *raster)

@@ -1,7 +1,7 @@
 /* A deterministic software rasteriser: coverage with depth, cut-outs and owners, for curves, scores, and pictures
  * of full detail.
  *
- *   lod_raster_init(&r, &options, &error);           once; then lod_raster_clear for each picture
+ *   lod_raster_init(&r, &options);                   once; then lod_raster_clear for each picture
  *   lod_raster_camera(&r, &eye, near_m);             world -> pixels
  *   lod_raster_object(&r, &place);                   object -> world, for the batches that follow
  *   lod_raster_triangles / _lines / _splats          filled by GL's rules
@@ -45,8 +45,8 @@ struct lod_raster {
 /* silhouette: only `cover` is wanted, and all ground is drawn before any plant. Depth becomes infinite at
  * covered pixels, so they are not tested again; in a dense crown nearly all samples fall on such pixels. */
 struct lod_raster_options { uint32_t width, height; bool owner, item, silhouette; };
-enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options,
-	struct eco_error *error);
+/* Sides of 1 to ECO_IMAGE_MAX pixels, and memory for them; or the end of the program (memory.h). */
+void lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options);
 void lod_raster_free(struct lod_raster *raster);
 void lod_raster_clear(struct lod_raster *raster);
 void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m);

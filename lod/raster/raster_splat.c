@@ -4,9 +4,11 @@
 #include "lod/raster/raster_state.h"
 #include "lod/splat.h"
 
-struct disc {                        /* a projected splat; pixels from the picture's middle */
-	struct lod_ellipse ellipse;
-	float x, y, w, near_w, opacity; /* x, y: the ellipse's middle; w: metres away */
+/* The outline of a ball in the picture: an ellipse around (x, y), pixels from the picture's middle. */
+struct outline { struct lod_ellipse ellipse; float x, y; };
+struct disc {                        /* a projected splat */
+	struct outline outline;
+	float w, near_w, opacity;    /* w: metres away */
 	uint32_t salt;
 };
 
@@ -39,7 +41,7 @@ static bool project(const struct lod_raster_state *state, const float half[9], c
 		down[k] = (row_of(m[1], half + 3 * k) - farther[k] * at[1]) * pixel;
 		farther[k] *= near;
 	}
-	return lod_ellipse_make(&disc->ellipse, across, down, farther, disc->w);
+	return lod_ellipse_make(&disc->outline.ellipse, across, down, farther, disc->w);
 }
 
 /* The same for a ball: its half axes may be those of the view. */
@@ -50,22 +52,18 @@ static bool project_ball(const struct lod_raster_state *state, float radius, con
 	const float across[3] = { state->project[0][0] * pixel, 0, -at[0] * pixel },
 		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel },
 		farther[3] = { 0, 0, radius / disc->w };
-	return lod_ellipse_make(&disc->ellipse, across, down, farther, disc->w);
+	return lod_ellipse_make(&disc->outline.ellipse, across, down, farther, disc->w);
 }
 
-bool lod_ball_outline(const struct lod_raster_state *state, const float centre[3], float radius,
-	struct lod_outline *outline)
+/* Puts the outline to where the centre is. */
+static void put_outline(struct outline *o, const float at[2])
 {
-	struct disc disc;
-	float at[2];
-	if (!place(state, centre, &disc, at) || !project_ball(state, radius, at, &disc))
-		return false;
-	*outline = (struct lod_outline){ disc.ellipse, at[0] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.x,
-		at[1] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.y };
-	return true;
+	o->x = at[0] * (1.0f / LOD_SUBPIXEL) + o->ellipse.x;
+	o->y = at[1] * (1.0f / LOD_SUBPIXEL) + o->ellipse.y;
 }
 
-uint32_t lod_outline_from(float at, uint32_t size)
+/* The first pixel whose centre is at or after `at` (from the picture's middle), clamped to [0, size]. */
+static uint32_t first_pixel(float at, uint32_t size)
 {
 	at += 0.5f * (float)size - 0.5f;
 	if (!(at > 0))
@@ -74,6 +72,26 @@ uint32_t lod_outline_from(float at, uint32_t size)
 		return size;
 	uint32_t whole = (uint32_t)at;
 	return whole + ((float)whole < at);
+}
+
+/* The rows of an outline. */
+static void outline_rows(const struct outline *o, const struct lod_raster *raster, uint32_t rows[2])
+{
+	rows[0] = first_pixel(o->y - o->ellipse.high, raster->height);
+	rows[1] = first_pixel(o->y + o->ellipse.high, raster->height);
+}
+
+/* Its pixels [span[0], span[1]) of a row, which is *y below its middle; false: none. */
+static bool outline_span(const struct outline *o, const struct lod_raster *raster, uint32_t row, float *y,
+	uint32_t span[2])
+{
+	*y = (float)row + 0.5f - 0.5f * (float)raster->height - o->y;
+	float half = lod_ellipse_row(&o->ellipse, *y), x = o->x + o->ellipse.lean * *y;
+	if (half < 0)
+		return false;
+	span[0] = first_pixel(x - half, raster->width);
+	span[1] = first_pixel(x + half, raster->width);
+	return span[0] < span[1];
 }
 
 /* A silhouette may lie at the depth of the centre as a whole. */
@@ -86,14 +104,14 @@ static void fill_row(const struct lod_paint *paint, const struct disc *disc, uin
 	}
 	bool any = false;
 	size_t first = (size_t)row * paint->raster->width;
-	float left = 0.5f - 0.5f * (float)paint->raster->width - disc->x;
+	float left = 0.5f - 0.5f * (float)paint->raster->width - disc->outline.x;
 	for (uint32_t x = from; x < to; x++) {
 		if (paint->silhouette && paint->raster->depth[first + x] == INFINITY)
 			continue;
 		if (disc->opacity < 1 && !lod_splat_covers(disc->salt, x, row, disc->opacity))
 			continue;
 		float w = disc->w + (paint->silhouette ? 0
-			: lod_ellipse_farther(&disc->ellipse, (float)x + left, y));
+			: lod_ellipse_farther(&disc->outline.ellipse, (float)x + left, y));
 		any |= lod_paint_pixel(paint, first + x, 1 / (w > disc->near_w ? w : disc->near_w));
 	}
 	if (any)
@@ -102,20 +120,13 @@ static void fill_row(const struct lod_paint *paint, const struct disc *disc, uin
 
 static void fill_disc(const struct lod_paint *paint, const struct disc *disc)
 {
-	const struct lod_raster *raster = paint->raster;
-	uint32_t top = lod_outline_from(disc->y - disc->ellipse.high, raster->height),
-		bottom = lod_outline_from(disc->y + disc->ellipse.high, raster->height);
-	bottom += bottom < raster->height;
-	for (uint32_t row = top; row < bottom; row++) {
-		float y = (float)row + 0.5f - 0.5f * (float)raster->height - disc->y,
-			half = lod_ellipse_row(&disc->ellipse, y), x = disc->x + disc->ellipse.lean * y;
-		if (half < 0)
-			continue;
-		uint32_t from = lod_outline_from(x - half, raster->width),
-			to = lod_outline_from(x + half, raster->width);
-		if (from < to)
-			fill_row(paint, disc, row, y, from, to);
-	}
+	uint32_t rows[2], span[2];
+	float y;
+	outline_rows(&disc->outline, paint->raster, rows);
+	rows[1] += rows[1] < paint->raster->height;
+	for (uint32_t row = rows[0]; row < rows[1]; row++)
+		if (outline_span(&disc->outline, paint->raster, row, &y, span))
+			fill_row(paint, disc, row, y, span[0], span[1]);
 }
 
 void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch *batch)
@@ -133,8 +144,7 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 				: project_ball(state, batch->size ? radius * sqrtf(batch->size[i]) : radius,
 				at, &disc)))
 			continue;
-		disc.x = at[0] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.x;
-		disc.y = at[1] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.y;
+		put_outline(&disc.outline, at);
 		paint.item = batch->item + i;
 		fill_disc(&paint, &disc);
 	}
@@ -211,25 +221,19 @@ void lod_raster_impostor(struct lod_raster *raster, const struct lod_impostor *i
 {
 	const struct lod_raster_state *state = raster->state;
 	struct lod_paint paint = lod_paint_make(raster, batch);
-	struct lod_outline outline;
 	struct lod_impostor_look look;
 	struct rays rays;
-	if (!lod_ball_outline(state, impostor->body.center, (float)(impostor->radius * state->place.scale),
-			&outline))
+	struct disc disc;
+	uint32_t rows[2], span[2];
+	float at[2], y;
+	if (!place(state, impostor->body.center, &disc, at)
+			|| !project_ball(state, (float)(impostor->radius * state->place.scale), at, &disc))
 		return;
+	put_outline(&disc.outline, at);
 	rays_make(&rays, state);
 	look_from(&look, impostor, state);
-	const struct lod_ellipse *ellipse = &outline.ellipse;
-	uint32_t top = lod_outline_from(outline.y - ellipse->high, raster->height),
-		bottom = lod_outline_from(outline.y + ellipse->high, raster->height);
-	for (uint32_t row = top; row < bottom; row++) {
-		float y = (float)row + 0.5f - 0.5f * (float)raster->height - outline.y,
-			half = lod_ellipse_row(ellipse, y), x = outline.x + ellipse->lean * y;
-		if (half < 0)
-			continue;
-		uint32_t from = lod_outline_from(x - half, raster->width),
-			to = lod_outline_from(x + half, raster->width);
-		if (from < to)
-			fill_impostor_row(&paint, batch->item, impostor, &look, &rays, row, from, to);
-	}
+	outline_rows(&disc.outline, raster, rows);
+	for (uint32_t row = rows[0]; row < rows[1]; row++)
+		if (outline_span(&disc.outline, raster, row, &y, span))
+			fill_impostor_row(&paint, batch->item, impostor, &look, &rays, row, span[0], span[1]);
 }

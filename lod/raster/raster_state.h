@@ -68,14 +68,6 @@ void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, 
 /* Fills pixels [from, to) of a row at depth z; from < to. */
 void lod_fill_row(const struct lod_paint *paint, uint32_t row, uint32_t from, uint32_t to, float z);
 
-/* The outline of a ball in the picture: an ellipse around (x, y), pixels from the picture's middle. */
-struct lod_outline { struct lod_ellipse ellipse; float x, y; };
-/* radius: metres in the world. False where nothing is to be drawn. */
-bool lod_ball_outline(const struct lod_raster_state *state, const float centre[3], float radius,
-	struct lod_outline *outline);
-/* The first pixel whose centre is at or after `at` (from the picture's middle), clamped to [0, size]. */
-uint32_t lod_outline_from(float at, uint32_t size);
-
 /* True if all pixels of columns x[0] to x[1] and rows y[0] to y[1] are certainly nearer than 1/nearest. */
 bool lod_blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest);
 

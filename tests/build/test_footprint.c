@@ -7,7 +7,6 @@
 #define VIEWS 5u
 
 static struct lod_arena arena;
-static struct eco_error error;
 static struct lod_footprint print;
 
 static uint64_t bits_of(uint64_t word) { return (uint64_t)__builtin_popcountll(word); }
@@ -36,8 +35,7 @@ static uint64_t differing(const struct lod_foliage *f, float scale, uint64_t *co
 	lod_directions_spread(directions, VIEWS, 7);
 	lod_sights_make(&sights, f, (const double (*)[3])directions, VIEWS, PIXELS, &arena);
 	lod_raster_init(&raster,
-		&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true },
-		&error);
+		&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true });
 	uint32_t row_words = sights.words / PIXELS;
 	for (uint32_t v = 0; v < VIEWS; v++)
 		for (uint32_t i = 0; i < f->count; i++) {

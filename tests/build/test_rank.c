@@ -41,8 +41,7 @@ static double quality_and_wrong(const struct lod_foliage *foliage, const uint32_
 	lod_directions_spread(directions, VIEWS, 991);
 	lod_sights_make(&sights, foliage, (const double (*)[3])directions, VIEWS, PIXELS, &arena);
 	lod_raster_init(&raster,
-		&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true },
-		&error);
+		&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true });
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		uint64_t *mask = lod_arena_take(&arena, sights.words, sizeof *mask);
 		lod_sights_draw(&sights, v,

@@ -144,11 +144,10 @@ enum eco_code plant_walk(struct plant_walk *walk, const struct eco_pack *pack, u
 		walk->vertices[walk->count++] = v;
 	walk->vertices[walk->count++] = w.plant.full;
 	w.cover = eco_alloc((size_t)w.pixels * w.pixels, 1);
-	code = lod_raster_init(&w.raster, &(struct lod_raster_options){ .width = w.pixels, .height = w.pixels,
-		.silhouette = true }, error);
+	lod_raster_init(&w.raster, &(struct lod_raster_options){ .width = w.pixels, .height = w.pixels,
+		.silhouette = true });
 	leave_one(&w, options->kind);
-	if (!code)
-		code = walk_views(&w, walk, options->views, error);
+	code = walk_views(&w, walk, options->views, error);
 	lod_raster_free(&w.raster);
 	free(w.cover);
 	free(w.ladders);

@@ -335,8 +335,7 @@ struct opening { struct plant_view *view; uint32_t pixels; struct eco_error *err
 static void open_view(void *ctx)
 {
 	const struct opening *o = ctx;
-	eco_check(lod_raster_init(&o->view->raster, &(struct lod_raster_options){ .width = o->pixels,
-		.height = o->pixels }, o->error));
+	lod_raster_init(&o->view->raster, &(struct lod_raster_options){ .width = o->pixels, .height = o->pixels });
 	decode_lists(o->view, o->error);
 	make_scene(o->view);
 	look(o->view, o->pixels, o->error);

@@ -132,9 +132,9 @@ static struct impostor_view *make_views(enum eco_impostor_set set, const struct 
 	d->views = lod_arena_take(arena, d->tiles, sizeof *d->views);
 	eco_impostor_axes(set, d->axes);
 	for (uint32_t i = 0; i < d->parts; i++) {
-		lod_raster_open(&d->near[i], &(struct lod_raster_options){ .width = SIDE, .height = SIDE,
+		lod_raster_init(&d->near[i], &(struct lod_raster_options){ .width = SIDE, .height = SIDE,
 			.item = true });
-		lod_raster_open(&d->far[i], &(struct lod_raster_options){ .width = SIDE, .height = SIDE });
+		lod_raster_init(&d->far[i], &(struct lod_raster_options){ .width = SIDE, .height = SIDE });
 	}
 	lod_each_run(options->each, options->ctx, d->parts, draw_part, d);
 	for (uint32_t i = 0; i < d->parts; i++) {

@@ -62,7 +62,7 @@ static void make_rasters(struct lod_probe *probe)
 	probe->raster_count = most < probe->views ? (uint32_t)most : probe->views;
 	probe->rasters = lod_arena_take(&probe->arena, probe->raster_count, sizeof *probe->rasters);
 	for (uint32_t i = 0; i < probe->raster_count; i++)
-		lod_raster_open(&probe->rasters[i], &(struct lod_raster_options){ .width = probe->options.pixels,
+		lod_raster_init(&probe->rasters[i], &(struct lod_raster_options){ .width = probe->options.pixels,
 			.height = probe->options.pixels, .silhouette = true });
 }
 

@@ -144,7 +144,7 @@ void splat_views_make(struct splat_views *views, const struct eco_model *model,
 		options->rgb ? options->rgb : lod_model_colors(model, arena),
 		lod_arena_take(arena, parts, sizeof *d.rasters), parts };
 	for (uint32_t i = 0; i < parts; i++)
-		lod_raster_open(&d.rasters[i], &(struct lod_raster_options){ .width = SIDE * pixels,
+		lod_raster_init(&d.rasters[i], &(struct lod_raster_options){ .width = SIDE * pixels,
 			.height = SIDE * pixels, .item = true });
 	lod_each_run(options->each, options->ctx, parts, draw_part, &d);
 	for (uint32_t i = 0; i < parts; i++)

@@ -129,10 +129,10 @@ static void open_pictures(struct study *s)
 	for (uint32_t i = 0; i < SIZES; i++) {
 		struct size *size = &s->sizes[i];
 		uint32_t side = size->side = (uint32_t)ceil(2 * FRAME * s->radius * heights_px[i] / height);
-		must(lod_raster_init(&size->raster, &(struct lod_raster_options){ .width = side, .height
-			= side, .item = true }, must_error));
-		must(lod_raster_init(&size->fine, &(struct lod_raster_options){ .width = FINE * side,
-			.height = FINE * side, .silhouette = true }, must_error));
+		lod_raster_init(&size->raster, &(struct lod_raster_options){ .width = side, .height
+			= side, .item = true });
+		lod_raster_init(&size->fine, &(struct lod_raster_options){ .width = FINE * side,
+			.height = FINE * side, .silhouette = true });
 		size->count = lod_arena_take(&s->leaves->arena, side, side);
 		for (uint32_t view = 0; view < VIEWS; view++) {
 			size->whole[view] = lod_arena_take(&s->leaves->arena, side, side);

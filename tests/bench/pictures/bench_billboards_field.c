@@ -101,8 +101,8 @@ static void draw_model(const struct eco_model *model, uint64_t owner, struct lod
 static void draw(struct field *f, bool clouds)
 {
 	struct lod_raster *raster = &f->rasters[clouds];
-	must(lod_raster_init(raster, &(struct lod_raster_options){ .width = WIDTH, .height = HEIGHT, .owner
-		= true, .item = true }, must_error));
+	lod_raster_init(raster, &(struct lod_raster_options){ .width = WIDTH, .height = HEIGHT, .owner
+		= true, .item = true });
 	lod_raster_clear(raster);
 	lod_raster_camera(raster, &f->eye, -0.005 * f->eye.at[1]);
 	for (uint32_t i = 0; i < f->count; i++) {
