@@ -11,7 +11,6 @@
 #include "ecofiles/format/view.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/bench_walk.h"
 
 #define PATH 1100
 #define VERTICES 100000u
@@ -191,11 +190,9 @@ static void run(struct bench *bench)
 		if (!paths[i].recorded || has_track(bench))
 			try_path(bench, i, table);
 	bench_table_close(table);
-	bench_say(bench,
-		"A client may hold a part of the decoded data that a whole path needs, at %u vertices a "
-		"frame. The chunk that no plan needed for the longest time goes first; ties: the largest. A "
-		"path "
-		"ends where one view alone needs more than there is.", VERTICES);
+	bench_say(bench, "A client may hold a part of the decoded data that a whole path needs, at %u "
+		"vertices a frame. The chunk that no plan needed for the longest time goes first; ties: the "
+		"largest. A path ends where one view alone needs more than there is.", VERTICES);
 }
 
 const struct bench_section bench_cache = { "cache", "A client with little memory", run };

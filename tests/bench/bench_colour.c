@@ -19,7 +19,6 @@
 #include "lod/light.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/bench_walk.h"
 
 #define VIEWS_QUICK 1u
 #define VIEWS_FULL 4u

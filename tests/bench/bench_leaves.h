@@ -9,7 +9,7 @@
 
 #include "lod/build/foliage.h"
 #include "lod/build/order/order.h"
-#include "tests/bench/bench_walk.h"
+#include "tests/bench/bench.h"
 
 struct bench_leaves {
 	struct lod_arena arena;
@@ -54,5 +54,29 @@ void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_si
 	bool wood, bench_draw_call *draw, const void *what, struct bench_wrong *sum);
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
+
+/* ---- Plants ---- */
+
+/* A stamp of a file's bytes; borrowed until the next call. */
+const char *must_stamp(const char *path);
+
+/* The plants that a section studies:
+ *
+ *   struct bench_walk walk = { .bench = bench, .leaves = 500, .most = 12, .quick = 4 };
+ *   for (const struct bench_model *model; (model = bench_walk(&walk));)
+ *     ... walk.found[model->generated]++; */
+struct bench_walk {
+	struct bench *bench;
+	uint32_t leaves;             /* at least */
+	uint32_t most;               /* of the full bench */
+	uint32_t quick, quick_made;  /* of the quick bench; quick_made: generated ones apart; 0: together */
+	bool (*wants)(const struct bench *bench, const struct bench_model *model);   /* NULL: all */
+	uint32_t found[2];           /* those that count: read, generated */
+	/* private */
+	struct bench_model *models;
+	uint32_t count, next;
+};
+/* NULL after the last; the report names those that the quick bench leaves out. */
+const struct bench_model *bench_walk(struct bench_walk *walk);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include "lod/build/measure/probe.h"
 #include "lod/ladder.h"
-#include "tests/bench/bench_walk.h"
+#include "tests/bench/bench_leaves.h"
 
 #define ELEMENTS_LEAST 500u
 /* not those of the curves: other heights, turned by an angle of a 3-4-5 triangle */

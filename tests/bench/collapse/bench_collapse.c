@@ -491,13 +491,11 @@ static void write_means(struct bench *bench, double sum[ROWS][SHARES], uint32_t 
 	bench_table_close(table);
 	bench_key(bench, "collapse_q_10", sum[BENCH_ORDERS + SCALED][2],
 		"Q of leaf collapse at 10 % of the vertices");
-	bench_say(bench,
-		"Orders, leaf collapse and its quads without textures each have their best scale. Rows as "
-		"printed and by sectors have the paper's sizes, which are too large: quads reach beyond the "
-		"crown. "
-		"Splats show wood and leaves, one vertex each, over wood that is drawn whole as in all other "
-		"rows. "
-		"There is no figure where a coarsest level has more vertices than asked for.");
+	bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best scale. "
+		"Rows as printed and by sectors have the paper's sizes, which are too large: quads reach "
+		"beyond the crown. Splats show wood and leaves, one vertex each, over wood that is drawn "
+		"whole as in all other rows. There is no figure where a coarsest level has more vertices "
+		"than asked for.");
 	bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
 		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
 		.series_count = plotted });

@@ -227,11 +227,10 @@ static void run(struct bench *bench)
 		walk.found[model->generated]++;
 	}
 	bench_table_close(table);
-	bench_say(bench,
-		"The %u plants with the fewest leaves (%u or more), one view, %u pixels. Wood is whole under "
-		"leaf collapse and counts; ours may draw as much. Billboards stand in their mean colours. "
-		"Packs hold "
-		"neither, as neither is best anywhere (lod/EXPERIMENTS.md, Leaf collapse, Billboard clouds).",
+	bench_say(bench, "The %u plants with the fewest leaves (%u or more), one view, %u pixels. Wood is "
+		"whole under leaf collapse and counts; ours may draw as much. Billboards stand in their "
+		"mean colours. Packs hold neither, as neither is best anywhere (lod/EXPERIMENTS.md, Leaf "
+		"collapse, Billboard clouds).",
 		walk.found[0] + walk.found[1], LEAVES_LEAST, PIXELS);
 }
 

@@ -6,7 +6,6 @@
 
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/bench_walk.h"
 
 /* Figures of a frame; FULL: triangles in sight at full detail; PX: d'. */
 enum { TRIANGLES, LINES, POINTS, VERTICES, FULL, WRONG, P, R, Q, MS, PX, FIGURES };

@@ -13,7 +13,6 @@
 #include "lod/sort.h"
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/bench_walk.h"
 
 #define LEAST 1e-3 /* of Cook's vertices: where the search begins */
 
@@ -244,10 +243,9 @@ static void run_speed(struct bench *bench)
 		bench_table_row(table, "%s,%.0f,%.4f,%.0f,%.1f,%.2f", k % 6 ? "ours" : "Cook corrected",
 			v[k], v[k + 1], v[k + 2], 1000 / v[k + 2], v[k / 6 * 6 + 2] / v[k + 2]);
 	bench_table_close(table);
-	bench_say(bench,
-		"Cook draws %u, %u and %u vertices, which the share lambda by distance decides; ours the "
-		"fewest at which Q is no less, to a 300th of that. Times are of OpenGL on this machine at "
-		"the second frame, %u x %u pixels; the paper's of a GTX 295 at 1600 x 1200.",
+	bench_say(bench, "Cook draws %u, %u and %u vertices, which the share lambda by distance decides; "
+		"ours the fewest at which Q is no less, to a 300th of that. Times are of OpenGL on this "
+		"machine at the second frame, %u x %u pixels; the paper's of a GTX 295 at 1600 x 1200.",
 		(unsigned)speed_budgets[0], (unsigned)speed_budgets[1], (unsigned)speed_budgets[2],
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT);
 }

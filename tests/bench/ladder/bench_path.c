@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "ecofiles/format/view.h"
-#include "tests/bench/bench_walk.h"
 #include "tests/bench/ladder/bench_species.h"
 
 #define SCENE "trees1276"
@@ -166,13 +165,10 @@ static void write_frames(struct bench *bench, const struct path *p)
 		series[m] = (struct bench_series){ bench_order_names[m], x, y[m], p->frame_count, false };
 	}
 	bench_table_close(table);
-	bench_say(bench,
-		"The paper's trees and path are not to be had, and it does not say by what its distances are "
-		"divided. Rows differ from the printed ones as those of the species do; and here a frame's "
-		"saving is "
-		"over vertices: near trees have most, Cook draws nearly all of them, and little can be saved "
-		"at "
-		"equal Q.");
+	bench_say(bench, "The paper's trees and path are not to be had, and it does not say by what its "
+		"distances are divided. Rows differ from the printed ones as those of the species do; and "
+		"here a frame's saving is over vertices: near trees have most, Cook draws nearly all of "
+		"them, and little can be saved at equal Q.");
 	bench_plot(bench, &(struct bench_plot){ .name = "path", .title =
 		"1,276 trees: geometry saved against Cook at equal Q", .x = "frame", .y = "saved, %",
 		.series = series, .series_count = BENCH_ORDERS });
@@ -186,11 +182,10 @@ static void run(struct bench *bench)
 	for (uint32_t f = 0; f < p.frame_count; f++)
 		for (uint32_t i = 0; i < p.tree_count; i++)
 			p.farthest = fmax(p.farthest, distance_of(&p.trees[i], &p.frames[f].view));
-	bench_say(bench,
-		"%u trees of %u species, %u frames. Distances are over %.0f m, the greatest between a tree "
-		"and the path; what Q asks of a species comes from pictures of it alone, from views that no "
-		"order or "
-		"scale was made with.", p.tree_count, p.species_count, p.frame_count, p.farthest);
+	bench_say(bench, "%u trees of %u species, %u frames. Distances are over %.0f m, the greatest "
+		"between a tree and the path; what Q asks of a species comes from pictures of it alone, "
+		"from views that no order or scale was made with.", p.tree_count, p.species_count,
+		p.frame_count, p.farthest);
 	write_frames(bench, &p);
 }
 

@@ -419,13 +419,11 @@ static void write_tables(struct bench *bench, const struct all *all)
 			median(all, m, FAR, true), methods[m].printed);
 	bench_table_close(table);
 	bench_say(bench, "Medians over %u plants, %u of them with closed crowns: %u vertices of leaves or "
-		"more in %g layers or more. The paper's plants have 50,000 to 260,000, and its four rows are "
-		"of one "
-		"camera path through 1,276 trees; its Cook keeps areas only. Here Cook has the better of "
-		"1/lambda "
-		"and of the scale that corrects for depth complexity. Density and orientation (the paper's "
-		"\"silhouette\") take whole regions out: on crowns in which every leaf shows that opens "
-		"holes.",
+		"more in %g layers or more. The paper's plants have 50,000 to 260,000, and its four rows "
+		"are of one camera path through 1,276 trees; its Cook keeps areas only. Here Cook has the "
+		"better of 1/lambda and of the scale that corrects for depth complexity. Density and "
+		"orientation (the paper's \"silhouette\") take whole regions out: on crowns in which every "
+		"leaf shows that opens holes.",
 		all->count, closed, CLOSED_VERTICES, CLOSED_LAYERS);
 }
 

@@ -27,8 +27,8 @@ struct bench_savings {
 	/* lambda over Cook's; Q at bench_shares, at the best scale */
 	double ratio[BENCH_ORDERS][BENCH_SPACINGS][BENCH_DISTANCES], q[BENCH_ORDERS][BENCH_SHARES];
 };
-/* A unit by what the model's file holds; reads the model only if that is not there. An error ends the section
- * (bench_walk.h). */
+/* A unit by what the model's file holds; reads the model only if that is not there. An error ends the
+ * section. */
 void bench_savings_of(struct bench *bench, struct bench_savings *savings, const struct bench_model *model);
 
 #endif

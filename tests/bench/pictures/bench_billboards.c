@@ -489,11 +489,9 @@ static void run(struct bench *bench)
 		bench_key(bench, key, t.turned[m] ? t.sd[m] / t.turned[m] : NAN,
 			"standard deviation of Q over a turn, mean over plants");
 	}
-	bench_say(bench,
-		"A billboard has six vertices, a splat one. A cloud of another cap has other textures: "
-		"clouds "
-		"are alternatives and none continues another. Over a turn leaves are pruned over whole "
-		"wood.");
+	bench_say(bench, "A billboard has six vertices, a splat one. A cloud of another cap has other "
+		"textures: clouds are alternatives and none continues another. Over a turn leaves are "
+		"pruned over whole wood.");
 }
 
 const struct bench_section bench_billboards = { "billboards", "Billboard clouds against splats and impostors",
