@@ -95,24 +95,27 @@ enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, s
 enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
 	struct eco_error *error)
 {
-	struct stat about;
-	FILE *file = fopen(path, "rb");
+	size_t room = 1 << 16, n = 1;
 	enum eco_code code = ECO_OK;
+	FILE *file = fopen(path, "rb");
 	*bytes = NULL;
 	*size = 0;
 	if (!file)
 		return eco_fail_read(error, path, errno);
-	if (fstat(fileno(file), &about) || !S_ISREG(about.st_mode))
-		code = eco_fail(error, ECO_IO, "%.400s: not a regular file", path);
-	else if ((uint64_t)about.st_size > most)
-		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu bytes, at most %llu are possible", path,
-			(unsigned long long)about.st_size, (unsigned long long)most);
-	else if (!(*bytes = malloc((size_t)about.st_size + 1)))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path);
-	else {
-		*size = fread(*bytes, 1, (size_t)about.st_size, file);
-		(*bytes)[*size] = 0;
-		code = ferror(file) ? eco_fail_read(error, path, errno) : ECO_OK;
+	for (; !code && n; *size += n) {
+		room *= *size + 1 < room ? 1 : 2;
+		uint8_t *more = realloc(*bytes, room);
+		*bytes = more ? more : *bytes;
+		n = more ? fread(more + *size, 1, room - *size - 1, file) : 0;
+		if (!more)
+			code = eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path);
+		else if (ferror(file))
+			code = eco_fail_read(error, path, errno);
+		else if (*size + n > most)
+			code = eco_fail(error, ECO_TOO_LARGE, "%.300s: more than the %llu bytes that are possible",
+				path, (unsigned long long)most);
+		else
+			more[*size + n] = 0;
 	}
 	fclose(file);
 	if (code) {

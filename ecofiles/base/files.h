@@ -30,7 +30,7 @@ void eco_folder_remove(const char *path);
 /* Writes path.tmp-PID, then renames it: a file that appears complete or not at all. */
 enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error);
 
-/* Reads a whole regular file of at most `most` bytes, followed by a 0 that *size does not count. *bytes is
+/* Reads a whole file, or a pipe, of at most `most` bytes, followed by a 0 that *size does not count. *bytes is
  * malloc'ed; NULL on failure. */
 enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
 	struct eco_error *error);
