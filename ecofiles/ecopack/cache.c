@@ -18,8 +18,6 @@
 #include "ecofiles/ecopack/run.h"
 #include "lod/build/plant.h"
 
-#define MAGIC "ECOCACHE"
-#define HEADER_BYTES 40u
 #define SUFFIX ".plant"
 #define NAME_BYTES (32 + strlen(SUFFIX))
 
@@ -54,17 +52,11 @@ static void path_of(const struct main_cache *cache, const struct main_cache_key 
 
 /* ---- Reading ---- */
 
-/* The fault of an entry, or NULL. */
-static const char *fault_of(const uint8_t *bytes, size_t size, const struct main_cache_key *key)
+static uint64_t check_of(const struct main_cache_key *key, const uint8_t *bytes, size_t size)
 {
-	struct eco_reader r = { bytes, size, 0, false };
-	const uint8_t *magic = eco_read_bytes(&r, 8), *named = eco_read_bytes(&r, sizeof key->bytes);
-	uint64_t length = eco_read_u64(&r), hash = eco_read_u64(&r);
-	if (r.failed || length != size - HEADER_BYTES)
-		return "it is cut off";
-	if (memcmp(magic, MAGIC, 8) != 0 || memcmp(named, key->bytes, sizeof key->bytes) != 0)
-		return "it is something else";
-	return XXH3_64bits(bytes + HEADER_BYTES, length) == hash ? NULL : "its hash does not hold";
+	uint64_t seed;
+	memcpy(&seed, key->bytes, sizeof seed);
+	return XXH3_64bits_withSeed(bytes, size, seed);
 }
 
 static void note_damage(const char *path, const char *why)
@@ -75,29 +67,23 @@ static void note_damage(const char *path, const char *why)
 bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, uint8_t **bytes, size_t *size)
 {
 	char path[MAIN_CACHE_PATH];
-	struct stat status;
+	uint64_t check = 0;
 	if (!cache->folder[0])
 		return false;
 	path_of(cache, key, path);
-	if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+	if (eco_file_read(path, INT64_MAX, bytes, size, NULL))
 		return false;
-	FILE *file = fopen(path, "rbe");
-	*bytes = eco_alloc((size_t)status.st_size, 1);
-	*size = file ? fread(*bytes, 1, (size_t)status.st_size, file) : 0;
-	const char *fault = file ? fault_of(*bytes, *size, key) : NULL;
-	if (file && !fault)
-		futimens(fileno(file), NULL);    /* used just now */
-	if (file)
-		fclose(file);
-	if (fault)
-		note_damage(path, fault);
-	if (!file || fault) {
-		free(*bytes);
-		return false;
+	bool good = *size > sizeof check;
+	*size -= good ? sizeof check : 0;
+	memcpy(&check, *bytes + *size, good ? sizeof check : 0);
+	good = good && check == check_of(key, *bytes, *size);
+	if (good) {
+		utimensat(AT_FDCWD, path, NULL, 0);      /* used just now */
+		return true;
 	}
-	*size -= HEADER_BYTES;
-	memmove(*bytes, *bytes + HEADER_BYTES, *size);
-	return true;
+	note_damage(path, "its hash does not hold");
+	free(*bytes);
+	return false;
 }
 
 /* ---- Writing ---- */
@@ -125,11 +111,9 @@ void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, 
 	if (!cache->folder[0] || size > cache->limit_bytes)
 		return;
 	path_of(cache, key, path);
-	eco_write_bytes(&w, MAGIC, 8);
-	eco_write_bytes(&w, key->bytes, sizeof key->bytes);
-	eco_write_u64(&w, size);
-	eco_write_u64(&w, XXH3_64bits(bytes, size));
+	uint64_t check = check_of(key, bytes, size);
 	eco_write_bytes(&w, bytes, size);
+	eco_write_bytes(&w, &check, sizeof check);
 	pthread_mutex_lock(&cache->lock);
 	enum eco_code code = w.failed ? eco_no_memory(&why, "a plant") : !main_cache_make(cache->folder)
 		? eco_fail_write(&why, cache->folder, errno) : eco_file_write(path, w.bytes, w.size, &why);

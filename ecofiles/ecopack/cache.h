@@ -10,8 +10,7 @@
  * of processes share a folder: an entry is written to a temporary file and renamed, and an open entry can
  * be read to its end after it was removed. A damaged entry is noticed by its hash, named, and written anew.
  *
- *   KEY.plant, KEY in 32 hex digits:
- *       0  8 "ECOCACHE"   8  16 key   24  u64 size of the bytes   32  u64 their XXH3-64   40  bytes
+ * KEY.plant, KEY in 32 hex digits: the bytes, and their XXH3-64 with the key's first half as its seed.
  *
  * The time of an entry's last use is the file's modification time. All functions but open and close may be
  * called by any thread. */

@@ -128,7 +128,6 @@ void make_tables_free(struct make *m)
 	eco_at_end(NULL, NULL);
 	make_ground_free(m);
 	make_inventory_free(m);
-	make_species_free(m);
 }
 
 enum eco_code make_pack(const struct make_options *options, struct eco_error *error)

@@ -111,7 +111,6 @@ struct make {
 	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
 	struct make_array stands;
 	struct make_inventory *inventory;        /* make_inventory.c; NULL before the first place */
-	struct make_species *stood_species;      /* the same */
 	/* the scene's tables as they grow */
 	struct make_array anchors, ladders, curves, tiles, groups, children, lists, palette;
 	struct make_array places;    /* of ECO_PLACE_BYTES */
@@ -207,7 +206,6 @@ void make_inventory_free(struct make *m);
 /* Adds "species" to plants of META that are of any: {"of": how many, "most": [[name, or null where rows state
  * none, plants], ...]}, the commonest first, as many as fit a legend. */
 void make_species_say(const struct make *m, json_t *plants);
-void make_species_free(struct make *m);
 /* META's "ground": where it comes from. */
 #define MAKE_GROUND_THROUGH "plants"
 const char *make_ground_origin(const struct make *m);

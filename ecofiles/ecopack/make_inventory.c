@@ -45,11 +45,8 @@ static uint32_t find_pair(struct make_species *s, uint32_t plant, const char *sp
 	return pair;
 }
 
-static void make_species_count(struct make *m, uint32_t plant, const char *species)
+static void count_species(struct make_species *s, uint32_t plant, const char *species)
 {
-	struct make_species *s = m->stood_species;
-	if (!s)
-		s = m->stood_species = eco_alloc(1, sizeof *s);
 	if (!s->pairs.count || plant != s->plant || strcmp(species_of(s, s->pair), species) != 0)
 		s->pair = find_pair(s, plant, species);
 	s->plant = plant;
@@ -82,9 +79,22 @@ static json_t *said_of(const struct make_species *s, const uint32_t *pairs, uint
 	return json_pack("{s:I, s:o}", "of", (json_int_t)count, "most", most);
 }
 
+/* ---- Rows ---- */
+
+struct make_inventory {
+	struct make_species species_of;
+	struct eco_inventory_row rows[ECO_INVENTORY_PLACES];
+	uint32_t count;
+	struct eco_bytes *blocks;
+	uint32_t block_count, block_room;
+	struct eco_string_pool names;
+	uint32_t species, file; /* those of the row before */
+	bool is_needed;         /* something is to be said of a plant */
+};
+
 void make_species_say(const struct make *m, json_t *plants)
 {
-	const struct make_species *s = m->stood_species;
+	const struct make_species *s = m->inventory ? &m->inventory->species_of : NULL;
 	uint32_t count = s ? s->pairs.count : 0, *order = eco_alloc(count, sizeof *order);
 	for (uint32_t i = 0; i < count; i++)
 		order[i] = i;
@@ -99,28 +109,6 @@ void make_species_say(const struct make *m, json_t *plants)
 	}
 	free(order);
 }
-
-void make_species_free(struct make *m)
-{
-	if (!m->stood_species)
-		return;
-	eco_string_pool_free(&m->stood_species->pairs);
-	free(m->stood_species->counts);
-	free(m->stood_species);
-	m->stood_species = NULL;
-}
-
-/* ---- Rows ---- */
-
-struct make_inventory {
-	struct eco_inventory_row rows[ECO_INVENTORY_PLACES];
-	uint32_t count;
-	struct eco_bytes *blocks;
-	uint32_t block_count, block_room;
-	struct eco_string_pool names;
-	uint32_t species, file; /* those of the row before */
-	bool is_needed;         /* something is to be said of a plant */
-};
 
 /* The kept name that equals `name`, or NULL; *number: of a kept one that it often is. */
 static const char *keep_name(struct eco_string_pool *names, const char *name, uint32_t *number)
@@ -147,7 +135,7 @@ void make_inventory_add(struct make *m, uint32_t plant, const struct eco_invento
 	kept->species = keep_name(&in->names, row->species, &in->species);
 	kept->file = keep_name(&in->names, row->file, &in->file);
 	in->is_needed = in->is_needed || kept->species || kept->file;
-	make_species_count(m, plant, row->species ? row->species : m->table[plant].name);
+	count_species(&in->species_of, plant, row->species ? row->species : m->table[plant].name);
 	if (++in->count == ECO_INVENTORY_PLACES)
 		close_block(in);
 }
@@ -173,6 +161,8 @@ void make_inventory_free(struct make *m)
 		free(in->blocks[i].at);
 	free(in->blocks);
 	eco_string_pool_free(&in->names);
+	eco_string_pool_free(&in->species_of.pairs);
+	free(in->species_of.counts);
 	free(in);
 	m->inventory = NULL;
 }

@@ -113,7 +113,7 @@ UNIT_TEST(what_was_used_least_recently_goes)
 	folder_empty(folder);
 	memset(text, 'x', 100);
 	text[100] = 0;
-	main_cache_open(&cache, folder, 1000);       /* seven entries of 140 bytes */
+	main_cache_open(&cache, folder, 800);        /* seven entries of 108 bytes */
 	for (unsigned i = 0; i < 12; i++) {
 		put(&cache, i, text);
 		entry_path(path, i);
@@ -126,7 +126,7 @@ UNIT_TEST(what_was_used_least_recently_goes)
 	fprintf(file, "%2000s", "");
 	fclose(file);
 	main_cache_close(&cache);
-	main_cache_open(&cache, folder, 1000);
+	main_cache_open(&cache, folder, 800);
 	for (unsigned i = 0; i < 12; i++)
 		assert_int_equal(holds(&cache, i, text), i == 0 || i >= 6);
 	main_cache_close(&cache);
