@@ -115,7 +115,7 @@ struct bench_model *bench_models(struct bench *bench, uint32_t *count);
 void bench_model_read(const struct bench_model *model, struct eco_model *out);
 
 /* The tree of 6,143 leaves (bench_crown.c): as a model, which the caller frees; as FOLDER/NAME.obj and .mtl. */
-enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error);
+struct eco_model bench_crown_make(void);
 enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error);
 
 /* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city,

@@ -45,7 +45,7 @@ static json_t *make_unit(void *ctx)
 	if (o->model)
 		bench_model_read(o->model, &leaves.model);
 	else
-		must(bench_crown_make(&leaves.model, must_error));
+		leaves.model = bench_crown_make();
 	must(bench_foliage_make(&leaves.foliage, &leaves.model, &leaves.arena, must_error));
 	lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = o->pixels,
 		.height = o->pixels, .silhouette = true });

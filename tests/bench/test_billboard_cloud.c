@@ -20,8 +20,8 @@ static const struct { struct lod_v3 corner[3]; double epsilon; bool valid; } jud
 	{ { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 1, 0 } }, 3 - 1e-9, false },          /* beside it, in its plane */
 	{ { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 1, 0 } }, 3 + 1e-9, true },
 };
-/* The first of these triangles with an area, and the fourth with .25: 1 - coverage. Valid .4, invalid .2 of .75;
- * both valid; the other way round never below nothing. */
+/* 1 - coverage of the first of these with an area, and the fourth with .25. Valid .4, invalid .2 of .75; both
+ * valid; the other way round never below nothing. */
 static const struct { double area, epsilon, uncovered; } covered[] = { { 0.5, 0.3, 1 - 0.2 / 0.75 },
 	{ 0.5, 9, 0.2 }, { 0.1, 0.3, 1 } };
 

@@ -48,7 +48,7 @@ struct lod_billboard_cloud {
 };
 
 struct lod_billboard_plant;
-/* The model may have no triangles; it must outlive the plant. */
+/* The model may be without triangles; it must outlive the plant. */
 struct lod_billboard_plant *lod_billboard_plant_make(const struct eco_model *model, struct lod_arena *arena);
 /* At most `cap` billboards, within the least epsilon of a ladder that leaves a mean error of at most .5.
  * Faces that no billboard holds within epsilon are drawn like the others: the paper does not say what becomes

@@ -54,53 +54,40 @@ static void grow(struct gen_mesh *mesh)
 		grow_leaves(mesh, bark, leaf, &shoots[i], &random, &left);
 }
 
-/* The mesh as a model: faces as fans. */
-static bool convert(struct eco_model *model, const struct gen_mesh *mesh)
-{
-	size_t triangles = 0;
-	for (uint32_t i = 0; i < mesh->face_count; i++)
-		triangles += mesh->faces[i].corners - 2u;
-	*model = (struct eco_model){ .position = calloc(mesh->count, 3 * sizeof(float)),
-		.index = calloc(triangles, 3 * sizeof(uint32_t)), .material = calloc(triangles,
-			sizeof(uint32_t)),
-		.materials = calloc(mesh->material_count, sizeof *model->materials),
-			.vertex_count = mesh->count,
-		.material_count = mesh->material_count, .triangles_in = (uint32_t)triangles, .scale = 1 };
-	if (!model->position || !model->index || !model->material || !model->materials)
-		return false;
-	for (uint32_t i = 0; i < mesh->count; i++) {
-		model->position[3 * i] = (float)mesh->position[i].x;
-		model->position[3 * i + 1] = (float)mesh->position[i].y;
-		model->position[3 * i + 2] = (float)mesh->position[i].z;
-	}
-	for (uint32_t i = 0; i < mesh->material_count; i++) {
-		struct eco_material *to = &model->materials[i];
-		to->image = ECO_NONE;
-		memcpy(to->name, mesh->materials[i].name, sizeof mesh->materials[i].name);
-		memcpy(to->rgb, mesh->materials[i].rgb, sizeof to->rgb);
-	}
-	for (uint32_t i = 0; i < mesh->face_count; i++)
-		for (uint32_t k = 0; k + 2 < mesh->faces[i].corners; k++) {
-			uint32_t *index = model->index + 3 * (size_t)model->triangle_count;
-			index[0] = mesh->faces[i].corner[0];
-			index[1] = mesh->faces[i].corner[k + 1];
-			index[2] = mesh->faces[i].corner[k + 2];
-			model->material[model->triangle_count++] = mesh->faces[i].material;
-		}
-	return true;
-}
-
-enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error)
+struct eco_model bench_crown_make(void)
 {
 	struct gen_mesh mesh = { 0 };
+	size_t triangles = 0;
 	grow(&mesh);
-	*model = (struct eco_model){ 0 };
-	bool made = convert(model, &mesh);
+	for (uint32_t i = 0; i < mesh.face_count; i++)
+		triangles += mesh.faces[i].corners - 2u;
+	struct eco_model model = { .position = eco_alloc(mesh.count, 3 * sizeof(float)),
+		.index = eco_alloc(triangles, 3 * sizeof(uint32_t)), .material = eco_alloc(triangles,
+		sizeof(uint32_t)),
+		.materials = eco_alloc(mesh.material_count, sizeof *model.materials), .vertex_count
+		= mesh.count,
+		.material_count = mesh.material_count, .triangles_in = (uint32_t)triangles, .scale = 1 };
+	for (uint32_t i = 0; i < mesh.count; i++) {
+		model.position[3 * i] = (float)mesh.position[i].x;
+		model.position[3 * i + 1] = (float)mesh.position[i].y;
+		model.position[3 * i + 2] = (float)mesh.position[i].z;
+	}
+	for (uint32_t i = 0; i < mesh.material_count; i++) {
+		struct eco_material *to = &model.materials[i];
+		to->image = ECO_NONE;
+		memcpy(to->name, mesh.materials[i].name, sizeof mesh.materials[i].name);
+		memcpy(to->rgb, mesh.materials[i].rgb, sizeof to->rgb);
+	}
+	for (uint32_t i = 0; i < mesh.face_count; i++)
+		for (uint32_t k = 0; k + 2 < mesh.faces[i].corners; k++) {   /* faces become fans */
+			uint32_t *index = model.index + 3 * (size_t)model.triangle_count;
+			index[0] = mesh.faces[i].corner[0];
+			index[1] = mesh.faces[i].corner[k + 1];
+			index[2] = mesh.faces[i].corner[k + 2];
+			model.material[model.triangle_count++] = mesh.faces[i].material;
+		}
 	gen_mesh_free(&mesh);
-	if (!made)
-		eco_model_free(model);
-	return made ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a crown of %u leaves",
-		CROWN_LEAVES);
+	return model;
 }
 
 struct crown_file { struct gen_mesh mesh; const char *folder, *name; struct eco_error *error; };
