@@ -366,7 +366,7 @@ static enum eco_code killed(const struct eco_guard *g, int number, double cpu_s,
 		return no_time(g, error);
 	if (number == SIGXFSZ && getrlimit(RLIMIT_FSIZE, &files) == 0
 			&& files.rlim_cur < g->limits.memory_bytes)
-		return eco_fail(error, ECO_IO, "%s: what is in it takes more than the %llu bytes that a file "
+		return eco_fail(error, ECO_IO, "%s: its content takes more than the %llu bytes that a file "
 			"may have here (ulimit -f): allow more", g->what, (unsigned long long)files.rlim_cur);
 	if (number == SIGXFSZ)
 		return eco_fail(error, ECO_TOO_LARGE, "%s: it unpacks to more than %.3g GB; if the file is "
@@ -378,7 +378,7 @@ static enum eco_code killed(const struct eco_guard *g, int number, double cpu_s,
 	if (g->shared->no_memory)
 		return no_memory(g, error);
 	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with signal %d (%s): it is damaged, or "
-		"meets a bug in the library that reads it; save it anew with another program, or in another "
+		"meets a bug in the library that reads it; save it again with another program, or in another "
 		"format", g->what, number, strsignal(number));
 }
 
@@ -397,7 +397,8 @@ static enum eco_code verdict(struct eco_guard *g, int status, const struct rusag
 	if (g->shared->no_memory || WEXITSTATUS(status) == ECO_GUARD_NO_MEMORY_STATUS)
 		return no_memory(g, error);
 	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d: it is damaged, or meets "
-		"a bug in the library that reads it; save it anew with another program, or in another format",
+		"a bug in the library that reads it; save it again with another program, or in another "
+		"format",
 		g->what, WEXITSTATUS(status));
 }
 

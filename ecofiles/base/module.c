@@ -58,8 +58,8 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 	const uint32_t *table = dlsym(handle, modules[module].symbol);
 	/* the module stays mapped even so: libraries such as these do not survive unloading */
 	if (!table || *table != ECO_MODULE_VERSION)
-		return eco_fail(error, ECO_NOT_FOUND, "%.200s is not that of this version of the program: "
-			"make builds it anew", path);
+		return eco_fail(error, ECO_NOT_FOUND, "%.200s belongs to another version of the program: "
+			"make builds it again", path);
 	loaded[module] = table;
 	return ECO_OK;
 }

@@ -153,7 +153,7 @@ static enum eco_code check_line(const char *line, const char *where, bool is_las
 	if (size == LINE_BYTES - 1)
 		return eco_fail(error, ECO_TOO_LARGE, "%s is too long", where);
 	return is_last || strchr(line, '\n') ? ECO_OK
-		: eco_fail(error, ECO_BAD_USAGE, "%s has a NUL: this is no file of settings", where);
+		: eco_fail(error, ECO_BAD_USAGE, "%s has a NUL: it is not a file of settings", where);
 }
 
 /* A pipe may never have an end, nor even a beginning. */

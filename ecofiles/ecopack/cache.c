@@ -61,7 +61,7 @@ static uint64_t check_of(const struct main_cache_key *key, const uint8_t *bytes,
 
 static void note_damage(const char *path, const char *why)
 {
-	main_note("the cached %s is damaged (%s): the plant is built anew", path, why);
+	main_note("the cached %s is damaged (%s): the plant is built again", path, why);
 }
 
 bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, uint8_t **bytes, size_t *size)

@@ -93,8 +93,8 @@ static void say_guesses(const struct camera *c, const struct eco_track *track, c
 		fprintf(c->out, "no heights were recorded: the camera is %g m above the ground "
 			"(--clearance)\n", c->o.clearance_m);
 	else if (track->height == ECO_HEIGHTS_ABSOLUTE && c->o.crs && !c->o.to_given)
-		fprintf(c->out, "heights are taken as metres above the zero of the scene's heights; another "
-			"datum is not converted (--height rel)\n");
+		fprintf(c->out, "heights are read as metres above the zero of the scene's heights; datums "
+			"are not converted (--height rel)\n");
 	else if (track->height == ECO_HEIGHTS_RELATIVE && !c->o.to_given)
 		fprintf(c->out, "heights are above take-off, which is %s (--height abs)\n",
 			c->o.ground ? "on the scene's ground" : "z = 0");
@@ -106,7 +106,7 @@ static void say_moved(const struct camera *c, const struct eco_track *track, con
 	for (uint32_t i = 0; i < f->count; i++)
 		far_m = fmin(far_m, hypot(f->samples[i].eye[0], f->samples[i].eye[1]));
 	if (track->local)
-		fprintf(c->out, "nothing says where the scene is (--scene SCENE.json, or --crs and --origin, "
+		fprintf(c->out, "the scene's place is not given (--scene SCENE.json, or --crs and --origin, "
 			"or --to X,Y,Z): the first fix is the origin of the script's metres, x east, y "
 			"north, and the lowest eye is at least %g m above z = 0 (--clearance)\n",
 			c->o.clearance_m);
@@ -208,8 +208,8 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 	bool may = stat(path, &status) != 0 || (S_ISREG(status.st_mode)
 		&& (!status.st_size || eco_camera_load(&camera, path, NULL) == ECO_OK));
 	eco_camera_free(camera);
-	return may ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; "
-		"it is kept. Take another name", path);
+	return may ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s exists and is not a camera script; it "
+		"is kept. Take another name", path);
 }
 
 static struct camera given;

@@ -41,8 +41,8 @@ static void open_part(struct link *l, struct link_part *part)
 	for (size_t i = 0; i < 3; i++) {
 		json_t *v = json_array_get(origin, i);
 		if (!json_is_number(v) || !(fabs(json_number_value(v)) <= ORIGIN_MOST))
-			eco_stop(ECO_BAD_INPUT, "%s: it does not say where it lies (META has no crs and origin); build it "
-				"again with ecopack make", part->path);
+			eco_stop(ECO_BAD_INPUT, "%s: its place is not stated (META has no crs and origin); "
+				"build it again with ecopack make", part->path);
 		part->at[i] = json_number_value(v);
 	}
 	part->plant_of = eco_alloc(s->plant_count, sizeof *part->plant_of);
@@ -68,7 +68,8 @@ static void open_parts(struct link *l)
 		const struct eco_scene *s = &l->parts[i].pack->scene;
 		l->plant_room += s->plant_count;
 		if (__builtin_add_overflow(plants, s->tiles[s->root].instance_count, &plants))
-			eco_stop(ECO_TOO_LARGE, "%s: with it there are more than 2^64 plants", l->parts[i].path);
+			eco_stop(ECO_TOO_LARGE, "%s: together with it there are more than 2^64 "
+				"plants", l->parts[i].path);
 	}
 	memcpy(origin, l->parts[0].at, sizeof origin);
 	for (uint32_t i = 0; i < l->count; i++)
@@ -170,7 +171,7 @@ static void copy_ground(struct link *l)
 	m->scene.ground_count = s->ground_count;
 	for (uint32_t i = which + 1; i < l->count; i++)
 		if (has_rasters(&l->parts[i]))
-			main_note("%s: its ground is left out; that of %s is the ground of the whole",
+			main_note("%s: its ground is left out; the ground of %s serves the whole",
 				l->parts[i].path, part->path);
 }
 

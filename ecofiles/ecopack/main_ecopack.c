@@ -283,7 +283,7 @@ static const struct main_command *find_command(const char *name, struct eco_erro
 		eco_phrase_add(known, sizeof known, own);
 	}
 	if (name)
-		eco_fail(error, ECO_BAD_USAGE, "%.100s is no command: the commands are %s", name, known);
+		eco_fail(error, ECO_BAD_USAGE, "%.100s is not a command; commands: %s", name, known);
 	else
 		eco_fail(error, ECO_BAD_USAGE, "a command is missing: the commands are %s", known);
 	return NULL;

@@ -253,7 +253,8 @@ static void may_write(const char *path, struct eco_error *error)
 	if (fd >= 0)
 		close(fd);
 	if (there && got != 0 && (got != 8 || memcmp(start, png, 8) != 0))
-		eco_stop(ECO_BAD_INPUT, "%.400s is there and is no PNG; it is kept. Take another name", path);
+		eco_stop(ECO_BAD_INPUT, "%.400s exists and is not a PNG; it is kept. Take another "
+			"name", path);
 	snprintf(folder, sizeof folder, "%.*s", last == path ? 1 : (int)(last - path),
 		last == path ? "." : path);
 	if (access(folder, W_OK | X_OK) != 0)
@@ -281,7 +282,7 @@ static void write_given(void *map)
 	struct map *m = map;
 	bool table = eco_points_knows(given.output);
 	if (table && access(given.output, F_OK) == 0)
-		eco_stop(ECO_BAD_USAGE, "%s is there and may be somebody's inventory; it is kept. Take another name",
+		eco_stop(ECO_BAD_USAGE, "%s exists, perhaps as an inventory; it is kept. Take another name",
 			given.output);
 	if (!table)
 		may_write(given.output, m->error);

@@ -312,7 +312,7 @@ static enum eco_code read_options(struct seen *s, struct eco_error *error)
 	s->up = given.up;
 	s->options.height_m = given.height_m;
 	if (s->unit && !eco_unit_metres(s->unit, &s->options.unit_m))
-		return eco_fail(error, ECO_BAD_USAGE, "--unit %.20s: the units are " ECO_UNITS, s->unit);
+		return eco_fail(error, ECO_BAD_USAGE, "--unit %.20s: unknown; units: " ECO_UNITS, s->unit);
 	if (s->up && !eco_up_of(s->up, &s->options.up))
 		return eco_fail(error, ECO_BAD_USAGE, "--up %.20s: x, y or z, the axis of the file that "
 			"points up", s->up);

@@ -233,7 +233,7 @@ static void say_step(char *text, size_t size, double costs)
 	if (!(costs > 0))
 		snprintf(text, size, "more detail would not be seen from here");
 	else if (costs < 1.5)
-		snprintf(text, size, "more detail would be worth nearly as much here as elsewhere");
+		snprintf(text, size, "more detail would gain nearly as much here as elsewhere");
 	else
 		snprintf(text, size, "more detail would hardly be seen here: elsewhere it improves the picture %.2g "
 			"times as much", costs);
@@ -269,7 +269,7 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 		say_whole(text, size, reason);
 		return;
 	case LOD_WHY_DISTANCE:
-		snprintf(text, size, "Deussen's rule asks for one detail every %.3g rad of the view",
+		snprintf(text, size, "Deussen's rule: one detail every %.3g rad of the view",
 			explanation->sample_distance);
 		return;
 	case LOD_WHY_SUMMARY:
@@ -277,7 +277,7 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 			reason->margin);
 		return;
 	case LOD_WHY_FAR:
-		snprintf(text, size, "so far away, points that stand for many plants are fine enough");
+		snprintf(text, size, "points that stand for many plants are fine enough at this distance");
 		return;
 	case LOD_WHY_GIVES_WAY:
 		snprintf(text, size, "points for many plants give way to single ones: %.3g %% of these are drawn",

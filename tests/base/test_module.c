@@ -60,7 +60,7 @@ UNIT_TEST(another_module_under_that_name_is_refused)
 	put("ecogdal.so", NULL);
 	assert_int_equal(symlink(target, FOLDER "/ecogdal.so"), 0);
 	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
-	assert_refused(ECO_MODULE_GDAL, FOLDER "/ecogdal.so", "is not that of this version");
+	assert_refused(ECO_MODULE_GDAL, FOLDER "/ecogdal.so", "belongs to another version");
 	put("ecogdal.so", NULL);
 }
 

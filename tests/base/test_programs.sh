@@ -137,7 +137,7 @@ printf '{"plants": {"oak": {"model": "models/oak.obj"}}, "instances": [{"plant":
 run 1 make "$DIR/scene.json" -o "$DIR/none/out.eco"; says err 'none/out.eco: .*No such file or directory; make its folder first'
 run 1 map "$DIR/scene.json" -o "$DIR/none/map.png"; says err 'none/map.png: .*No such file or directory; make its folder first'
 run 1 start "$DIR/trees.csv" "$DIR/models" -o "$DIR/none/my"; says err 'none/my: No such file or directory; make its folder first'
-run 1 start "$DIR/trees.csv" "$DIR/models" -o "$DIR/trees.csv"; says err 'trees.csv is there and is no folder; it is kept'
+run 1 start "$DIR/trees.csv" "$DIR/models" -o "$DIR/trees.csv"; says err 'trees.csv exists and is not a folder; it is kept'
 run 1 start "$DIR/trees.csv" "$DIR/none" -o "$DIR/my"; says err 'none, the folder of models: No such file or directory; check its name'
 run 1 start "$DIR/none.csv" "$DIR/models" -o "$DIR/my"; says err 'none.csv: No such file or directory; check its name'
 run 1 make "$DIR/trees.csv" -o "$DIR/out.eco"; says err 'trees.csv:1:1: this is no JSON.*ecopack start makes a scene of it'
@@ -145,5 +145,5 @@ run 1 info "$DIR/scene.json"; says err 'scene.json: not a pack: .*; ecopack make
 run 2 map "$DIR/scene.json" -o "$DIR/map.jpg"; says err 'map.jpg: pictures are PNG'
 [ ! -e "$DIR/map.jpg" ] && [ ! -e "$DIR/my" ] && [ ! -e "$DIR/out.eco" ] || complain "something was written: $(ls "$DIR")"
 run 2 frobnicate
-says err '^ecopack: frobnicate is no command: the commands are start, make, '
+says err '^ecopack: frobnicate is not a command; commands: start, make, '
 exit $failed

@@ -85,7 +85,7 @@ expect 0 '^0 of 1 plants' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$D
 expect 0 '^1 of 1 plants' make "$DIR/scene.json" -o "$DIR/again.eco" --cache="$DIR/kept" --times
 same again.eco --cache
 for entry in "$DIR"/kept/*.plant; do printf 'x' | dd of="$entry" bs=1 seek=60 conv=notrunc 2>/dev/null; done
-expect 0 'damaged .its hash does not hold.: the plant is built anew' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/kept"
+expect 0 'damaged .its hash does not hold.: the plant is built again' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/kept"
 same again.eco "after damage"
 expect 0 '^1 of 1 plants' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/kept" --times
 expect 0 'cannot keep finished plants; .*scene.json/.*: Not a directory' make "$DIR/scene.json" -o "$DIR/again.eco" --cache "$DIR/scene.json"
@@ -108,7 +108,7 @@ same greedy.eco "greedy is the default"
 
 # ---- What is in a model ----
 expect 2 'the model file is missing' model
-expect 2 'the units are m, cm, mm' model --unit parsec "$DIR/blade.obj"
+expect 2 'unknown; units: m, cm, mm' model --unit parsec "$DIR/blade.obj"
 expect 2 'x, y or z' model --up w "$DIR/blade.obj"
 expect 0 'ecopack model FILE' model --help
 expect 0 'triangles_kept +3' model "$DIR/blade.obj"
@@ -147,7 +147,7 @@ expect 0 'is a camera script already' camera "$DIR/walk.json" -o "$DIR/again.jso
 cmp -s "$DIR/walk.json" "$DIR/again.json" || complain "a copied camera script differs"
 echo '{"keyframes": 1}' >"$DIR/broken.json"
 expect 1 'broken.json' camera "$DIR/broken.json" -o "$DIR/none.json"
-expect 2 'is no camera script; it is kept' camera "$DIR/walk.csv" -o "$DIR/walk.csv"
+expect 2 'is not a camera script; it is kept' camera "$DIR/walk.csv" -o "$DIR/walk.csv"
 printf 'AXXX001\nHFDTE270418\nB1101355206343N00006198WA0058700558\n' >"$DIR/a.igc"
 expect 1 'Read are SRT .*GPSBabel' camera "$DIR/a.igc" -o "$DIR/none.json"
 expect 1 'walk.csv: read as CSV' camera "$DIR/walk.csv" --height rel --crs EPSG:1 --origin 0,0,0 -o "$DIR/none.json"

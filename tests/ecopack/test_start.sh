@@ -182,15 +182,15 @@ start 0 'within 1.4 x 1.62 km' degrees.csv --crs EPSG:4326 --scene-crs EPSG:2583
 
 # ---- Longitude and latitude swapped where both stay valid: the areas of CRSs and terrain tell, a stated CRS or not ----
 deg species,height,lon,lat 50.1 8.6 >"$DIR/turned.csv"
-start 0 'are swapped: only so do they lie in the area of use of ETRS89, longitude -16.1 to 40.18' turned.csv --crs EPSG:4258
+start 0 'are swapped: with this choice alone they lie in the area of use of ETRS89, longitude -16.1 to 40.18' turned.csv --crs EPSG:4258
 is '[.crs, .instances[0].x, .instances[0].crs]' '["EPSG:32632","lat","EPSG:4258"]'
-start 0 'are swapped: only so do they lie in the area of use of ETRS89 / UTM zone 32N' turned.csv --crs EPSG:4326 --scene-crs EPSG:25832
+start 0 'are swapped: with this choice alone they lie in the area of use of ETRS89 / UTM zone 32N' turned.csv --crs EPSG:4326 --scene-crs EPSG:25832
 start 0 'WGS 84, as you say; a place at 50.110, 8.608' turned.csv --crs EPSG:4326
 start 0 'as you say; a place at .*; but its area of use is longitude 167.7 to -40.73' degrees.csv --crs EPSG:4269
 deg species,height,x,y 5580000 470000 | sed '1!s/\.00000//g' >"$DIR/turned_utm.csv"
-start 0 'are swapped: only so do they lie in the CRS.s area of use, longitude 6 to 12.01' turned_utm.csv --crs EPSG:25832
+start 0 'are swapped: with this choice alone they lie in the CRS.s area of use, longitude 6 to 12.01' turned_utm.csv --crs EPSG:25832
 echo '{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::4258"}},"features":[{"type":"Feature","properties":{"species":"oak"},"geometry":{"type":"Point","coordinates":[50.1,8.6]}}]}' >"$DIR/turned.geojson"
-start 1 'x and y of its points are swapped, as 50.1, 8.6: only so do they lie in the area of use of ETRS89' turned.geojson
+start 1 'x and y of its points are swapped, as 50.1, 8.6: with this choice alone they lie in the area of use of ETRS89' turned.geojson
 
 # ---- Degrees, minutes and seconds ----
 awk 'BEGIN { print "especie;altura;latitud;longitud"
@@ -219,7 +219,7 @@ start 0 'a place at 21.01' pl.csv --x 'Y (PUWG 1992)' --y 'X (PUWG 1992)'
 
 # ---- Titles before the names; species of no known form ----
 { printf 'Trees of a town\n2024\n\n'; awk 'BEGIN { print "species,height_m,lon,lat"; for (i = 0; i < 40; i++) printf "%s,%d,%.4f,48.1\n", i % 2 ? "oak" : "zzyzx", 5 + i % 9, 11.5 + i / 5000 }'; } >"$DIR/titles.csv"
-start 0 'before line 4 is no table.*no model has their form, or it is not known: zzyzx' titles.csv
+start 0 'before line 4 are no table.*no model has their form, or it is not known: zzyzx' titles.csv
 is '.instances[0].map.oak' '"stieleiche"'
 
 # ---- A model that cannot be read: what to do ----

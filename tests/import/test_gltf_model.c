@@ -303,7 +303,7 @@ UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 	assert_true(m.uv[m.index[0] * 2] == 5 && m.uv[m.index[3] * 2] == 10 && m.uv[m.index[6] * 2] == 0);
 	assert_true(m.materials[3].image == ECO_NONE && m.materials[4].image == ECO_NONE);
 	assert_non_null(strstr(notes.text, "none.png"));
-	assert_non_null(strstr(notes.text, "no picture of a kind that is read"));
+	assert_non_null(strstr(notes.text, "no picture in a known format"));
 }
 
 /* ---- Draco ---- */

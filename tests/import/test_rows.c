@@ -498,7 +498,7 @@ UNIT_TEST(the_layer_that_fits_is_taken_or_asked_for)
 		{ "shrubs", 25832, wkbPoint, "POINT (3 4)", "hazel" } };
 	const char *path;
 	expect_made("GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak",
-		"of its 2 layers \"trees\" is taken", "EPSG:25832");
+		"it has 2 layers; \"trees\" is taken", "EPSG:25832");
 	expect_made("GPKG", "named.gpkg", layers, 3, "shrubs", "species / (3 4) hazel", NULL, "EPSG:25832");
 	path = input_path("rows", "many.gpkg");
 	make_file("GPKG", path, layers, 3);
@@ -532,7 +532,7 @@ UNIT_TEST(trees_of_city_models_are_rows)
 			"<core:cityObjectMember><bldg:Building><bldg:height>9</bldg:height></bldg:Building>"
 			"</core:cityObjectMember><core:cityObjectMember><veg:PlantCover><veg:averageHeight>3"
 			"</veg:averageHeight></veg:PlantCover></core:cityObjectMember>",
-			"gml_id / (11 21 500) t", "its PlantCover are passed over", "EPSG:25832" },
+			"gml_id / (11 21 500) t", "its PlantCover features are skipped", "EPSG:25832" },
 		{ "globe.gml", "urn:ogc:def:crs:EPSG::4979", TREE("<veg:lod1Geometry>" AT("48.1 11.5 520")
 			"</veg:lod1Geometry>") TREE(""), "gml_id / (11.5 48.1 520) t / empty t", NULL, "EPSG:4979" },
 		{ "nowhere.gml", "urn:adv:crs:plan", TREE("<veg:lod1Geometry>" AT("1 2 3") "</veg:lod1Geometry>"),

@@ -199,7 +199,7 @@ static struct { const char *pack, *chunks, *tiles; uint64_t from; bool plain; st
 static void write_given(void *error)
 {
 	if (!given.chunks && !given.tiles)
-		eco_stop(ECO_BAD_USAGE, "what to export? Give --static DIR, --3dtiles DIR or both");
+		eco_stop(ECO_BAD_USAGE, "nothing to export: give --static DIR, --3dtiles DIR or both");
 	eco_check(eco_pack_open(&given.opened, given.pack, error));
 	if (given.chunks)
 		export_chunks(given.opened, given.chunks, given.from, error);

@@ -93,12 +93,13 @@ static void make_folder(const struct start_options *o, bool *made, struct eco_er
 	if (!*made && errno != EEXIST)
 		eco_check(eco_fail_write(error, o->folder, errno));
 	if (!*made && stat(o->folder, &status) == 0 && !S_ISDIR(status.st_mode))
-		eco_stop(ECO_BAD_INPUT, "-o %.300s is there and is no folder; it is kept. Take another name", o->folder);
+		eco_stop(ECO_BAD_INPUT, "-o %.300s exists and is not a folder; it is kept. Take another "
+			"name", o->folder);
 	for (size_t i = 0; i < 3 && !o->force; i++) {
 		snprintf(path, sizeof path, "%.4000s/%s", o->folder, names[i]);
 		if (access(path, F_OK) == 0)
-			eco_stop(ECO_BAD_INPUT, "%.300s is there already; --force replaces it, and what was written into it by "
-				"hand is lost", path);
+			eco_stop(ECO_BAD_INPUT, "%.300s exists; --force replaces it, with all changes made "
+				"by hand", path);
 	}
 }
 

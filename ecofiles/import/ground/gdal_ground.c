@@ -317,8 +317,8 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 		double count = floor((high[k] - low[k]) / step[k] + 0.5);
 		if (!(step[k] > 0) || !(count >= 2) || !isfinite(low[k])
 				|| high[k] - low[k] > GROUND_METRES_MAX)
-			return eco_fail(error, ECO_DAMAGED, "%.200s: ground of %g m with samples every %g m "
-				"makes no sense", first->path, high[k] - low[k], step[k]);
+			return eco_fail(error, ECO_DAMAGED, "%.200s: ground of %g m with samples every %g "
+				"m is impossible", first->path, high[k] - low[k], step[k]);
 		f->low[k] = low[k];
 		f->samples[k] = count > job->asked->side_max ? job->asked->side_max : (uint32_t)count;
 		f->step[k] = count > job->asked->side_max ? (high[k] - low[k]) / job->asked->side_max

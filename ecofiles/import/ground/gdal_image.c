@@ -124,7 +124,7 @@ static enum eco_code find_root(struct job *job, struct eco_error *error)
 		extent = fmax(extent, job->high[k] - job->low[k]);
 	if (!(extent > 0) || extent > EXTENT_M_MAX || !(job->finest_m > 0))
 		return eco_fail(error, ECO_DAMAGED,
-			"%.200s: an image of %g m with pixels of %g m makes no sense",
+			"%.200s: an image of %g m with pixels of %g m is impossible",
 			job->rasters[0].raster.path, extent, job->finest_m);
 	job->finest_m = fmax(job->finest_m, asked);
 	head->texel_m = job->finest_m;

@@ -113,7 +113,7 @@ enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes,
 		size)) {
 		free(*bytes);
 		*bytes = NULL;
-		return eco_fail(error, ECO_DAMAGED, "a data URI that is no base64");
+		return eco_fail(error, ECO_DAMAGED, "a data URI that is not base64");
 	}
 	return ECO_OK;
 }

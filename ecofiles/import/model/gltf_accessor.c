@@ -66,8 +66,8 @@ static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json
 			"%.20s, filter %.20s is not read; " EXPORT,
 			doc->path, view, eco_gltf_text(json, "mode"), filter);
 	if (!strides_fit(p) || p->count > UNPACKED_MAX)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with sizes "
-			"that make no sense", doc->path, view);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with "
+			"impossible sizes", doc->path, view);
 	if (p->count * p->stride > UNPACKED_MAX - doc->unpacked)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: unpacks to more than %llu bytes", doc->path,
 			(unsigned long long)UNPACKED_MAX);

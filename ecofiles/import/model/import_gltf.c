@@ -199,8 +199,8 @@ static void read_material(struct eco_images *images, const struct eco_gltf *doc,
 	if (image_name(doc, source_of(doc, texture_of(material)), name, sizeof name))
 		wanted.texture = name;
 	else
-		eco_note(notes, "material %.63s: its texture has no picture of a kind that is read; it "
-			"keeps one colour", to->name);
+		eco_note(notes, "material %.63s: its texture has no picture in a known format; it keeps "
+			"one colour", to->name);
 	eco_material_take_picture(to, images, &wanted, false);
 }
 

@@ -205,7 +205,7 @@ static void drop_sheet(struct model_clean *c)
 	const char *name = at < all.count && m->part ? m->parts[m->part[all.items[at].first]].name : "";
 	if (at < all.count && !is_ruled(name, c->options)) {
 		eco_note(c->notes,
-			"a level sheet that it stands on (%u triangles of part \"%s\") is left out, as "
+			"its level sheet of ground (%u triangles of part \"%s\") is left out, as "
 			"the scene has a ground; name it in \"parts\" if it is the plant's",
 			all.items[at].triangle_count, name);
 		for (uint32_t i = 0; i < m->triangle_count; i++)

@@ -101,7 +101,8 @@ static enum eco_code say_swapped(struct eco_place_look *l, const char *why)
 {
 	if (l->guess->from_geometry)
 		return eco_place_fail(l, "x and y of its points are swapped, as %.7g, %.7g: %s. x is "
-			"easting or longitude, y is northing or latitude: export it anew, or with x and y as columns",
+			"easting or longitude, y is northing or latitude: export it again, or with x and y "
+			"as columns",
 			l->xy[0].middle, l->xy[1].middle, why);
 	l->guess->swapped = true;
 	l->guess->crs_why[0] = 0;
@@ -142,7 +143,8 @@ static void look_for_swapping(const struct eco_place_look *l, const char *crs, c
 		eco_place_why(why, "no tree stands at latitude %.1f", l->as_named[1]);
 	else if (area_speaks_for_swapping(l, crs, &facts) || area_speaks_for_swapping(l, l->asked->scene_crs,
 		&facts))
-		eco_place_why(why, "only so do they lie in the area of use of %.60s, %s", facts.name,
+		eco_place_why(why, "with this choice alone they lie in the area of use of %.60s, "
+			"%s", facts.name,
 			eco_crs_area_text(facts.area, area));
 }
 
@@ -337,7 +339,7 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 	if (facts.geographic)
 		look_for_swapping(l, crs, why);
 	else if (fit == ECO_CRS_SWAPPED)
-		eco_place_why(why, "only so do they lie in the CRS's area of use, %s", area);
+		eco_place_why(why, "with this choice alone they lie in the CRS's area of use, %s", area);
 	else if (!eco_place_dem_has(l, facts.degrees) && dem_has_in(l, crs, l->turned))
 		eco_place_why(why, ONLY_SO_TERRAIN);
 	if (why[0] != 0)

@@ -72,10 +72,12 @@ static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, c
 		kept += convert_fix(crs, &track->fixes[kept], track->degrees);
 	}
 	if (kept < track->count)
-		eco_track_note(track, "%u fixes lie where the scene's CRS is not good and are left out",
+		eco_track_note(track, "%u fixes lie outside the area of use of the scene's CRS and are "
+			"left out",
 			track->count - kept);
 	track->count = kept;
-	return kept ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no fix lies where the CRS \"%.100s\" is good; "
+	return kept ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no fix lies in the area of use of the CRS "
+		"\"%.100s\"; "
 		"--to 0,0,50 moves the track to the scene", name);
 }
 

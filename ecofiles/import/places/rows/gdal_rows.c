@@ -125,7 +125,8 @@ static bool find_trees(struct ogr_rows *r)
 	r->trees = r->layer && !r->areas;
 	if (r->trees && GDALDatasetGetLayerByName(r->data, "PlantCover"))
 		eco_rows_note(&r->rows,
-			"its PlantCover are passed over: they are areas; as GeoJSON polygons, \"scatter\" "
+			"its PlantCover features are skipped: they are areas; as GeoJSON polygons, "
+			"\"scatter\" "
 			"fills them with plants");
 	return r->trees;
 }
@@ -153,8 +154,9 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 		return ask_for_layer(r, NULL, error);
 	r->layer = GDALDatasetGetLayer(r->data, found);
 	if (count > 1)
-		eco_rows_note(&r->rows, "of its %d layers \"%.60s\" is taken, the only one of %s; \"layer\" "
-			"names another", count, OGR_L_GetName(r->layer), r->areas ? "polygons" : "points");
+		eco_rows_note(&r->rows, "it has %d layers; \"%.60s\" is taken, the only one of %s; "
+			"\"layer\" names "
+			"another", count, OGR_L_GetName(r->layer), r->areas ? "polygons" : "points");
 	return r->layer ? ECO_OK : gdal_says(r->path, ECO_BAD_INPUT, "its layer cannot be read", error);
 }
 

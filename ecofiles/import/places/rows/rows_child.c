@@ -128,7 +128,7 @@ struct child {
 
 static enum eco_code damaged(const struct child *c, struct eco_error *error)
 {
-	return eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader make no sense: the file is "
+	return eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader are impossible: the file is "
 		"damaged, or meets a bug in the library that reads it", c->path);
 }
 

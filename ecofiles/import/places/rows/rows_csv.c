@@ -303,7 +303,7 @@ static const char *skip_titles(struct csv *csv, const char *text)
 		if (filled >= NAMES_LEAST && titles > 0) {
 			csv->line += before;
 			eco_rows_note(&csv->rows,
-				"what stands before line %llu is no table: that line names the "
+				"lines before line %llu are no table: that line names the "
 				"columns", (unsigned long long)csv->line);
 			return names;
 		}
