@@ -1,5 +1,5 @@
 /* Memory, or the end of the program; work that stops at the first failure. For programs that run once, and for their
- * rooms: the daemon, the viewer and the library return errors instead (array_grow.h). */
+ * rooms: the daemon, the library and what reads a server's answers return errors instead (array_grow.h). */
 #ifndef ECO_MEMORY_H
 #define ECO_MEMORY_H
 
