@@ -155,7 +155,7 @@ UNIT_TEST(all_species_that_a_pack_names_are_said)
 {
 	struct srv_store other;
 	struct srv_json json = { 0 };
-	char path[64], name[16];
+	char path[64], name[24];
 	open_small(&other, path, false);
 	struct srv_scene *small = other.scenes[0];
 	json_t *most = json_array();

@@ -41,7 +41,7 @@ static enum eco_code send_message(FILE *out, struct message *m, const char *cons
 	bool good = fwrite(m, sizeof *m, 1, out) == 1;
 	for (uint32_t i = 0; good && i < m->texts; i++)
 		good = fputs(!wanted || wanted[i] ? texts[i] : "", out) >= 0 && putc(0, out) == 0;
-	good = good && fwrite(m->place.wkb, 1, area_bytes, out) == area_bytes;
+	good = good && (!area_bytes || fwrite(m->place.wkb, 1, area_bytes, out) == area_bytes);
 	return good ? ECO_OK : eco_fail(error, ECO_IO, "nobody reads on");
 }
 
