@@ -70,7 +70,8 @@ void eco_check(enum eco_code code)
 }
 
 #ifdef __SANITIZE_ADDRESS__
-/* What a stop loses is no leak. */
+/* Memory that a stop loses is no leak. */
+int __lsan_is_turned_off(void);
 int __lsan_is_turned_off(void) { return stopped; }
 #endif
 
