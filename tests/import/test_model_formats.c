@@ -5,34 +5,6 @@
 
 #define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
-/* ---- PLY ---- */
-
-UNIT_TEST(ply_text_brings_colours_and_counts_bad_faces)
-{
-	import_file(input_text("formats", "color.ply", "ply\r\nformat ascii 1.0\r\ncomment made by "
-		"hand\r\nelement vertex 4\r\nproperty float x\r\n"
-		"property float y\r\nproperty float z\r\nproperty uchar red\r\nproperty uchar "
-		"green\r\nproperty uchar blue\r\nelement face 2\r\n"
-		"property list uchar int vertex_indices\r\nend_header\r\n0 0 0 255 0 0\r\n1 0 0 255 0 "
-		"0\r\n0 0 2 255 0 0\r\n0 1 0 255 0 0\r\n"
-		"3 0 1 2\r\n3 0 1 9\r\n"), &(struct eco_model_options){ .up = ECO_UP_Z });
-	assert_int_equal(m.triangle_count, 1);
-	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 1);
-	assert_true(close_to(eco_model_height(&m), 2, 1e-6));
-	assert_memory_equal(m.materials[m.material[0]].rgb, ((const uint8_t[]){ 255, 0, 0 }), 3);
-}
-
-UNIT_TEST(a_point_cloud_is_refused_as_one)
-{
-	import_refuses(input_text("formats", "cloud.ply",
-			       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-			       "property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"),
-		ECO_BAD_INPUT,
-		"no triangles in it, only 3 points or lines; a point cloud has no surfaces: make a mesh of "
-		"it first");
-	import_refuses(input_text("formats", "cloud.laz", "LASF"), ECO_UNSUPPORTED, "a point cloud");
-}
-
 /* ---- Axes and units that formats state ---- */
 
 /* A triangle in Collada; `images`, `sampler`, `colours` and `input`: what a picture and colours of vertices take. */
@@ -58,7 +30,7 @@ UNIT_TEST(a_point_cloud_is_refused_as_one)
 #define RED_DAE(images, sampler, diffuse) COLLADA("", images, sampler, diffuse, "0 0 0 1 0 0 0 1 0", \
 	SOURCE("q", "1 0 0 1 0 0 1 0 0", "R", "G", "B"), "<input semantic=\"COLOR\" source=\"#q\" offset=\"0\"/>", "")
 
-#define FBX(up, front, sign, unit) "; FBX 7.3.0 project file\nFBXHeaderExtension:  {\n\tFBXHeaderVersion: " \
+#define FBX(up, front, sign, unit, colour) "; FBX 7.3.0 project file\nFBXHeaderExtension:  {\n\tFBXHeaderVersion: " \
 	"1003\n\tFBXVersion: 7300\n}\nGlobalSettings:  {\n" \
 	"\tVersion: 1000\n\tProperties70:  {\n\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\"," up "\n" \
 	"\t\tP: \"UpAxisSign\", \"int\", \"Integer\", \"\",1\n" \
@@ -83,144 +55,142 @@ UNIT_TEST(a_point_cloud_is_refused_as_one)
 	"\"A\",40,50,60\n\t\t}\n\t}\n" \
 	"\tMaterial: 3000, \"Material::Bark\", \"\" {\n\t\tVersion: 102\n\t\tShadingModel: " \
 	"\"lambert\"\n\t\tProperties70:  {\n" \
-	"\t\t\tP: \"DiffuseColor\", \"Color\", \"\", \"A\",0.2,0.2,0.2\n\t\t}\n\t}\n}\nConnections:  " \
+	"\t\t\tP: " colour "\n\t\t}\n\t}\n}\nConnections:  " \
 	"{\n\tC: \"OO\",2000,0\n\tC: \"OO\",1000,2000\n" \
 	"\tC: \"OO\",3000,2000\n}\n"
 
-UNIT_TEST(vertex_colours_beside_a_picture_are_weights)
-{
-	import_file(input_text("formats", "weights.dae",
+#define GREY "\"DiffuseColor\", \"Color\", \"\", \"A\",0.2,0.2,0.2"
+#define FACE "f 1 2 3\n"
+#define TALL(units) "v 0 0 0\nv 1 0 0\nv 0 " units " 0\n" FACE
+#define LYING "v 40 50 60\nv 50 50 60\nv 40 50 160\n" FACE
+/* One triangle, 10 units wide and 100 units along the file's z, at (40, 50, 60). */
+#define STATED "up_how=format|unit_how=format|material0=Bark|rgb0=51,51,51"
+#define GIVEN "scale=0.5|up_how=given|unit_how=given|size="
+#define STANDS "triangles=1|at=0.5,0,0|at=-0.5,0,1"
+#define LIBRARY(line) line TRIANGLE "usemtl bark\n" FACE
+#define VEILS "mtllib alpha.mtl\n" TRIANGLE "v 0 0 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\n"
+
+static const struct model_case models[] = {
+	{ "ply_text_brings_colours_and_counts_bad_faces", "color.ply", "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\n"
+		"element vertex 4\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\nproperty uchar red\r\n"
+		"property uchar green\r\nproperty uchar blue\r\nelement face 2\r\nproperty list uchar int vertex_indices\r\n"
+		"end_header\r\n0 0 0 255 0 0\r\n1 0 0 255 0 0\r\n0 0 2 255 0 0\r\n0 1 0 255 0 0\r\n3 0 1 2\r\n3 0 1 9\r\n",
+		.options = { .up = ECO_UP_Z }, .wanted = "triangles=1|bad=1|high=2|rgb0=255,0,0" },
+	{ "vertex_colours_beside_a_picture_are_weights", "weights.dae",
 		RED_DAE("<library_images><image id=\"i\"><init_from>leaf.psd</init_from></image></library_images>",
 		"<newparam sid=\"f\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"
 		"<newparam sid=\"s\"><sampler2D><source>f</source></sampler2D></newparam>",
-		"<texture texture=\"s\" texcoord=\"u\"/>")), NULL);
-	const struct eco_material *leaf = &m.materials[m.material[0]];
-	assert_false(leaf->rgb[0] == 255 && leaf->rgb[1] == 0);
-	import_says("taken for weights of wind and shade, not for colours");
-	import_file(input_text("formats", "colours.dae", RED_DAE("", "", "<color>1 1 1 1</color>")), NULL);
-	assert_memory_equal(m.materials[m.material[0]].rgb, ((const uint8_t[]){ 255, 0, 0 }), 3);
-}
-
-UNIT_TEST(base_colours_are_linear_light)
-{
-	static const char plain[] = "\"DiffuseColor\", \"Color\", \"\", \"A\",0.2,0.2,0.2",
-		based[] = "\"Maya|base_color\", \"Vector3D\", \"Vector\", \"\",0.067,0.0966,0.0529";
-	static const char file[] = FBX("2", "1", "-1", "100");
-	const char *at = strstr(file, plain);
-	char text[6000];
-	snprintf(text, sizeof text, "%.*s%s%s", (int)(at - file), file, based, at + sizeof plain - 1);
-	import_file(input_text("formats", "base.fbx", text), NULL);
-	assert_memory_equal(m.materials[0].rgb, ((const uint8_t[]){ 73, 88, 65 }), 3);
-	import_file(input_text("formats", "plain.fbx", file), NULL);
-	assert_memory_equal(m.materials[0].rgb, ((const uint8_t[]){ 51, 51, 51 }), 3);
-}
-
-/* One triangle, 10 units wide and 100 units along the file's z, at (40, 50, 60). */
-UNIT_TEST(formats_that_state_axes_and_unit_are_believed)
-{
-	static const struct { const char *name, *text; enum eco_up up; double unit_m, wide, deep, high,
-		foot[3]; } cases[] = {
-		{ "z.dae", DAE("<unit name=\"inch\" meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"), ECO_UP_Z,
-			0.0254, 10, 0, 100, { 45, 50, 60 } },
-		{ "y.dae", DAE("<up_axis>Y_UP</up_axis>"), ECO_UP_Y, 1, 10, 100, 0, { 0, 0, 50 } },
-		{ "bare.dae", DAE(""), ECO_UP_Y, 1, 10, 100, 0, { 0, 0, 50 } },
-		{ "z.fbx", FBX("2", "1", "-1", "2.54"), ECO_UP_Z, 0.0254, 10, 0, 100, { 45, 50, 60 } },
-		{ "y.fbx", FBX("1", "2", "1", "1"), ECO_UP_Y, 0.01, 10, 100, 0, { 0, 0, 50 } },
-		{ "m.fbx", FBX("2", "1", "-1", "100"), ECO_UP_Z, 1, 10, 0, 100, { 45, 50, 60 } },
-	};
-
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		import_file(input_text("formats", cases[i].name, cases[i].text), NULL);
-		if (m.source.up != cases[i].up || m.source.up_how != ECO_HOW_FORMAT
-				|| m.source.unit_how != ECO_HOW_FORMAT
-			|| !close_to(m.scale, cases[i].unit_m, 1e-9)
-			|| !close_to(m.source.size[0], cases[i].wide, 1e-3)
-			|| !close_to(m.source.size[1], cases[i].deep, 1e-3)
-			|| !close_to(m.source.size[2], cases[i].high, 1e-3)
-			|| !close_to(m.foot[2], cases[i].foot[2], 1e-3)
-			|| (cases[i].high > 0
-			&& (!close_to(m.foot[0], cases[i].foot[0], 1e-3)
-			|| !close_to(m.foot[1], cases[i].foot[1], 1e-3))))
-			fail_msg("%s: %g x %g x %g of %g m, foot %g %g %g: %s", cases[i].name,
-				m.source.size[0], m.source.size[1], m.source.size[2], m.scale, m.foot[0],
-				m.foot[1], m.foot[2], import_said);
-		assert_string_equal(m.materials[0].name, "Bark");
-		assert_int_equal(m.materials[0].rgb[0], 51);
-		assert_memory_equal(m.parts[0].name, "Trunk", 5);
-	}
-}
-
-UNIT_TEST(what_the_user_says_of_axes_and_unit_wins)
-{
-	static const struct { const char *name, *text; enum eco_up up; double high; } cases[] = {
-		{ "w.dae", DAE("<unit meter=\"0.0254\"/><up_axis> Y_UP </up_axis>"), ECO_UP_Z, 100 },
-		{ "w.dae", DAE("<up_axis>Z_UP</up_axis>"), ECO_UP_Z, 100 },
-		{ "w.fbx", FBX("1", "2", "1", "1"), ECO_UP_Z, 100 },
-		{ "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_Y, 0 },
-		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_Z, 100 },
-		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n",
-			ECO_UP_Y, 0 },
-		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_X, 10 },
-		{ "w.dae", DAE("<up_axis>Y_UP</up_axis>"), ECO_UP_X, 10 },
-		{ "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_X, 10 },
-	};
-
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		import_file(input_text("formats", cases[i].name, cases[i].text),
-			&(struct eco_model_options){ .up = cases[i].up, .unit_m = 0.5 });
-		if (!close_to(m.source.size[2], cases[i].high, 1e-3) || m.scale != 0.5
-				|| m.source.up_how != ECO_HOW_GIVEN || m.source.unit_how != ECO_HOW_GIVEN)
-			fail_msg("case %zu: %g high, scale %g", i, m.source.size[2], m.scale);
-	}
-}
-
-/* ---- Units that nobody states ---- */
-
-static const struct { double units; const char *says; double metres; } a_unit_cases[] = {
-	{ 1103, "1103 units high, taken for centimetres: 11 m; add \"unit\" or \"height_m\" if not",
-		11.03 },
-	{ 12, "12 units high, taken for metres: 12 m", 12 }, { 0.3, "taken for metres: 0.3 m", 0.3 },
-	{ 61, "taken for centimetres: 0.61 m", 0.61 },
-	{ 18000, "taken for millimetres: 18 m", 18 },
+		"<texture texture=\"s\" texcoord=\"u\"/>"),
+		.wanted = "rgb0=255,255,255|~taken for weights of wind and shade, not for colours" },
+	{ NULL, "colours.dae", RED_DAE("", "", "<color>1 1 1 1</color>"), .wanted = "rgb0=255,0,0" },
+	{ "base_colours_are_linear_light", "base.fbx", FBX("2", "1", "-1", "100",
+		"\"Maya|base_color\", \"Vector3D\", \"Vector\", \"\",0.067,0.0966,0.0529"), .wanted = "rgb0=73,88,65" },
+	{ "formats_that_state_axes_and_unit_are_believed", "z.dae",
+		DAE("<unit name=\"inch\" meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"),
+		.wanted = STATED "|up=z|scale=0.0254|size=10,0,100|foot=45,50,60|part0=Trunk/g" },
+	{ NULL, "y.dae", DAE("<up_axis>Y_UP</up_axis>"), .wanted = STATED "|up=y|scale=1|size=10,100,0|part0=Trunk/g" },
+	{ NULL, "bare.dae", DAE(""), .wanted = STATED "|up=y|scale=1|size=10,100,0|part0=Trunk/g" },
+	{ NULL, "z.fbx", FBX("2", "1", "-1", "2.54", GREY),
+		.wanted = STATED "|up=z|scale=0.0254|size=10,0,100|foot=45,50,60|part0=Trunk/mesh" },
+	{ NULL, "y.fbx", FBX("1", "2", "1", "1", GREY), .wanted = STATED "|up=y|scale=0.01|size=10,100,0|part0=Trunk/mesh" },
+	{ NULL, "m.fbx", FBX("2", "1", "-1", "100", GREY),
+		.wanted = STATED "|up=z|scale=1|size=10,0,100|foot=45,50,60|part0=Trunk/mesh" },
+	{ "what_the_user_says_of_axes_and_unit_wins", "w.dae", DAE("<unit meter=\"0.0254\"/><up_axis> Y_UP </up_axis>"),
+		.options = { .up = ECO_UP_Z, .unit_m = 0.5 }, .wanted = GIVEN "10,0,100" },
+	{ NULL, "w.dae", DAE("<up_axis>Z_UP</up_axis>"), .options = { .up = ECO_UP_Z, .unit_m = 0.5 },
+		.wanted = GIVEN "10,0,100" },
+	{ NULL, "w.fbx", FBX("1", "2", "1", "1", GREY), .options = { .up = ECO_UP_Z, .unit_m = 0.5 },
+		.wanted = GIVEN "10,0,100" },
+	{ NULL, "w.fbx", FBX("2", "1", "-1", "1", GREY), .options = { .up = ECO_UP_Y, .unit_m = 0.5 },
+		.wanted = GIVEN "10,100,0" },
+	{ NULL, "w.obj", LYING, .options = { .up = ECO_UP_Z, .unit_m = 0.5 }, .wanted = GIVEN "10,0,100" },
+	{ NULL, "w.obj", LYING, .options = { .up = ECO_UP_Y, .unit_m = 0.5 }, .wanted = GIVEN "10,100,0" },
+	{ NULL, "w.obj", LYING, .options = { .up = ECO_UP_X, .unit_m = 0.5 }, .wanted = GIVEN "0,100,10" },
+	{ NULL, "w.dae", DAE("<up_axis>Y_UP</up_axis>"), .options = { .up = ECO_UP_X, .unit_m = 0.5 },
+		.wanted = GIVEN "0,100,10" },
+	{ NULL, "w.fbx", FBX("2", "1", "-1", "1", GREY), .options = { .up = ECO_UP_X, .unit_m = 0.5 },
+		.wanted = GIVEN "0,100,10" },
+	{ "a_unit_is_guessed_from_the_height_and_said", "unit.obj", TALL("1103"), .options = { .up = ECO_UP_Y },
+		.wanted = "high=11.03|unit_how=guessed|~1103 units high, taken for centimetres: 11 m; add \"unit\" or "
+		"\"height_m\" if not" },
+	{ NULL, "unit.obj", TALL("12"), .options = { .up = ECO_UP_Y },
+		.wanted = "high=12|unit_how=guessed|~12 units high, taken for metres: 12 m" },
+	{ NULL, "unit.obj", TALL("0.3"), .options = { .up = ECO_UP_Y }, .wanted = "high=0.3|~taken for metres: 0.3 m" },
+	{ NULL, "unit.obj", TALL("61"), .options = { .up = ECO_UP_Y },
+		.wanted = "high=0.61|~taken for centimetres: 0.61 m" },
+	{ NULL, "unit.obj", TALL("18000"), .options = { .up = ECO_UP_Y }, .wanted = "high=18|~taken for millimetres: 18 m" },
+	{ NULL, "unit.obj", .options = { .up = ECO_UP_Y, .height_m = 7 }, .wanted = "high=7|unit_how=height|!taken for" },
+	{ NULL, "unit.obj", .options = { .up = ECO_UP_Y, .unit_m = 0.3048 },
+		.wanted = "high=5486.4|unit_how=given|~high by the given unit" },
+	{ NULL, "unit.obj", TALL("12"), .options = { .up = ECO_UP_Y, .unit_m = 0.3048 },
+		.wanted = "high=3.6576|unit_how=given|!taken for" },
+	{ "comments_about_units_are_read", "comment.obj", "# File units = centimeters\n" TRIANGLE FACE,
+		.wanted = "scale=0.01|unit_how=format" },
+	{ NULL, "comment.obj", "# Units: mm\n" TRIANGLE FACE, .wanted = "scale=0.001|unit_how=format" },
+	{ NULL, "comment.obj", "#units=Inches\n" TRIANGLE FACE, .wanted = "scale=0.0254|unit_how=format" },
+	{ NULL, "comment.obj", "# Unit: 1 m\n" TRIANGLE FACE, .wanted = "scale=1|unit_how=format" },
+	{ NULL, "comment.obj", "# 12 units in the group\n" TRIANGLE FACE, .wanted = "unit_how=guessed" },
+	{ NULL, "comment.obj", "# unit: minutes\n" TRIANGLE FACE, .wanted = "unit_how=guessed" },
+	{ "any_line_end_and_byte_order_mark_will_do", "ends.obj", TRIANGLE FACE, .wanted = STANDS },
+	{ NULL, "ends.obj", "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n", .wanted = STANDS },
+	{ NULL, "ends.obj", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3", .wanted = STANDS },
+	{ NULL, "ends.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", .wanted = STANDS },
+	{ NULL, "ends.obj", "v  0\t0 0  \n\n  v 1 0 0 # right\nv 0 \\\n 1 0\nf 1 2 \\\r\n3\n", .wanted = STANDS },
+	{ NULL, "ends.obj", "v 0 0 0 1.0\nv 1 0 0 1.0\nv 0 1 0 1.0\nf 1// 2// 3//\n", .wanted = STANDS },
+	{ NULL, "ends.obj", TRIANGLE "vn 0 0 1\nf 1//1 2//1 3//1\n", .wanted = STANDS },
+	{ NULL, "ends.obj", FACE TRIANGLE, .wanted = STANDS },
+	{ NULL, "ends.obj", "mtllib\nusemtl\no\ng\ns 1\n" TRIANGLE "curv 0 1 1 2\nf -3 -2 -1\n", .wanted = STANDS },
+	{ NULL, "ends.obj", "v +0 .0 0.e0\nv 1E0 0 0\nv 0 1.0e+0 0\nfo 1 2 3\n", .wanted = STANDS },
+	{ "indices_that_are_not_there_cost_their_triangles_only", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\n"
+		"f 0 1 2\nf -5 1 2\nf 1 x 2\nf 2 4 3 900 1\nf 99999999999999999999 1 2\nf 1 2\nf 1\nf\n",
+		.wanted = "in=9|bad=7|triangles=2|~7 triangles name vertices that the file does not have" },
+	{ "numbers_that_are_none_are_counted", "nan.obj", TRIANGLE "v nan 0 0\nv -nan(ind) 0 0\nv 1.#QNAN 0 0\n"
+		"v 0 -1.#INF 0\nv 1e999 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\nf 1 2 7\nf 1 2 8\n",
+		.wanted = "infinite=5|~5 triangles have coordinates that are no numbers" },
+	/* a square metre at UTM coordinates in millimetres: a float there has steps of 0.5 m to the north */
+	{ "map_coordinates_keep_their_detail", "utm.obj", "v 0 0 0\nv 747375.125 4308510.250 312.5\n"
+		"v 747376.125 4308510.250 312.5\nv 747375.126 4308510.250 313.5\nv 747376.125 4308510.252 313.5\n"
+		"f 2 3 4\nf 3 5 4\n", .options = { .up = ECO_UP_Z, .unit_m = 1 },
+		.wanted = "foot=747375.625,4308510.25,312.5|at=-0.499,0,1|at=0.5,0.002,1" },
+	{ "colours_of_vertices_may_be_shares_or_bytes", "vc.obj", "v 0 0 0 1 0.2 0\nv 1 0 0 1 0.2 0\nv 0 1 0 1 0.2 0\n" FACE,
+		.wanted = "rgb0=255,51,0" },
+	{ NULL, "vc.obj", "v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\n" FACE, .wanted = "rgb0=255,51,0" },
+	{ NULL, "vc.obj", "v 0 0 0 1 0.2 0 1\nv 1 0 0 1 0.2 0 1\nv 0 1 0 1 0.2 0 1\n" FACE, .wanted = "rgb0=255,51,0" },
+	{ "libraries_are_found_as_exporters_meant", "lib.obj", LIBRARY("mtllib my trees.mtl\n"), "my trees.mtl",
+		"newmtl bark\nKd 1 0 0\n", .wanted = "material0=bark|rgb0=255,0,0" },
+	{ NULL, "lib.obj", LIBRARY("mtllib nothere.mtl b.mtl\n"), "b.mtl", "newmtl bark\nKd 1 0 0\n",
+		.wanted = "material0=bark|rgb0=255,0,0|~nothere.mtl is not there" },
+	{ NULL, "lib.obj", LIBRARY("mtllib C:\\Users\\me\\c.mtl\r\n"), "c.mtl", "newmtl bark\r\n\tKd 1 0 0\r\n",
+		.wanted = "material0=bark|rgb0=255,0,0" },
+	{ NULL, "lib.obj", LIBRARY("mtllib wald.mtl\n"), "Wald.MTL", "newmtl Bark\nkd 1.0 0.0 0.0\n",
+		.wanted = "material0=bark|rgb0=255,0,0" },
+	{ NULL, "lib.obj", LIBRARY("mtllib other.mtl\n"), "lib.mtl", "newmtl bark\nKd 1 0 0\n",
+		.wanted = "material0=bark|rgb0=255,0,0|~lib.mtl stands in for it" },
+	{ NULL, "lib.obj", LIBRARY(""), "lib.mtl", "\xef\xbb\xbfnewmtl bark\nKd 0.5 0.5 0.5\nnewmtl bark\nKd 1 0 0\n",
+		.wanted = "material0=bark|rgb0=255,0,0" },
+	{ "what_no_library_describes_is_grey_and_said", "bare.obj", TRIANGLE "v 0 0 1\nf 1 2 4\n"
+		"usemtl \xc3\x84ste und Bl\xc3\xa4tter\nf 1 2 3\n", .wanted = "materials=2|material0=|rgb0=153,153,153|"
+		"material1=\xc3\x84ste und Bl\xc3\xa4tter|rgb1=153,153,153|~1 of its materials are in no library "
+		"(\xc3\x84ste und Bl\xc3\xa4tter): they have no colour" },
+	{ NULL, "bare.obj", "mtllib gone.mtl\n" TRIANGLE "usemtl x\n" FACE,
+		.wanted = "~its library of materials gone.mtl is not there" },
+	/* d says how opaque, Tr how transparent, if exporters agree; no plant is meant to be invisible throughout */
+	{ "transparency_is_read_with_sense", "alpha.obj", VEILS, "alpha.mtl", "newmtl a\nd 1\nTr 1\nnewmtl b\nd 1\nTr 1\n",
+		.wanted = "clear=0" },
+	{ NULL, "alpha.obj", VEILS, "alpha.mtl", "newmtl a\nTr 0\nnewmtl b\nTr 1\n",
+		.wanted = "clear=1|~1 triangles have materials with alpha" },
+	{ NULL, "alpha.obj", VEILS, "alpha.mtl", "newmtl a\nTr 1.0\nnewmtl b\nTr 1.0\n",
+		.wanted = "clear=0|~all of its materials are fully transparent" },
+	{ NULL, "alpha.obj", VEILS, "alpha.mtl", "newmtl a\nd 0\nnewmtl b\nd 0\n", .wanted = "clear=0|~taken for opaque" },
+	{ NULL, "alpha.obj", VEILS, "alpha.mtl", "newmtl a\nd -halo 0.6\nnewmtl b\nd 0.2\n", .wanted = "clear=1" },
+	{ "objects_and_groups_are_parts", "parts.obj", TRIANGLE "v 0 0 1\nv 0 0 2\nv 0 0 3\nf 1 2 3\no Oak Tree\nf 1 2 4\n"
+		"g leaves\nf 1 2 5\no Pot\nf 1 2 6\n",
+		.wanted = "parts=4|part0=|part1=Oak Tree|part2=Oak Tree/leaves|part3=Pot" },
 };
 
-UNIT_TEST(a_unit_is_guessed_from_the_height_and_said)
+UNIT_TEST(files_are_read_as_people_mean_them)
 {
-	for (size_t i = 0; i < sizeof a_unit_cases / sizeof *a_unit_cases; i++) {
-		char text[200];
-		snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 %g 0\nf 1 2 3\n", a_unit_cases[i].units);
-		import_file(input_text("formats", "unit.obj", text),
-			&(struct eco_model_options){ .up = ECO_UP_Y });
-		import_says(a_unit_cases[i].says);
-		assert_true(close_to(eco_model_height(&m), a_unit_cases[i].metres, 1e-4) && m.source.unit_how
-			== ECO_HOW_GUESSED);
-		import_file("build/tmp/formats/unit.obj",
-			&(struct eco_model_options){ .up = ECO_UP_Y, .height_m = 7 });
-		assert_true(close_to(eco_model_height(&m), 7, 1e-5) && !strstr(import_said, "taken for")
-			&& m.source.unit_how == ECO_HOW_HEIGHT);
-		import_file("build/tmp/formats/unit.obj",
-			&(struct eco_model_options){ .up = ECO_UP_Y, .unit_m = 0.3048 });
-		assert_true(close_to(eco_model_height(&m) / (a_unit_cases[i].units * 0.3048), 1, 1e-5));
-		if (a_unit_cases[i].units * 0.3048 > 120)
-			import_says("high by the given unit");
-	}
-}
-
-UNIT_TEST(comments_about_units_are_read)
-{
-	static const struct { const char *comment; double metres; } cases[] =
-		{ { "# File units = centimeters", 0.01 }, { "# Units: mm", 0.001 },
-		{ "#units=Inches", 0.0254 }, { "# Unit: 1 m", 1 }, { "# 12 units in the group", 0 },
-		{ "# unit: minutes", 0 } };
-
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		char text[200];
-		snprintf(text, sizeof text, "%s\n" TRIANGLE "f 1 2 3\n", cases[i].comment);
-		import_file(input_text("formats", "comment.obj", text), NULL);
-		if (m.source.unit_how != (cases[i].metres > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED)
-				|| (cases[i].metres > 0 && m.scale != cases[i].metres))
-			fail_msg("%s: %g", cases[i].comment, m.scale);
-	}
+	expect_models("formats", models, sizeof models / sizeof *models);
 }
 
 /* ---- Other formats ---- */
@@ -302,10 +272,11 @@ UNIT_TEST(binary_ply_may_begin_with_any_byte)
 	}
 }
 
+#define TEXT(text) text, sizeof text - 1
+
 UNIT_TEST(what_is_no_model_is_refused_with_what_to_do)
 {
-	static const struct { const char *name, *bytes; size_t size; enum eco_code code; const char *says;
-		} cases[] = {
+	static const struct { const char *name, *bytes; size_t size; enum eco_code code; const char *says; } refused[] = {
 		{ "oak.obj.xz", "\xfd" "7zXZ\0\0", 7, ECO_UNSUPPORTED,
 			"packed with xz; unpack it first: xz -dk oak.obj.xz" },
 		{ "oak.obj.gz", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "gunzip -k oak.obj.gz" },
@@ -334,11 +305,23 @@ UNIT_TEST(what_is_no_model_is_refused_with_what_to_do)
 		{ "cut.glb", "glTF", 4, ECO_DAMAGED, "cut.glb" },
 		{ "json.gltf", "{\"asset\":", 9, ECO_BAD_INPUT, "json.gltf: line 1" },
 		{ "index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n", 34, ECO_BAD_INPUT, "index.obj" },
+		{ "cloud.laz", "LASF", 4, ECO_UNSUPPORTED, "a point cloud" },
+		{ "cloud.ply", TEXT("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+			"property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"), ECO_BAD_INPUT, "no triangles in it, only 3 "
+			"points or lines; a point cloud has no surfaces: make a mesh of it first" },
+		{ "comma.obj", TEXT("# oak\nv 0,5 1,25 0\n"), ECO_BAD_INPUT, "line 2: \"0,5\": numbers need a decimal point" },
+		{ "word.obj", TEXT("v 1 2 three\n"), ECO_BAD_INPUT, "line 1: \"three\" is not a number" },
+		{ "short.obj", TEXT("v 1 2\n"), ECO_BAD_INPUT, "line 1: a vertex needs three numbers" },
+		{ "coff.obj", "\x64\x86\x03\0\0\0\0\0", 8, ECO_BAD_INPUT, "binary, so no Wavefront OBJ file" },
+		{ "wide.obj", "\xff\xfev\0 \0", 6, ECO_UNSUPPORTED, "UTF-16; save it as UTF-8" },
+		{ "prose.obj", TEXT("This is a tree.\n"), ECO_BAD_INPUT, "no vertices in it" },
+		{ "lines.obj", TEXT(TRIANGLE "l 1 2 3\np 1\n"), ECO_BAD_INPUT, "no triangles in it, only 3 vertices and 2 "
+			"points or lines; a point cloud has no surfaces" },
 	};
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		import_refuses(input_bytes("formats", cases[i].name, cases[i].bytes, cases[i].size),
-			cases[i].code, cases[i].says);
+	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
+		import_refuses(input_bytes("formats", refused[i].name, refused[i].bytes, refused[i].size),
+			refused[i].code, refused[i].says);
 	import_refuses("build/tmp", ECO_BAD_INPUT, "a folder, not a model");
 	import_refuses("build/tmp/formats/none.obj", ECO_NOT_FOUND, "No such file");
 }
@@ -394,158 +377,3 @@ UNIT_TEST(one_bad_file_of_several_is_named)
 		ECO_TOO_LARGE, "");
 }
 
-/* ---- OBJ: the text ---- */
-
-UNIT_TEST(any_line_end_and_byte_order_mark_will_do)
-{
-	static const char *const files[] = { TRIANGLE "f 1 2 3\n", "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 "
-		"3\r\n", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3",
-		"\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3",
-		"v  0\t0 0  \n\n  v 1 0 0 # right\nv 0 \\\n 1 0\nf 1 2 \\\r\n3\n",
-		"v 0 0 0 1.0\nv 1 0 0 1.0\nv 0 1 0 1.0\nf 1// 2// 3//\n", TRIANGLE
-		"vn 0 0 1\nf 1//1 2//1 3//1\n", "f 1 2 3\n" TRIANGLE,
-		"mtllib\nusemtl\no\ng\ns 1\n" TRIANGLE "curv 0 1 1 2\nf -3 -2 -1\n",
-		"v +0 .0 0.e0\nv 1E0 0 0\nv 0 1.0e+0 0\nfo 1 2 3\n" };
-
-	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-		import_file(input_text("formats", "ends.obj", files[i]),
-			&(struct eco_model_options){ .up = ECO_UP_Y });
-		if (m.triangle_count != 1 || !has_place(0.5, 0, 0) || !has_place(-0.5, 0, 1))
-			fail_msg("file %zu: %u triangles", i, m.triangle_count);
-	}
-}
-
-UNIT_TEST(indices_that_are_not_there_cost_their_triangles_only)
-{
-	import_file(input_text("formats", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\nf 0 1 2\nf "
-		"-5 1 2\nf 1 x 2\nf 2 4 3 900 1\nf 99999999999999999999 1 2\nf 1 2\nf 1\nf\n"), NULL);
-	assert_int_equal(m.triangles_in, 1 + 4 + 3 + 1);
-	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 4 + 2 + 1);
-	assert_int_equal(m.triangle_count, 2);
-	import_says("7 triangles name vertices that the file does not have");
-}
-
-UNIT_TEST(numbers_that_are_none_are_counted_or_named_with_their_line)
-{
-	import_file(input_text("formats", "nan.obj", TRIANGLE "v nan 0 0\nv -nan(ind) 0 0\nv 1.#QNAN 0 "
-		"0\nv 0 -1.#INF 0\nv 1e999 0 0\n"
-		"f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\nf 1 2 7\nf 1 2 8\n"), NULL);
-	assert_int_equal(m.dropped[ECO_DROP_NOT_FINITE], 5);
-	import_says("5 triangles have coordinates that are no numbers");
-	import_refuses(input_text("formats", "comma.obj", "# oak\nv 0,5 1,25 0\n"), ECO_BAD_INPUT,
-		"line 2: \"0,5\": numbers need a decimal point");
-	import_refuses(input_text("formats", "word.obj", "v 1 2 three\n"), ECO_BAD_INPUT,
-		"line 1: \"three\" is not a number");
-	import_refuses(input_text("formats", "short.obj", "v 1 2\n"), ECO_BAD_INPUT,
-		"line 1: a vertex needs three numbers");
-}
-
-UNIT_TEST(what_is_no_obj_is_named)
-{
-	import_refuses(input_bytes("formats", "coff.obj", "\x64\x86\x03\0\0\0\0\0", 8), ECO_BAD_INPUT,
-		"binary, so no Wavefront OBJ file");
-	import_refuses(input_bytes("formats", "wide.obj", "\xff\xfev\0 \0", 6), ECO_UNSUPPORTED,
-		"UTF-16; save it as UTF-8");
-	import_refuses(input_text("formats", "prose.obj", "This is a tree.\n"), ECO_BAD_INPUT,
-		"no vertices in it");
-	import_refuses(input_text("formats", "lines.obj", TRIANGLE "l 1 2 3\np 1\n"), ECO_BAD_INPUT,
-		"no triangles in it, only 3 vertices and 2 points or lines; a point cloud has no surfaces");
-}
-
-/* A square metre at UTM coordinates in millimetres' detail: a float there has steps of 0.5 m to the north. */
-UNIT_TEST(map_coordinates_keep_their_detail)
-{
-	import_file(input_text("formats", "utm.obj", "v 0 0 0\nv 747375.125 4308510.250 312.5\nv "
-		"747376.125 4308510.250 312.5\n"
-		"v 747375.126 4308510.250 313.5\nv 747376.125 4308510.252 313.5\nf 2 3 4\nf 3 5 4\n"),
-		&(struct eco_model_options){ .up = ECO_UP_Z,
-		.unit_m = 1 });
-	assert_true(close_to(m.foot[0], 747375.625, 1e-6) && close_to(m.foot[1], 4308510.25, 1e-6)
-		&& close_to(m.foot[2], 312.5, 1e-6));
-	assert_true(has_place(-0.499, 0, 1) && has_place(0.5, 0.002, 1));
-}
-
-UNIT_TEST(colours_of_vertices_may_be_shares_or_bytes)
-{
-	static const char *const files[] = { "v 0 0 0 1 0.2 0\nv 1 0 0 1 0.2 0\nv 0 1 0 1 0.2 0\nf 1 2 3\n",
-		"v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\nf 1 2 3\n",
-		"v 0 0 0 1 0.2 0 1\nv 1 0 0 1 0.2 0 1\nv 0 1 0 1 0.2 0 1\nf 1 2 3\n" };
-
-	for (size_t i = 0; i < 3; i++) {
-		import_file(input_text("formats", "vc.obj", files[i]), NULL);
-		assert_memory_equal(m.materials[m.material[0]].rgb, ((const uint8_t[]){ 255, 51, 0 }), 3);
-	}
-}
-
-/* ---- OBJ: materials and parts ---- */
-
-UNIT_TEST(libraries_are_found_as_exporters_meant)
-{
-	static const struct { const char *file, *library, *line, *says; } cases[] = {
-		{ "my trees.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib my trees.mtl\n", "" },
-		{ "b.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib nothere.mtl b.mtl\n",
-			"nothere.mtl is not there" },
-		{ "c.mtl", "newmtl bark\r\n\tKd 1 0 0\r\n", "mtllib C:\\Users\\me\\c.mtl\r\n", "" },
-		{ "Wald.MTL", "newmtl Bark\nkd 1.0 0.0 0.0\n", "mtllib wald.mtl\n", "" },
-		{ "lib.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib other.mtl\n", "lib.mtl stands in for it" },
-		{ "lib.mtl", "\xef\xbb\xbfnewmtl bark\nKd 0.5 0.5 0.5\nnewmtl bark\nKd 1 0 0\n", "", "" },
-	};
-
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		char text[300];
-		snprintf(text, sizeof text, "%s" TRIANGLE "usemtl bark\nf 1 2 3\n", cases[i].line);
-		input_text("formats", cases[i].file, cases[i].library);
-		import_file(input_text("formats", "lib.obj", text), NULL);
-		if (material_of("bark")->rgb[0] != 255 || material_of("bark")->rgb[1] != 0)
-			fail_msg("case %zu: %s", i, import_said);
-		import_says(cases[i].says);
-		unlink(input_path("formats", cases[i].file));
-	}
-}
-
-UNIT_TEST(what_no_library_describes_is_grey_and_said)
-{
-	import_file(input_text("formats", "bare.obj", TRIANGLE "v 0 0 1\nf 1 2 4\nusemtl \xc3\x84ste "
-		"und Bl\xc3\xa4tter\nf 1 2 3\n"), NULL);
-	assert_int_equal(m.material_count, 2);
-	assert_int_equal(material_of("\xc3\x84ste und Bl\xc3\xa4tter")->rgb[1], 153);
-	assert_int_equal(material_of("")->rgb[1], 153);
-	import_says("1 of its materials are in no library (\xc3\x84ste und Bl\xc3\xa4tter): they have no "
-		"colour");
-	import_file(input_text("formats", "bare.obj", "mtllib gone.mtl\n" TRIANGLE "usemtl x\nf 1 2 3\n"),
-		NULL);
-	import_says("its library of materials gone.mtl is not there");
-}
-
-/* d says how opaque, Tr how transparent, if exporters agree; a plant that would be invisible throughout was
- * not meant to be. */
-UNIT_TEST(transparency_is_read_with_sense)
-{
-	static const struct { const char *library; uint32_t hidden; const char *says; } cases[] = {
-		{ "newmtl a\nd 1\nTr 1\nnewmtl b\nd 1\nTr 1\n", 0, "" },
-			{ "newmtl a\nTr 0\nnewmtl b\nTr 1\n", 1, "1 triangles have materials with alpha" },
-		{ "newmtl a\nTr 1.0\nnewmtl b\nTr 1.0\n", 0, "all of its materials are fully transparent" },
-		{ "newmtl a\nd 0\nnewmtl b\nd 0\n", 0, "taken for opaque" },
-		{ "newmtl a\nd -halo 0.6\nnewmtl b\nd 0.2\n", 1, "" },
-	};
-
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		input_text("formats", "alpha.mtl", cases[i].library);
-		import_file(input_text("formats", "alpha.obj", "mtllib alpha.mtl\n" TRIANGLE
-			"v 0 0 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\n"), NULL);
-		if (m.dropped[ECO_DROP_TRANSPARENT] != cases[i].hidden)
-			fail_msg("case %zu: %u left out", i, m.dropped[ECO_DROP_TRANSPARENT]);
-		import_says(cases[i].says);
-	}
-}
-
-UNIT_TEST(objects_and_groups_are_parts)
-{
-	import_file(input_text("formats", "parts.obj", TRIANGLE "v 0 0 1\nv 0 0 2\nv 0 0 3\nf 1 2 3\no "
-		"Oak Tree\nf 1 2 4\ng leaves\nf 1 2 5\no Pot\nf 1 2 6\n"), NULL);
-	assert_int_equal(m.part_count, 4);
-	assert_string_equal(m.parts[m.part[0]].name, "");
-	assert_string_equal(m.parts[m.part[1]].name, "Oak Tree");
-	assert_string_equal(m.parts[m.part[2]].name, "Oak Tree/leaves");
-	assert_string_equal(m.parts[m.part[3]].name, "Pot");
-}

@@ -77,3 +77,109 @@ bool has_vertex(double x, double y, double z, const float *uv)
 }
 
 bool has_place(double x, double y, double z) { return has_vertex(x, y, z, NULL); }
+
+/* ---- Expectations as text ---- */
+
+/* The value of `key`, for triangle `t` where that matters, as text. Texels: as many as `wanted` has numbers. */
+static void tell(const char *key, uint32_t t, const char *wanted, char *to, size_t size)
+{
+	static const char *const hows[] = { "unknown", "given", "format", "shape", "convention", "guessed", "height" };
+	const uint32_t *dropped = m.dropped;
+	const struct { const char *key; double values[3]; int count; } numbers[] = {
+		{ "triangles", { m.triangle_count }, 1 }, { "in", { m.triangles_in }, 1 },
+		{ "vertices", { m.vertex_count }, 1 }, { "materials", { m.material_count }, 1 },
+		{ "images", { m.image_count }, 1 }, { "parts", { m.part_count }, 1 },
+		{ "bad", { dropped[ECO_DROP_BAD_INDEX] }, 1 }, { "infinite", { dropped[ECO_DROP_NOT_FINITE] }, 1 },
+		{ "degenerate", { dropped[ECO_DROP_DEGENERATE] }, 1 }, { "twice", { dropped[ECO_DROP_DUPLICATE] }, 1 },
+		{ "clear", { dropped[ECO_DROP_TRANSPARENT] }, 1 }, { "out", { dropped[ECO_DROP_LEFT_OUT] }, 1 },
+		{ "high", { eco_model_height(&m) }, 1 }, { "scale", { m.scale }, 1 }, { "below", { m.source.below }, 1 },
+		{ "foot", { m.foot[0], m.foot[1], m.foot[2] }, 3 },
+		{ "size", { m.source.size[0], m.source.size[1], m.source.size[2] }, 3 } };
+	const struct eco_material *own = t < m.triangle_count ? &m.materials[m.material[t]] : NULL;
+	const struct { const char *key, *text; } texts[] = { { "up", eco_up_name(m.source.up) },
+		{ "up_how", hows[m.source.up_how] }, { "unit_how", hows[m.source.unit_how] },
+		{ "material", own ? own->name : "" }, { "part", own ? m.parts[m.part[t]].name : "" } };
+	const uint8_t *bytes = own ? own->rgb : NULL;
+	size_t used = 0, count = strcmp(key, "rgb") == 0 ? 3 : 0;
+	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+		for (int k = 0; k < numbers[i].count && strcmp(key, numbers[i].key) == 0; k++)
+			used += (size_t)snprintf(to + used, size - used, k ? ",%.10g" : "%.10g", numbers[i].values[k]);
+	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+		if (strcmp(key, texts[i].key) == 0)
+			used += (size_t)snprintf(to + used, size - used, "%s", texts[i].text);
+	if (strcmp(key, "cut") == 0 || strcmp(key, "grey") == 0)
+		used += (size_t)snprintf(to, size, "%d", own && (*key == 'c' ? own->cutout : own->colourless));
+	if (strcmp(key, "image") == 0)
+		used += (size_t)snprintf(to, size, "%d", own && own->image != ECO_NONE ? (int)own->image : -1);
+	if (strcmp(key, "texels") == 0 && own && own->image < m.image_count) {
+		bytes = m.images[own->image].rgba;
+		for (count = 1; (wanted = strchr(wanted, ',')); wanted++)
+			count++;
+	}
+	for (size_t i = 0; i < count && bytes; i++)
+		used += (size_t)snprintf(to + used, size - used, i ? ",%u" : "%u", bytes[i]);
+	to[used] = 0;
+}
+
+/* Texts alike, or lists of numbers that differ by rounding to float. */
+static bool tells(const char *got, const char *wanted)
+{
+	char *end, *other;
+	while (strcmp(got, wanted) != 0) {
+		double a = strtod(got, &end), b = strtod(wanted, &other);
+		if (end == got || other == wanted || !close_to(a, b, 1e-5 * fabs(b) + 1e-6) || *end != *other)
+			return false;
+		if (!*end)
+			return true;
+		got = end + 1;
+		wanted = other + 1;
+	}
+	return true;
+}
+
+void expect_model(const char *wanted)
+{
+	char all[1000], got[400], key[20], *rest = all;
+	snprintf(all, sizeof all, "%s", wanted);
+	for (char *one; (one = strsep(&rest, "|"));) {
+		char *value = strchr(one, '=');
+		double at[5] = { 0 };
+		unsigned t = 0;
+		if (*one == '~' || *one == '!') {
+			if ((strstr(import_said, one + 1) != NULL) != (*one == '~'))
+				fail_msg("said: %s\n  wanted %s", import_said, one);
+			continue;
+		}
+		int found = sscanf(one, "at=%lf,%lf,%lf,%lf,%lf", &at[0], &at[1], &at[2], &at[3], &at[4]);
+		if (found >= 3) {
+			if (!has_vertex(at[0], at[1], at[2], found == 5 ? (float[]){ (float)at[3], (float)at[4] } : NULL))
+				fail_msg("no vertex %s", one);
+			continue;
+		}
+		assert_true(value && sscanf(one, "%19[a-z_]%u", key, &t) >= 1);
+		tell(key, t, value + 1, got, sizeof got);
+		if (!tells(got, value + 1))
+			fail_msg("%.*s is %s, not %s\n  said: %s", (int)(value - one), one, got, value + 1, import_said);
+	}
+}
+
+void expect_models(const char *folder, const struct model_case *cases, size_t count)
+{
+	const char *name = "";
+	char json[4000];
+	for (size_t i = 0; i < count; i++) {
+		const struct model_case *c = &cases[i];
+		name = c->name ? c->name : name;
+		print_message("# %s, %s\n", name, c->file);
+		if (c->beside)
+			input_text(folder, c->beside, c->beside_text);
+		if (c->text && *c->text == '{')
+			input_json(folder, c->file, strcpy(json, c->text));
+		else if (c->text)
+			input_text(folder, c->file, c->text);
+		import_file(input_path(folder, c->file), &c->options);
+		expect_model(c->wanted);
+		if (c->beside)
+			unlink(input_path(folder, c->beside));
+	}
+}

@@ -22,6 +22,19 @@ void import_says(const char *text);
 bool close_to(double a, double b, double most);
 bool has_place(double x, double y, double z);
 const struct eco_material *material_of(const char *name);
+/* `wanted` is parted by "|": "key=value", of the tables in model_try.c (numbers parted by commas; a number behind
+ * a key names a triangle: "rgb0=255,0,0"); "at=x,y,z" or "at=x,y,z,u,v": a vertex is there; "~text": this was said;
+ * "!text": it was not. */
+void expect_model(const char *wanted);
+/* Files of a model and what import makes of them. */
+struct model_case {
+	const char *name;                    /* of the property; NULL: as above */
+	const char *file, *text;             /* text NULL: it is there; ' stands for " in JSON */
+	const char *beside, *beside_text;    /* a file beside it, or NULL; removed afterwards */
+	struct eco_model_options options;
+	const char *wanted;
+};
+void expect_models(const char *folder, const struct model_case *cases, size_t count);
 /* Whether a vertex at that place, with that uv where uv is asked for, is there. */
 bool has_vertex(double x, double y, double z, const float *uv);
 
