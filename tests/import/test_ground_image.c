@@ -1,28 +1,17 @@
 /* Images of the ground: the tree of squares, colours and classes as they come, and what rasters lack. */
-#include <gdal.h>
 #include <math.h>
-#include <ogr_srs_api.h>
 #include <stdlib.h>
 
 #include "ecofiles/import/ground/ground_image_import.h"
 #include "tests/support/model_try.h"
+#include "tests/support/raster_files.h"
 
 #define SIDE ECO_GROUND_IMAGE_SIDE
-#define ZONE 32632
+#define ZONE "EPSG:32632"
 #define WEST 691000.0
 #define SOUTH 5334000.0
 
 /* ---- Rasters ---- */
-
-struct raster {
-	const char *name;
-	int side, bands, epsg;       /* epsg 0: none */
-	double pixel_m;
-	GDALDataType type;
-	bool palette, no_place;
-	int nodata;                  /* -1: none */
-	int scale;                   /* of colours; 0: 1 */
-};
 
 /* Bands k of the pixel that far east and north, 0 to 1. */
 static int value_at(double east, double north, int band)
@@ -32,57 +21,22 @@ static int value_at(double east, double north, int band)
 	return band == 1 ? (int)(250 * north) : band == 2 ? 128 : east < 0.5 ? 255 : 0;
 }
 
-/* Four classes, one a quarter: 1 2 in the south, 3 4 in the north. */
-static int class_at(double east, double north)
+/* Colours, of so many steps each; one band has four classes, one a quarter: 1 2 in the south, 3 4 in the north. */
+static double sample_at(const struct raster_file *r, int x, int y, int band)
 {
-	return 1 + (east >= 0.5) + 2 * (north >= 0.5);
+	double east = (x + 0.5) / r->columns, north = 1 - (y + 0.5) / r->rows;
+	return r->bands == 1 ? 1 + (east >= 0.5) + 2 * (north >= 0.5) : value_at(east, north, band) * r->of;
 }
 
-static const char *make_raster(const struct raster *r)
+/* A square raster with samples of pixel_m; 0: it does not say where it lies. */
+static const char *make(struct raster_file r, double pixel_m)
 {
-	const char *path = input_text("image", r->name, "");
-	GDALAllRegister();
-	GDALDatasetH file =
-		GDALCreate(GDALGetDriverByName("GTiff"), path, r->side, r->side, r->bands, r->type, NULL);
-	double place[6] = { WEST, r->pixel_m, 0, SOUTH + r->side * r->pixel_m, 0, -r->pixel_m };
-	if (!r->no_place)
-		GDALSetGeoTransform(file, place);
-	if (r->epsg) {
-		OGRSpatialReferenceH crs = OSRNewSpatialReference(NULL);
-		OSRImportFromEPSG(crs, r->epsg);
-		GDALSetSpatialRef(file, crs);
-		OSRDestroySpatialReference(crs);
-	}
-	for (int b = 0; b < r->bands; b++) {
-		GDALRasterBandH band = GDALGetRasterBand(file, b + 1);
-		if (r->palette) {
-			GDALColorTableH table = GDALCreateColorTable(GPI_RGB);
-			for (int i = 0; i < 5; i++)
-				GDALSetColorEntry(table, i,
-					&(GDALColorEntry){ (short)(50 * i), 10, 20, 255 });
-			GDALSetRasterColorTable(band, table);
-			GDALDestroyColorTable(table);
-		}
-		if (b == 3)
-			GDALSetRasterColorInterpretation(band, GCI_AlphaBand);
-		if (r->nodata >= 0)
-			GDALSetRasterNoDataValue(band, r->nodata);
-		int *row = malloc((size_t)r->side * sizeof *row);
-		for (int y = 0; y < r->side; y++) {
-			double north = 1 - (y + 0.5) / r->side;
-			for (int x = 0; x < r->side; x++) {
-				double east = (x + 0.5) / r->side;
-				row[x] = r->bands == 1 ? class_at(east, north)
-					: value_at(east, north, b) * (r->scale ? r->scale : 1);
-			}
-			assert_int_equal(GDALRasterIO(band, GF_Write, 0, y, r->side, 1, row, r->side, 1,
-						 GDT_Int32, 0, 0),
-				CE_None);
-		}
-		free(row);
-	}
-	GDALClose(file);
-	return path;
+	const double place[6] = { WEST, pixel_m, 0, SOUTH + r.columns * pixel_m, 0, -pixel_m };
+	r.rows = r.columns;
+	r.sample = sample_at;
+	r.of = r.of ? r.of : 1;
+	r.place = pixel_m > 0 ? place : NULL;
+	return raster_file_write("image", &r);
 }
 
 /* ---- Trees ---- */
@@ -196,8 +150,7 @@ static void fails(struct given g, const char *says)
 
 UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
 {
-	read_tree((struct given)COLORS(make_raster(
-			&(struct raster){ "rgb.tif", 600, 3, ZONE, 0.5, GDT_Byte, .nodata = -1 })));
+	read_tree((struct given)COLORS(make((struct raster_file){ "rgb.tif", 600, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 0.5)));
 	assert_true(tree.root.low[0] == 0 && tree.root.low[1] == 0 && tree.root.texel_m == 2);
 	assert_int_equal(tree.depth, 2);
 	for (int i = 0; i < 100; i++) {
@@ -221,8 +174,7 @@ UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
 
 UNIT_TEST(rasters_of_another_crs_are_warped)
 {
-	struct raster r = { "zone33.tif", 100, 3, ZONE, 2, GDT_Byte, .nodata = -1 };
-	read_tree((struct given){ .path = make_raster(&r), .scene_crs = "EPSG:25832", .low = { 1, 1 } });
+	read_tree((struct given){ .path = make((struct raster_file){ "zone33.tif", 100, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 2), .scene_crs = "EPSG:25832", .low = { 1, 1 } });
 	const uint8_t *texel = texel_at(50, 150);
 	assert_true(abs(texel[0] - 62) <= 3 && abs(texel[1] - 187) <= 3 && texel[3] == 255);
 }
@@ -231,9 +183,8 @@ UNIT_TEST(rasters_of_another_crs_are_warped)
 UNIT_TEST(a_fourth_band_is_alpha)
 {
 	for (int deep = 0; deep < 2; deep++) {
-		struct raster r = { deep ? "rgba16.tif" : "rgba.tif", 300, 4, ZONE, 1,
-			deep ? GDT_UInt16 : GDT_Byte, .nodata = -1, .scale = deep ? 257 : 0 };
-		struct given g = COLORS(make_raster(&r));
+		struct given g = COLORS(make((struct raster_file){ deep ? "rgba16.tif" : "rgba.tif", 300, .bands = 4,
+			.type = deep ? GDT_UInt16 : GDT_Byte, .crs = ZONE, .of = deep ? 257 : 1 }, 1));
 		g.source.has_range = deep;
 		g.source.range[1] = 65535;
 		read_tree(g);
@@ -247,8 +198,7 @@ UNIT_TEST(a_fourth_band_is_alpha)
 /* 16 bits: black and white are said, or guessed of all bands together and noted. */
 UNIT_TEST(numbers_that_are_no_bytes_have_a_black_and_a_white)
 {
-	struct given g = COLORS(make_raster(
-		&(struct raster){ "deep.tif", 300, 3, ZONE, 1, GDT_UInt16, .nodata = -1, .scale = 40 }));
+	struct given g = COLORS(make((struct raster_file){ "deep.tif", 300, .bands = 3, .type = GDT_UInt16, .crs = ZONE, .of = 40 }, 1));
 	read_tree(g);
 	import_says("its bands hold UInt16");
 	import_says("for black and 99");       /* 250 x 40, less a two-hundredth */
@@ -266,7 +216,7 @@ UNIT_TEST(numbers_that_are_no_bytes_have_a_black_and_a_white)
 UNIT_TEST(an_image_that_does_not_reach_the_plants_is_said_to)
 {
 	struct given g =
-		COLORS(make_raster(&(struct raster){ "small.tif", 64, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
+		COLORS(make((struct raster_file){ "small.tif", 64, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 1));
 	g.low[0] = g.low[1] = 10;
 	g.high[0] = 104, g.high[1] = 64;
 	read_tree(g);
@@ -285,7 +235,7 @@ UNIT_TEST(an_image_that_does_not_reach_the_plants_is_said_to)
 UNIT_TEST(texels_are_wider_where_no_plant_is_near)
 {
 	struct given g =
-		COLORS(make_raster(&(struct raster){ "wide.tif", 4096, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
+		COLORS(make((struct raster_file){ "wide.tif", 4096, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 1));
 	g.low[0] = g.low[1] = 10;
 	g.high[0] = g.high[1] = 20;
 	read_tree(g);
@@ -310,8 +260,7 @@ UNIT_TEST(texels_are_wider_where_no_plant_is_near)
 UNIT_TEST(classes_have_the_colours_of_the_file_or_of_the_scene)
 {
 	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false }, { 4, { 0 }, true } };
-	struct given g = COLORS(make_raster(&(struct raster){ "palette.tif", 300, 1, ZONE, 1, GDT_Byte, true,
-		.nodata = -1 }));
+	struct given g = COLORS(make((struct raster_file){ "palette.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE, .palette = true }, 1));
 	read_tree(g);
 	assert_int_equal(texel_at(75, 75)[0], 50);
 	assert_int_equal(texel_at(225, 75)[0], 100);
@@ -334,15 +283,14 @@ UNIT_TEST(nodata_is_clear)
 {
 	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false }, { 2, { 9, 8, 7 }, false },
 		{ 3, { 9, 8, 7 }, false } };
-	struct given g = COLORS(make_raster(&(struct raster){ "hole.tif", 300, 1, ZONE, 1, GDT_Int16, false,
-		.nodata = 4 }));
+	struct given g = COLORS(make((struct raster_file){ "hole.tif", 300, .bands = 1, .type = GDT_Int16, .crs = ZONE, .has_nodata = true, .nodata = 4 }, 1));
 	g.source.classes = classes;
 	g.source.class_count = 3;
 	read_tree(g);
 	assert_int_equal(texel_at(225, 225)[3], 0);
 	assert_int_equal(texel_at(75, 75)[3], 255);
 	g.path =
-		make_raster(&(struct raster){ "hole2.tif", 300, 1, ZONE, 1, GDT_Int16, false, .nodata = -1 });
+		make((struct raster_file){ "hole2.tif", 300, .bands = 1, .type = GDT_Int16, .crs = ZONE }, 1);
 	g.source.has_nodata = true;
 	g.source.nodata = 4;
 	read_tree(g);
@@ -351,42 +299,37 @@ UNIT_TEST(nodata_is_clear)
 
 UNIT_TEST(what_lacks_is_said)
 {
+	static const struct { struct raster_file raster; double pixel_m; const char *scene_crs; uint32_t classes; const char *says;
+	} cases[] = {
+		{ { "no_crs.tif", 64, .bands = 3, .type = GDT_Byte }, 1, ZONE, 0, "the file has no CRS; say it in the scene: "
+			"\"ground\": {\"image\": {\"file\": ..., \"crs\": \"EPSG:32632\"}}" },
+		{ { "good.tif", 64, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 1, NULL, 0, "but the scene has no CRS" },
+		{ { "height.tif", 64, .bands = 1, .type = GDT_Float32, .crs = ZONE }, 1, ZONE, 0,
+			"it has one band of Float32: heights, classes or grey?" },
+		{ { "unknown.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE }, 1, ZONE, 1,
+			"has no colour; add it to the scene's" },
+		{ { "bands.tif", 64, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 1, ZONE, 1,
+			"it has 3 bands; a raster of classes has one" },
+		{ { "lost.tif", 64, .bands = 3, .type = GDT_Byte }, 0, NULL, 0,
+			"it does not say where it lies; add to the image" },
+	};
 	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false } };
-	struct given g =
-		COLORS(make_raster(&(struct raster){ "no_crs.tif", 64, 3, 0, 1, GDT_Byte, .nodata = -1 }));
-	fails(g, "the file has no CRS; say it in the scene: \"ground\": {\"image\": {\"file\": ..., \"crs\": "
-		"\"EPSG:32632\"}}");
-	g.source.crs = (char *)"EPSG:32632";
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct given g = COLORS(make(cases[i].raster, cases[i].pixel_m));
+		g.scene_crs = cases[i].scene_crs;
+		g.source.classes = classes;
+		g.source.class_count = cases[i].classes;
+		fails(g, cases[i].says);
+	}
+	struct given g = COLORS("build/tmp/image/no_crs.tif");
+	g.source.crs = (char *)ZONE;
 	read_tree(g);
-	g = (struct given)COLORS(
-		make_raster(&(struct raster){ "good.tif", 64, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
-	g.scene_crs = NULL;
-	fails(g, "but the scene has no CRS");
-	g.scene_crs = "EPSG:32632";
-	g = (struct given)COLORS(
-		make_raster(&(struct raster){ "height.tif", 64, 1, ZONE, 1, GDT_Float32, .nodata = -1 }));
-	fails(g, "it has one band of Float32: heights, classes or grey?");
-	g = (struct given)COLORS(make_raster(&(struct raster){ "unknown.tif", 300, 1, ZONE, 1, GDT_Byte,
-		.nodata = -1 }));
-	g.source.classes = classes;
-	g.source.class_count = 1;
-	fails(g, "has no colour; add it to the scene's");
-	g = (struct given)COLORS(
-		make_raster(&(struct raster){ "bands.tif", 64, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
-	g.source.classes = classes;
-	g.source.class_count = 1;
-	fails(g, "it has 3 bands; a raster of classes has one");
-	g = (struct given)COLORS(make_raster(
-		&(struct raster){ "lost.tif", 64, 3, 0, 1, GDT_Byte, .no_place = true, .nodata = -1 }));
-	g.scene_crs = NULL;
-	fails(g, "it does not say where it lies; add to the image");
 }
 
 /* A picture without coordinates, put where the scene says. */
 UNIT_TEST(a_picture_without_coordinates_lies_where_the_scene_says)
 {
-	struct given g = COLORS(make_raster(
-		&(struct raster){ "photo.tif", 256, 3, 0, 1, GDT_Byte, .no_place = true, .nodata = -1 }));
+	struct given g = COLORS(make((struct raster_file){ "photo.tif", 256, .bands = 3, .type = GDT_Byte }, 0));
 	g.source.crs = (char *)"EPSG:32632";
 	g.source.has_place = true;
 	g.source.corner[0] = WEST + 100;

@@ -118,6 +118,10 @@ static void tell(const char *key, uint32_t t, const char *wanted, char *to, size
 	}
 	for (size_t i = 0; i < count && bytes; i++)
 		used += (size_t)snprintf(to + used, size - used, i ? ",%u" : "%u", bytes[i]);
+	double at[5];
+	int found = strcmp(key, "at") ? 0 : sscanf(wanted, "%lf,%lf,%lf,%lf,%lf", &at[0], &at[1], &at[2], &at[3], &at[4]);
+	if (found >= 3 && has_vertex(at[0], at[1], at[2], found == 5 ? (float[]){ (float)at[3], (float)at[4] } : NULL))
+		used += (size_t)snprintf(to, size, "%s", wanted);
 	to[used] = 0;
 }
 
@@ -137,30 +141,29 @@ static bool tells(const char *got, const char *wanted)
 	return true;
 }
 
-void expect_model(const char *wanted)
+void expect_told(const char *wanted, told_value *value_of)
 {
 	char all[1000], got[400], key[20], *rest = all;
 	snprintf(all, sizeof all, "%s", wanted);
 	for (char *one; (one = strsep(&rest, "|"));) {
 		char *value = strchr(one, '=');
-		double at[5] = { 0 };
-		unsigned t = 0;
+		unsigned number = 0;
 		if (*one == '~' || *one == '!') {
 			if ((strstr(import_said, one + 1) != NULL) != (*one == '~'))
 				fail_msg("said: %s\n  wanted %s", import_said, one);
 			continue;
 		}
-		int found = sscanf(one, "at=%lf,%lf,%lf,%lf,%lf", &at[0], &at[1], &at[2], &at[3], &at[4]);
-		if (found >= 3) {
-			if (!has_vertex(at[0], at[1], at[2], found == 5 ? (float[]){ (float)at[3], (float)at[4] } : NULL))
-				fail_msg("no vertex %s", one);
-			continue;
-		}
-		assert_true(value && sscanf(one, "%19[a-z_]%u", key, &t) >= 1);
-		tell(key, t, value + 1, got, sizeof got);
-		if (!tells(got, value + 1))
+		assert_true(!*one || (value && sscanf(one, "%19[a-z_]%u", key, &number) >= 1));
+		if (*one)
+			value_of(key, number, value + 1, got, sizeof got);
+		if (*one && !tells(got, value + 1))
 			fail_msg("%.*s is %s, not %s\n  said: %s", (int)(value - one), one, got, value + 1, import_said);
 	}
+}
+
+void expect_model(const char *wanted)
+{
+	expect_told(wanted, tell);
 }
 
 void expect_models(const char *folder, const struct model_case *cases, size_t count)

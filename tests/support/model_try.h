@@ -22,9 +22,11 @@ void import_says(const char *text);
 bool close_to(double a, double b, double most);
 bool has_place(double x, double y, double z);
 const struct eco_material *material_of(const char *name);
-/* `wanted` is parted by "|": "key=value", of the tables in model_try.c (numbers parted by commas; a number behind
- * a key names a triangle: "rgb0=255,0,0"); "at=x,y,z" or "at=x,y,z,u,v": a vertex is there; "~text": this was said;
- * "!text": it was not. */
+/* Checks of what was read. `wanted` is parted by "|": "key=value", numbers in it parted by commas and equal but for
+ * rounding to float; "~text": this was said; "!text": it was not. A number may follow the key: "rgb0=255,0,0". */
+typedef void told_value(const char *key, uint32_t number, const char *wanted, char *to, size_t size);
+void expect_told(const char *wanted, told_value *value_of);
+/* The model, by the keys in model_try.c; their number is a triangle. "at=x,y,z" or "at=x,y,z,u,v": a vertex is there. */
 void expect_model(const char *wanted);
 /* Files of a model and what import makes of them. */
 struct model_case {
