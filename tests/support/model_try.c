@@ -1,6 +1,6 @@
 #include "tests/support/model_try.h"
 
-char import_said[8000];
+char import_said[8192];
 struct eco_model m;
 
 void import_note(void *ctx, const char *text)
@@ -81,7 +81,7 @@ bool has_place(double x, double y, double z) { return has_vertex(x, y, z, NULL);
 /* ---- Expectations as text ---- */
 
 /* The value of `key`, for triangle `t` where that matters, as text. Texels: as many as `wanted` has numbers. */
-static void tell(const char *key, uint32_t t, const char *wanted, char *to, size_t size)
+void model_told(const char *key, uint32_t t, const char *wanted, char *to, size_t size)
 {
 	static const char *const hows[] = { "unknown", "given", "format", "shape", "convention", "guessed", "height" };
 	const uint32_t *dropped = m.dropped;
@@ -163,7 +163,7 @@ void expect_told(const char *wanted, told_value *value_of)
 
 void expect_model(const char *wanted)
 {
-	expect_told(wanted, tell);
+	expect_told(wanted, model_told);
 }
 
 void expect_models(const char *folder, const struct model_case *cases, size_t count)

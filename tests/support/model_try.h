@@ -8,7 +8,7 @@
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
-extern char import_said[8000];
+extern char import_said[8192];
 void import_note(void *ctx, const char *text);       /* adds to it */
 /* The model that was imported last. */
 extern struct eco_model m;
@@ -27,6 +27,7 @@ const struct eco_material *material_of(const char *name);
 typedef void told_value(const char *key, uint32_t number, const char *wanted, char *to, size_t size);
 void expect_told(const char *wanted, told_value *value_of);
 /* The model, by the keys in model_try.c; their number is a triangle. "at=x,y,z" or "at=x,y,z,u,v": a vertex is there. */
+told_value model_told;
 void expect_model(const char *wanted);
 /* Files of a model and what import makes of them. */
 struct model_case {
