@@ -308,6 +308,22 @@ UNIT_TEST(heights_lie_on_the_triangles_from_south_west_to_north_east)
 		assert_int_equal(eco_ground_height(&g, cases[i].x, cases[i].y, &z), cases[i].inside);
 		assert_true(z == cases[i].z);
 	}
+	/* a margin of two samples, 2 and 1 steps wide, around one cell */
+	float wide[36];
+	struct eco_ground beyond = { .columns = 6, .rows = 6, .margin = 2, .step_x_m = 1, .step_y_m = 1, .height_m = wide };
+	for (int i = 0; i < 36; i++)
+		wide[i] = (float)(10 * (i % 6) * (i / 6) + i % 6);
+	static const struct { double x, y, z; bool inside; } rows[] = {
+		{ 0.5, 0.25, 60, true },         /* 42 / 2 + 63 / 4 + 93 / 4 */
+		{ 3, 2.5, 197, false },          /* 164 / 2 + 205 / 4 + 255 / 4 */
+		{ 2.5, 3, 196.75, false },       /* 164 / 2 + 204 / 4 + 255 / 4 */
+		{ -2, -2.5, 3, false },          /* 0 / 2 + 1 / 4 + 11 / 4 */
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		double z = -1;
+		assert_int_equal(eco_ground_height(&beyond, rows[i].x, rows[i].y, &z), rows[i].inside);
+		assert_true(z == rows[i].z);
+	}
 	for (double v = 0; v <= 1; v += 0.125) {             /* continuous across the cell border */
 		double left, right;
 

@@ -60,44 +60,6 @@ UNIT_TEST(steps_double_from_sample_to_sample_of_a_margin)
 	assert_int_equal(eco_ground_sample_at(17, 9, 3), ECO_GROUND_SIDE_MAX);
 }
 
-/* The simple twin looks for the cell among all. */
-static double height_twin(const struct eco_ground *g, double x, double y)
-{
-	uint32_t c = 0, r = 0, m = g->margin;
-	x = (x - g->x_m) / g->step_x_m;
-	y = (y - g->y_m) / g->step_y_m;
-	while (c + 2 < g->columns && x >= eco_ground_place(c + 1, g->columns, m))
-		c++;
-	while (r + 2 < g->rows && y >= eco_ground_place(r + 1, g->rows, m))
-		r++;
-	double x0 = eco_ground_place(c, g->columns, m), x1 = eco_ground_place(c + 1, g->columns, m),
-		y0 = eco_ground_place(r, g->rows, m), y1 = eco_ground_place(r + 1, g->rows, m),
-		u = (x - x0) / (x1 - x0), v = (y - y0) / (y1 - y0);
-	const float *s = &g->height_m[(size_t)r * g->columns + c], *n = s + g->columns;
-	return u >= v ? s[0] * (1 - u) + s[1] * (u - v) + n[1] * v
-		      : s[0] * (1 - v) + n[0] * (v - u) + n[1] * u;
-}
-
-UNIT_TEST(heights_are_those_of_the_triangles_inside_and_beyond)
-{
-	for (size_t k = 0; k < GROUNDS; k++) {
-		struct eco_ground inside, g = extended(k, &inside);
-		state = k;
-		for (int n = 0; n < 4000; n++) {
-			double far = pow(10, 5 * unit()), x = far * (2 * unit() - 1),
-			       y = far * (2 * unit() - 1), z;
-			bool is_inside = x >= g.x_m && y >= g.y_m &&
-				x <= g.x_m + (inside.columns - 1) * g.step_x_m &&
-				y <= g.y_m + (inside.rows - 1) * g.step_y_m;
-			assert_int_equal(eco_ground_height(&g, x, y, &z), is_inside);
-			assert_true(fabs(z - height_twin(&g, x, y)) < 1e-3);
-			assert_true(!is_inside || fabs(z - height(&inside, x, y)) < 1e-9);
-		}
-		eco_ground_free(&inside);
-		eco_ground_free(&g);
-	}
-}
-
 /* ---- Beyond the border ---- */
 
 UNIT_TEST(at_the_border_the_ground_goes_on_without_a_step)

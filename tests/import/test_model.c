@@ -10,25 +10,22 @@
 #include "tests/support/model_try.h"
 #include "tests/support/unit_test.h"
 
-/* ---- OBJ ---- */
-
-UNIT_TEST(y_up_becomes_z_up_on_its_foot_at_its_height)
-{
+static const struct model_case models[] = {
 	/* a square tube from (10, 5, -20), 1 wide and 8 high along Y */
-	const char *obj = "v 9.5 5 -20.5\nv 10.5 5 -20.5\nv 10.5 5 -19.5\nv 9.5 5 -19.5\nv 9.5 13 -20.5\nv "
-		"10.5 13 -20.5\nv 10.5 13 -19.5\n"
-		"v 9.5 13 -19.5\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+	{ "y_up_becomes_z_up_on_its_foot_at_its_height", "tube.obj", "v 9.5 5 -20.5\nv 10.5 5 -20.5\nv 10.5 5 -19.5\n"
+		"v 9.5 5 -19.5\nv 9.5 13 -20.5\nv 10.5 13 -20.5\nv 10.5 13 -19.5\nv 9.5 13 -19.5\nf 1 2 6 5\nf 2 3 7 6\n"
+		"f 3 4 8 7\nf 4 1 5 8\n", .wanted = "in=8|triangles=8|at=-0.5,0.5,0|at=0.5,-0.5,8|foot=10,20,5|scale=1|high=8" },
+	{ NULL, "tube.obj", .options = { .height_m = 2 }, .wanted = "high=2|scale=0.25|at=-0.125,0.125,2" },
+	/* the same thrice: turned, and with a twin of a vertex; in a line, twice one corner, twice one place */
+	{ "what_covers_nothing_is_dropped_and_counted", "drop.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nv 1 0 0\n"
+		"f 1 2 3\nf 3 1 2\nf 3 6 1\nf 1 2 4\nf 1 2 2\nf 2 6 3\nf 1 2 5\n",
+		.wanted = "in=7|triangles=1|twice=2|degenerate=3|infinite=1|vertices=3" },
+};
 
-	import_high(input_text("model", "tube.obj", obj), 0);
-	assert_int_equal(m.triangles_in, 8);
-	assert_int_equal(m.triangle_count, 8);
-	assert_true(has_vertex(-0.5f, 0.5f, 0, NULL) && has_vertex(0.5f, -0.5f, 8, NULL));
-	assert_true(m.foot[0] == 10 && m.foot[1] == 20 && m.foot[2] == 5 && m.scale == 1);
-	assert_true(eco_model_height(&m) == 8);
+UNIT_TEST(objs_are_moved_and_cleaned)
+{
+	expect_models("model", models, sizeof models / sizeof *models);
 	assert_null(m.uv);
-	import_high("build/tmp/model/tube.obj", 2);
-	assert_true(fabs(eco_model_height(&m) - 2) < 1e-6 && m.scale == 0.25);
-	assert_true(has_vertex(-0.125f, 0.125f, 2, NULL));
 }
 
 /* Star-shaped polygons in tilted planes, concave as can be, some with corners in a line or repeated: the
@@ -67,23 +64,6 @@ UNIT_TEST(any_simple_polygon_is_covered_exactly_once)
 		}
 		assert_true(fabs(sum - polygon) < 1e-6);
 	}
-}
-
-UNIT_TEST(what_covers_nothing_is_dropped_and_counted)
-{
-	const char *obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nv 1 0 0\n"
-		/* the same thrice: turned, and with a twin of a vertex */
-		"f 1 2 3\nf 3 1 2\nf 3 6 1\n"
-		"f 1 2 4\nf 1 2 2\nf 2 6 3\n"            /* in a line, twice one corner, twice one place */
-		"f 1 2 5\n";
-
-	import_high(input_text("model", "drop.obj", obj), 0);
-	assert_int_equal(m.triangles_in, 7);
-	assert_int_equal(m.triangle_count, 1);
-	assert_int_equal(m.dropped[ECO_DROP_DUPLICATE], 2);
-	assert_int_equal(m.dropped[ECO_DROP_DEGENERATE], 3);
-	assert_int_equal(m.dropped[ECO_DROP_NOT_FINITE], 1);
-	assert_int_equal(m.vertex_count, 3);
 }
 
 UNIT_TEST(bad_indices_are_dropped_by_the_last_step_too)

@@ -216,7 +216,7 @@ static void import_ramp(double (*rgb)[3])
 			sprintf(faces + strlen(faces), "f %d %d %d\n", v - 1, v, v + 1);
 	}
 	strcat(text, faces);
-	import_high(input_text(TEST_FOLDER, "ramp.obj", text), 0);
+	import_file(input_text(TEST_FOLDER, "ramp.obj", text), NULL);
 	assert_int_equal(m.triangle_count, 6);
 }
 

@@ -8,10 +8,22 @@ static char text[200000];
 static size_t used;
 static int vertices;
 
-static void begin(void)
+static void put(const char *format, ...)
 {
-	used = 0;
-	vertices = 0;
+	va_list values;
+	va_start(values, format);
+	used += (size_t)vsnprintf(text + used, sizeof text - used, format, values);
+	va_end(values);
+}
+
+/* A face of the last `count` vertices. */
+static void put_face(int count)
+{
+	vertices += count;
+	put("f");
+	for (int i = count; i > 0; i--)
+		put(" %d", vertices - i + 1);
+	put("\n");
 }
 
 /* A tube of `sides` between two points (z up), open at both ends. */
@@ -19,154 +31,111 @@ static void tube(double x0, double y0, double z0, double x1, double y1, double z
 {
 	for (int i = 0; i < 2 * sides; i++) {
 		double angle = 6.283185307179586 * (i % sides) / sides;
-		used += (size_t)snprintf(text + used, sizeof text - used, "v %.7f %.7f %.7f\n",
-			(i < sides ? x0 : x1) + radius * cos(angle),
+		put("v %.7f %.7f %.7f\n", (i < sides ? x0 : x1) + radius * cos(angle),
 			(i < sides ? y0 : y1) + radius * sin(angle), i < sides ? z0 : z1);
 	}
 	for (int i = 0; i < sides; i++)
-		used += (size_t)snprintf(text + used, sizeof text - used, "f %d %d %d %d\n", vertices + i + 1,
-			vertices + (i + 1) % sides + 1, vertices + (i + 1) % sides + 1 + sides,
-			vertices + i + 1 + sides);
+		put("f %d %d %d %d\n", vertices + i + 1, vertices + (i + 1) % sides + 1,
+			vertices + (i + 1) % sides + 1 + sides, vertices + i + 1 + sides);
 	vertices += 2 * sides;
 }
 
-/* A leaf: a square card around a point. */
-static void leaf(double x, double y, double z, double size)
-{
-	used += (size_t)snprintf(text + used, sizeof text - used,
-		"v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf %d %d %d %d\n", x - size / 2, y, z, x, y,
-		z - size / 2, x + size / 2, y, z, x, y, z + size / 2, vertices + 1, vertices + 2,
-		vertices + 3, vertices + 4);
-	vertices += 4;
-}
-
-/* A crown of leaves around (0, 0, z). */
+/* A crown of leaves, which are square cards. */
 static void crown(double x, double y, double z, double radius)
 {
-	for (int i = 0; i < 100; i++)
-		leaf(x + radius * cos(i * 2.4) * (i % 10) / 10, y + radius * sin(i * 2.4) * (i % 10) / 10,
-			z + radius * (i / 10 - 5) / 6, 0.3);
+	for (int i = 0; i < 100; i++) {
+		double at[3] = { x + radius * cos(i * 2.4) * (i % 10) / 10, y + radius * sin(i * 2.4) * (i % 10) / 10,
+			z + radius * (i / 10 - 5) / 6 };
+		put("v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\n", at[0] - 0.15, at[1], at[2], at[0], at[1],
+			at[2] - 0.15, at[0] + 0.15, at[1], at[2], at[0], at[1], at[2] + 0.15);
+		put_face(4);
+	}
 }
 
-static void stand(double height_m)
+/* Pieces parted by ";": "t x0 y0 z0 x1 y1 z1 radius sides", "c x y z radius" or lines of the file. */
+static void plant_of(const char *pieces)
 {
-	import_file(input_text("stand", "plant.obj", text),
-		&(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .height_m = height_m });
+	char all[1000], *rest = all;
+	double v[8];
+	used = 0;
+	vertices = 0;
+	snprintf(all, sizeof all, "%s", pieces);
+	for (char *one; (one = strsep(&rest, ";"));)
+		if (sscanf(one, "t %lf %lf %lf %lf %lf %lf %lf %lf", &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6],
+				&v[7]) == 8)
+			tube(v[0], v[1], v[2], v[3], v[4], v[5], v[6], (int)v[7]);
+		else if (sscanf(one, "c %lf %lf %lf %lf", &v[0], &v[1], &v[2], &v[3]) == 4)
+			crown(v[0], v[1], v[2], v[3]);
+		else
+			put("%s\n", one);
 }
 
-static void expect_foot(double x, double y, double z)
+/* Beside the keys of a model: "stands=x,y,z,most": its foot is that near in x and y, and at z. */
+static void tell(const char *key, uint32_t number, const char *wanted, char *to, size_t size)
 {
-	if (!close_to(m.foot[0], x, 0.02) || !close_to(m.foot[1], y, 0.02)
-			|| !close_to(m.foot[2], z, 1e-5))
-		fail_msg("the foot is at %g %g %g, not %g %g %g", m.foot[0], m.foot[1], m.foot[2], x, y,
-			z);
+	double at[4] = { 0 };
+	if (strcmp(key, "stands") != 0) {
+		model_told(key, number, wanted, to, size);
+		return;
+	}
+	sscanf(wanted, "%lf,%lf,%lf,%lf", &at[0], &at[1], &at[2], &at[3]);
+	if (close_to(m.foot[0], at[0], at[3]) && close_to(m.foot[1], at[1], at[3]) && close_to(m.foot[2], at[2], 1e-5))
+		snprintf(to, size, "%s", wanted);
+	else
+		snprintf(to, size, "%g %g %g", m.foot[0], m.foot[1], m.foot[2]);
 }
 
-UNIT_TEST(a_tree_off_its_origin_stands_on_its_stem)
+static const struct eco_part_rule thin = { .kind = ECO_PART_NAME, .name = "thin", .is = ECO_ORGAN_WOOD };
+#define STEM_BESIDE "o thick;t 0 0 .2 0 0 9 1 8;o thin;t 6 0 0 6 0 9 .05 8"
+
+static const struct { const char *name, *pieces, *wanted; const struct eco_part_rule *rule; } plants[] = {
+	/* leaning and lopsided */
+	{ "a tree off its origin stands on its stem", "t 100 -40 7 101 -40 15 .2 8;c 103 -38 15 3", "stands=100,-40,7,.02", NULL },
+	{ "a pot carries its plant", "t 0 0 3 0 0 9 .15 6;t 0 0 0 0 0 3.5 1 12;c .5 0 8 2", "stands=0,0,0,.02", NULL },
+	{ "so does a box of four boards", "t 0 0 3 0 0 9 .15 6;c .5 0 8 2;v 1 -1 0;v 1 1 0;v 1 1 3.5;v 1 -1 3.5;v -1 1 0;v -1 1 3.5;"
+		"v -1 -1 0;v -1 -1 3.5;f -8 -7 -6 -5;f -7 -4 -3 -6;f -4 -2 -1 -3;f -2 -8 -5 -1", "stands=0,0,0,.02", NULL },
+	/* the crown is a hull */
+	{ "a trunk in pieces stands on its lowest", "t 2 1 0 2 1 .28 .1 8;t 2 1 .3 2 1 .58 .1 8;t 2 1 .6 2 1 .88 .1 8;"
+		"t 2 1 .9 2 1 1.18 .1 8;t 2 1 1.2 2 1 1.48 .1 8;t 2 1 1.5 2 1 1.78 .1 8;t 2 1 1.8 2 1 2.08 .1 8;"
+		"t 2 1 2.1 2 1 2.38 .1 8;t 2 1 2.4 2 1 2.68 .1 8;t 2 1 2.7 2 1 2.98 .1 8;t 2 1 2 2 1 8 1.5 16",
+		"stands=2,1,0,.02", NULL },
+	/* the modeller let the trunk reach 0.6 below the origin, which is where it leaves the ground */
+	{ "what is below the file's zero is in the ground", "t 0 0 -.6 0 0 9 .3 8;c 0 0 9 3", "below=.6|stands=0,0,0,.02", NULL },
+	{ "but not far below", "t 0 0 -4.5 0 0 4.5 .3 8;c 0 0 4.5 3", "stands=0,0,-4.5,.02", NULL },
+	{ "nor beside the origin", "t 30 0 -.6 30 0 9 .3 8;c 30 0 9 3", "stands=30,0,-.6,.02", NULL },
+	/* with a tip at its rim */
+	{ "a bush that is one hull stands on its lower part", "t 5 5 0 5 5 2 1 12;v 5.95 5 -.05;f 1 2 -1",
+		"stands=5,5,-.05,.15", NULL },
+	{ "wood of no rule is found by shape", STEM_BESIDE, "stands=0,0,.2,.02", NULL },
+	{ "wood by rule is what stands", STEM_BESIDE, "stands=6,0,0,.02", &thin },
+};
+
+static void stand(double height_m, const struct eco_part_rule *rule)
 {
-	begin();
-	tube(100, -40, 7, 101, -40, 15, 0.2, 8);             /* leaning */
-	crown(103, -38, 15, 3);                              /* and lopsided */
-	stand(0);
-	expect_foot(100, -40, 7);
+	import_file(input_text("stand", "plant.obj", text), &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1,
+		.height_m = height_m, .rules = rule, .rule_count = rule != NULL });
+}
+
+UNIT_TEST(plants_stand_on_their_stems)
+{
+	for (size_t i = 0; i < sizeof plants / sizeof *plants; i++) {
+		print_message("# %s\n", plants[i].name);
+		plant_of(plants[i].pieces);
+		stand(0, plants[i].rule);
+		expect_told(plants[i].wanted, tell);
+	}
 }
 
 UNIT_TEST(twigs_that_hang_lower_than_the_stem_end_in_the_ground)
 {
-	begin();
-	tube(0, 0, 5, 0, 0, 15, 0.4, 8);
+	plant_of("t 0 0 5 0 0 15 .4 8");
 	for (int i = 0; i < 24; i++)
 		tube(4 * cos(i * 0.26), 4 * sin(i * 0.26), 4.2 + 0.03 * i, 0.2 * cos(i * 0.26),
 			0.2 * sin(i * 0.26), 14, 0.02, 4);
 	crown(0, 0, 13, 4);
-	stand(0);
-	assert_true(close_to(m.source.below, 0.8, 1e-5));
-	expect_foot(0, 0, 5);
-	stand(20);                                       /* the height is what shows */
+	stand(0, NULL);
+	expect_told("below=.8|stands=0,0,5,.02", tell);
+	stand(20, NULL);                                 /* the height is what shows */
 	assert_true(close_to(m.scale, 20 / (eco_model_height(&m) / m.scale), 1e-6)
 		&& close_to(eco_model_height(&m), 20, 1e-4));
-}
-
-UNIT_TEST(a_pot_carries_its_plant)
-{
-	for (int walls = 0; walls < 2; walls++) {
-		begin();
-		tube(0, 0, 3, 0, 0, 9, 0.15, 6);
-		if (walls == 0)
-			tube(0, 0, 0, 0, 0, 3.5, 1, 12);
-		for (int side = 0; side < 4 && walls == 1; side++) {    /* a box of four boards */
-			double c = side % 2 == 0 ? (side == 0 ? 1 : -1) : 0,
-				s = side % 2 == 1 ? (side == 1 ? 1 : -1) : 0;
-
-			used += (size_t)snprintf(text + used, sizeof text - used,
-				"v %g %g 0\nv %g %g 0\nv %g %g 3.5\nv %g %g 3.5\nf %d %d %d %d\n", c - s,
-				s + c, c + s, s - c, c + s, s - c, c - s, s + c, vertices + 1, vertices + 2,
-				vertices + 3, vertices + 4);
-			vertices += 4;
-		}
-		crown(0.5, 0, 8, 2);
-		stand(0);
-		expect_foot(0, 0, 0);
-	}
-}
-
-UNIT_TEST(a_trunk_in_pieces_below_a_hull_stands_on_its_lowest)
-{
-	begin();
-	for (int i = 0; i < 10; i++)
-		tube(2, 1, i * 0.3, 2, 1, i * 0.3 + 0.28, 0.1, 8);
-	tube(2, 1, 2, 2, 1, 8, 1.5, 16);                     /* the crown as a hull */
-	stand(0);
-	expect_foot(2, 1, 0);
-}
-
-/* Its modeller let the trunk reach 0.6 below the origin, which is where it leaves the ground. */
-UNIT_TEST(what_is_below_the_files_zero_is_in_the_ground)
-{
-	begin();
-	tube(0, 0, -0.6, 0, 0, 9, 0.3, 8);
-	crown(0, 0, 9, 3);
-	stand(0);
-	assert_true(close_to(m.source.below, 0.6, 1e-5));
-	expect_foot(0, 0, 0);
-	begin();                                             /* not where the origin is anywhere else */
-	tube(0, 0, -4.5, 0, 0, 4.5, 0.3, 8);
-	crown(0, 0, 4.5, 3);
-	stand(0);
-	expect_foot(0, 0, -4.5);
-	begin();
-	tube(30, 0, -0.6, 30, 0, 9, 0.3, 8);
-	crown(30, 0, 9, 3);
-	stand(0);
-	expect_foot(30, 0, -0.6);
-}
-
-UNIT_TEST(a_bush_that_is_one_hull_stands_on_its_lower_part)
-{
-	begin();
-	tube(5, 5, 0, 5, 5, 2, 1, 12);
-	used += (size_t)snprintf(text + used, sizeof text - used, "v 5.95 5 -0.05\nf 1 2 %d\n", ++vertices);
-		/* a tip at its rim */
-	stand(0);
-	assert_true(close_to(m.foot[0], 5, 0.15) && close_to(m.foot[1], 5, 0.15)
-		&& close_to(m.foot[2], -0.05, 1e-6));
-}
-
-/* A part that rules call wood is the stem, whatever it looks like. */
-UNIT_TEST(wood_by_rule_is_what_stands)
-{
-	const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = (char *)"thin",
-		.is = ECO_ORGAN_WOOD };
-	const char *path;
-	begin();
-	used += (size_t)snprintf(text, sizeof text, "o thick\n");
-	tube(0, 0, 0.2, 0, 0, 9, 1, 8);
-	used += (size_t)snprintf(text + used, sizeof text - used, "o thin\n");
-	tube(6, 0, 0, 6, 0, 9, 0.05, 8);
-	path = input_text("stand", "rule.obj", text);
-	import_file(path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
-	assert_true(close_to(m.foot[0], 0, 0.02));
-	import_file(path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .rules = &rule,
-		.rule_count = 1 });
-	expect_foot(6, 0, 0);
 }

@@ -94,41 +94,6 @@ UNIT_TEST(numbers_are_those_asked_for_and_nothing_stands_in_holes)
 	free(s.places);
 }
 
-UNIT_TEST(columns_say_how_many)
-{
-	struct eco_scatter_spec spec = spec_of(areas("both.geojson", FIELD "," CORNER "," LINE "," NOTHING));
-	struct scattered s;
-	spec.count_column = "n";
-	s = scatter(&spec);
-	assert_int_equal(s.count, 82);
-	import_says("82 plants of 82 wanted");
-	import_says("1 feature left out: no usable number in its column (first: feature "
-		"3)");
-	free(s.places);
-	spec.count_column = NULL;
-	spec.density_column = "d";
-	s = scatter(&spec);
-	assert_in_range(s.count, 229, 231);          /* 1.5 ha of 20, half a hectare of 400 */
-	free(s.places);
-}
-
-UNIT_TEST(what_is_left_out_is_counted_by_reason)
-{
-	static struct eco_value values[] = { { "field", 0 }, { "li*", 0 }, { "nothing", 0 } };
-	struct eco_filter only = { "kind", true, values, 3 };
-	struct eco_scatter_spec spec =
-		spec_of(areas("reasons.geojson", FIELD "," CORNER "," LINE "," NOTHING));
-	struct scattered s;
-	spec.filters = &only;
-	spec.filter_count = 1;
-	s = scatter(&spec);
-	assert_int_equal(s.count, 600);
-	import_says("1 feature left out: not a polygon (first: feature 3)");
-	import_says("1 feature left out: no geometry (first: feature 4)");
-	import_says("1 feature left out: left out by only or skip (first: feature 2)");
-	free(s.places);
-}
-
 static int place_order(const void *a, const void *b)
 {
 	return memcmp(((const struct eco_scatter_place *)a)->at, ((const struct eco_scatter_place *)b)->at,
@@ -152,23 +117,6 @@ UNIT_TEST(the_order_of_the_file_does_not_matter)
 			== b.places[i].yaw_deg);
 	free(a.places);
 	free(b.places);
-}
-
-UNIT_TEST(distances_hold_and_what_has_no_room_is_said)
-{
-	struct eco_scatter_spec spec = spec_of(areas("near.geojson", FIELD "," CORNER));
-	struct scattered s;
-	spec.distance_m = 4;
-	s = scatter(&spec);
-	assert_true(nearest(&s) >= 4);
-	assert_true(s.count > 500);
-	free(s.places);
-	spec.distance_m = 30;
-	s = scatter(&spec);
-	assert_true(nearest(&s) >= 30);
-	assert_in_range(s.count, 10, 60);
-	import_says("2 areas have no room");
-	free(s.places);
 }
 
 UNIT_TEST(what_is_to_be_clear_is_clear)
@@ -222,20 +170,49 @@ UNIT_TEST(errors_say_what_to_do)
 	}
 }
 
-UNIT_TEST(what_is_too_far_or_too_much_is_said)
-{
-	struct eco_scatter_spec spec = spec_of(areas("far.geojson", FIELD ",{\"type\":\"Feature\","
-		"\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
-		"\"coordinates\":[[[0,0],[1e200,0],[0,1e200],[0,0]]]}}"));
-	struct scattered s = scatter(&spec);
-	struct eco_scatter *none;
+#define POLYGON(corners) "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\"," \
+	"\"coordinates\":[[" corners "]]}}"
+#define ALL FIELD "," CORNER "," LINE "," NOTHING
 
-	assert_int_equal(s.count, 600);
-	import_says("1 feature left out: more than 10,000 km from the origin (first: "
-		"feature 2)");
-	free(s.places);
-	spec = spec_of(areas("large.geojson", "{\"type\":\"Feature\",\"properties\":{},"
-		"\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[9e6,0],[9e6,9e6],[0,0]]]}}"));
+static struct eco_value values[] = { { "field", 0 }, { "li*", 0 }, { "nothing", 0 } };
+static struct eco_filter only = { "kind", true, values, 3 };
+
+static const struct { const char *name, *features, *count_column, *density_column; struct eco_filter *filter; double distance_m;
+	uint32_t low, high; const char *says; } rows[] = {
+	{ "columns_say_how_many", ALL, "n", NULL, NULL, 0, 82, 82,
+		"~82 plants of 82 wanted|~1 feature left out: no usable number in its column (first: feature 3)" },
+	/* 1.5 ha of 20, half a hectare of 400 */
+	{ NULL, ALL, NULL, "d", NULL, 0, 229, 231, "" },
+	{ "what_is_left_out_is_counted_by_reason", ALL, NULL, NULL, &only, 0, 600, 600, "~1 feature left out: not a polygon "
+		"(first: feature 3)|~1 feature left out: no geometry (first: feature 4)|~1 feature left out: left out by only "
+		"or skip (first: feature 2)" },
+	{ "distances_hold_and_what_has_no_room_is_said", FIELD "," CORNER, NULL, NULL, NULL, 4, 501, 800, "" },
+	{ NULL, FIELD "," CORNER, NULL, NULL, NULL, 30, 10, 60, "~2 areas have no room" },
+	{ "what_is_too_far_is_said", FIELD "," POLYGON("[0,0],[1e200,0],[0,1e200],[0,0]"), NULL, NULL, NULL, 0, 600, 600,
+		"~1 feature left out: more than 10,000 km from the origin (first: feature 2)" },
+};
+
+UNIT_TEST(areas_get_the_plants_that_are_wanted_and_fit)
+{
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_scatter_spec spec = spec_of(areas("rows.geojson", rows[i].features));
+		spec.count_column = (char *)rows[i].count_column;
+		spec.density_column = (char *)rows[i].density_column;
+		spec.filters = rows[i].filter;
+		spec.filter_count = rows[i].filter != NULL;
+		spec.distance_m = rows[i].distance_m;
+		struct scattered s = scatter(&spec);
+		assert_in_range(s.count, rows[i].low, rows[i].high);
+		assert_true(nearest(&s) >= rows[i].distance_m);
+		expect_told(rows[i].says, NULL);
+		free(s.places);
+	}
+}
+
+UNIT_TEST(what_is_too_much_is_refused)
+{
+	struct eco_scatter_spec spec = spec_of(areas("large.geojson", POLYGON("[0,0],[9e6,0],[9e6,9e6],[0,0]")));
+	struct eco_scatter *none;
 	assert_code(eco_scatter_open(&none, &spec, &frame, NULL, NULL, &cause), ECO_TOO_LARGE,
 		"more than 100000000 plants; take lower densities");
 }

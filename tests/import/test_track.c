@@ -8,6 +8,7 @@
 
 #include "ecofiles/import/track/track.h"
 #include "tests/support/input_files.h"
+#include "tests/support/told.h"
 #include "tests/support/track_made.h"
 #include "tests/support/unit_test.h"
 
@@ -227,86 +228,95 @@ UNIT_TEST(records_without_a_position_are_counted)
 
 /* ---- Cleaning: every slip repaired and counted ---- */
 
-/* Each fix is where a motion of 10 m/s along x would have it. */
-static void assert_even(const struct eco_track *track, double start_x)
+/* Changes of fix i of a motion of 10 m/s along x, from 100 s on. */
+#define MOTION(name, change) static void name(uint32_t i, struct eco_fix *fix) { change; }
+MOTION(whole_seconds, fix->time_s = floor(i / 10.0); fix->at[0] = i)
+MOTION(reversed, fix->time_s = 50 - i; fix->at[0] = 10.0 * (50 - i))
+MOTION(unsorted, fix->time_s = i * 37 % 64; fix->at[0] = 10.0 * (i * 37 % 64))
+MOTION(set_back, fix->time_s -= i < 25 ? 0 : 90)
+MOTION(spikes, fix->at[0] = i == 40 ? -5e6 : fix->at[0]; fix->at[2] = i == 80 ? 5000 : 50;
+	fix->at[1] = i == 0 ? 4000 : i == 60 || i == 61 ? 700 : 0)
+MOTION(apart, fix->time_s = i; fix->at[0] += i < 40 ? 0 : 12000)
+MOTION(corrected, fix->at[0] += i < 50 ? 0 : 100)
+MOTION(walk_ride_walk, fix->at[0] = 1.4 * i + 23.6 * fmin(fmax((int)i - 139, 0), 20))
+MOTION(gap, fix->time_s = i < 100 ? i : i + 3600; fix->at[0] -= i < 100 ? 0 : 10)
+MOTION(untimed, fix->time_s = fix->at[2] = NAN; fix->at[0] = i ? 30 : 0; fix->at[1] = i ? 50.0 * i - 10 : 0)
+
+static const struct { const char *name; uint32_t count; void (*change)(uint32_t i, struct eco_fix *fix);
+	struct { uint32_t fix; double time_s; } slips[3]; const char *wanted; } motions[] = {
+	{ "1970", 50, NULL, { { 0, -1.5e9 } }, "wrong=1|missing=0|kept=50|even=0" },
+	{ "years later", 50, NULL, { { 20, 9e8 } }, "wrong=1|missing=0|kept=50|even=0" },
+	{ "missing", 50, NULL, { { 7, NAN }, { 8, NAN }, { 49, NAN } }, "wrong=0|missing=3|kept=50|even=0" },
+	{ "one runs back", 50, NULL, { { 30, 110.5 } }, "wrong=1|missing=0|kept=50|even=0" },
+	{ "one runs ahead", 50, NULL, { { 30, 1000 } }, "wrong=1|missing=0|kept=50|even=0" },
+	{ "first is missing", 50, NULL, { { 0, NAN } }, "wrong=0|missing=1|kept=50|even=0" },
+	{ "whole seconds are spread over their fixes", 100, whole_seconds, .wanted = "equal=90|even=0" },
+	{ "reversed", 50, reversed, .wanted = "sorted=1|even=10" },
+	{ "unsorted", 64, unsorted, .wanted = "sorted=1|kept=64|even=0" },
+	{ "a clock that is set back", 50, set_back, .wanted = "wrong=25|kept=50|even=0" },
+	{ "isolated jumps are dropped", 100, spikes, .wanted = "jumped=5|kept=95|parts=1|even=10" },
+	{ "others split", 100, apart, .wanted = "parts=2|kept=60|jumped=40|even=12400" },
+	/* a receiver corrects itself by 100 m: no end, but no flash either */
+	{ "corrections", 100, corrected, .wanted = "retimed=1|parts=1|kept=100|even=0" },
+	{ "fast stretches are no jumps", 300, walk_ride_walk, .wanted = "kept=300|parts=1|retimed=0" },
+	{ "gaps without motion are shortened", 200, gap, .wanted = "retimed=1|last=258" },
+	{ "without times a pace is taken", 3, untimed, .wanted = "untimed=1|t1=5|t2=10" },
+};
+
+static const struct eco_track *told;
+
+/* "even": each fix is where a motion of 10 m/s from there on would have it; "last": the end, to 1.1 s. */
+static void tell(const char *key, uint32_t number, const char *wanted, char *to, size_t size)
 {
-	for (uint32_t i = 0; i < track->count; i++)
-		if (!isnan(track->fixes[i].at[0])
-				&& !near(track->fixes[i].at[0], start_x + 10 * track->fixes[i].time_s, 1e-3))
-			fail_msg("fix %u at %g s is at %g", i, track->fixes[i].time_s, track->fixes[i].at[0]);
+	const struct eco_track_report *r = &told->report;
+	const struct { const char *key; double value; } numbers[] = { { "kept", r->kept }, { "jumped", r->jumped },
+		{ "parts", r->parts }, { "retimed", r->retimed }, { "sorted", r->sorted }, { "untimed", r->untimed },
+		{ "equal", r->stamps_equal }, { "wrong", r->stamps_wrong }, { "missing", r->stamps_missing },
+		{ "t", told->fixes[number].time_s } };
+	double start = strtod(wanted, NULL), off = told->fixes[told->count - 1].time_s - start;
+	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+		if (strcmp(key, numbers[i].key) == 0)
+			snprintf(to, size, "%.10g", numbers[i].value);
+	if (strcmp(key, "last") == 0)
+		snprintf(to, size, "%.10g", near(off, 0, 1.1) ? start : start + off);
+	if (strcmp(key, "even") != 0)
+		return;
+	snprintf(to, size, "%.10g", start);
+	for (uint32_t i = 0; i < told->count; i++)
+		if (!isnan(told->fixes[i].at[0]) && !near(told->fixes[i].at[0], start + 10 * told->fixes[i].time_s, 1e-3))
+			snprintf(to, size, "fix %u is at %g", i, told->fixes[i].at[0]);
 }
 
-UNIT_TEST(bogus_backward_equal_and_missing_stamps_are_repaired)
+UNIT_TEST(every_slip_is_repaired_and_counted)
 {
-	static const struct { const char *name; struct { uint32_t fix; double time_s; } slips[4];
-		uint64_t wrong, missing; } rows[] = {
-		{ "1970", { { 0, -1.5e9 } }, 1, 0 }, { "years later", { { 20, 9e8 } }, 1, 0 },
-			{ "missing", { { 7, NAN }, { 8, NAN }, { 49, NAN } }, 0, 3 },
-		{ "one runs back", { { 30, 110.5 } }, 1, 0 }, { "one runs ahead", { { 30, 1000 } }, 1, 0 },
-		{ "first is missing", { { 0, NAN } }, 0, 1 },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct made m = straight(50);
-		for (int k = 0; k < 4; k++)
-			if (rows[i].slips[k].time_s != 0 || k == 0)
-				m.track.fixes[rows[i].slips[k].fix].time_s = rows[i].slips[k].time_s;
-		struct eco_track_report report = cleaned(&m.track);
-		if (report.stamps_wrong != rows[i].wrong || report.stamps_missing != rows[i].missing
-				|| report.kept != 50)
-			fail_msg("%s: %lu %lu, %lu kept", rows[i].name, (unsigned long)report.stamps_wrong,
-				(unsigned long)report.stamps_missing, (unsigned long)report.kept);
-		assert_even(&m.track, 0);
-		eco_track_free(&m.track);
+	for (size_t i = 0; i < sizeof motions / sizeof *motions; i++) {
+		struct made made = straight(motions[i].count);
+		for (uint32_t k = 0; k < motions[i].count && motions[i].change; k++)
+			motions[i].change(k, &made.track.fixes[k]);
+		for (int k = 0; k < 3; k++)
+			if (motions[i].slips[k].time_s != 0)
+				made.track.fixes[motions[i].slips[k].fix].time_s = motions[i].slips[k].time_s;
+		print_message("# %s\n", motions[i].name);
+		cleaned(&made.track);
+		told = &made.track;
+		expect_told(motions[i].wanted, tell);
+		eco_track_free(&made.track);
 	}
-}
-
-UNIT_TEST(whole_seconds_are_spread_over_their_fixes)
-{
-	struct made m = made_track(100);
-	for (uint32_t i = 0; i < 100; i++)
-		put(&m, floor(i / 10.0), i, 0, 0);
-	struct eco_track_report report = cleaned(&m.track);
-	assert_int_equal(report.stamps_equal, 90);
-	assert_even(&m.track, 0);
-	eco_track_free(&m.track);
-}
-
-UNIT_TEST(reversed_unsorted_and_reset_clocks_are_told_apart)
-{
-	struct made reversed = made_track(50), unsorted = made_track(64), reset = straight(50);
-	for (uint32_t i = 0; i < 50; i++)
-		put(&reversed, 50 - i, 10.0 * (50 - i), 0, 0);
-	struct eco_track_report report = cleaned(&reversed.track);
-	assert_true(report.sorted);
-	assert_even(&reversed.track, 10);
-	for (uint32_t i = 0; i < 64; i++)
-		put(&unsorted, i * 37 % 64, 10.0 * (i * 37 % 64), 0, 0);
-	report = cleaned(&unsorted.track);
-	assert_true(report.sorted && report.kept == 64);
-	assert_even(&unsorted.track, 0);
-	for (uint32_t i = 25; i < 50; i++)
-		reset.track.fixes[i].time_s -= 90;
-	report = cleaned(&reset.track);
-	assert_true(report.stamps_wrong == 25 && report.kept == 50);
-	assert_even(&reset.track, 0);
-	eco_track_free(&reversed.track);
-	eco_track_free(&unsorted.track);
-	eco_track_free(&reset.track);
 }
 
 UNIT_TEST(repeated_fixes_become_even_motion)
 {
 	/* 60 records a second, 7 positions a second, in motion; a look in every record */
-	struct made m = made_track(600);
+	struct made made = made_track(600);
 	for (uint32_t i = 0; i < 600; i++) {
 		double t = i / 60.0, update = floor(t * 7 + 1e-9) / 7;
-		put(&m, t, 10 * update, 0, 50)->yaw_deg = t;
+		put(&made, t, 10 * update, 0, 50)->yaw_deg = t;
 	}
-	struct eco_track_report report = cleaned(&m.track);
+	struct eco_track_report report = cleaned(&made.track);
 	assert_true(report.kept == 71 && report.repeated == 529);
-	assert_int_equal(m.track.count, 600);
+	assert_int_equal(made.track.count, 600);
 	struct eco_flight flight;
-	eco_flight_make(&flight, &m.track, &track_defaults);
+	eco_flight_make(&flight, &made.track, &track_defaults);
 	for (uint32_t i = 1; i < flight.count; i++) {
 		double v = (flight.samples[i].eye[0] - flight.samples[i - 1].eye[0]) / flight.step_s,
 			t = i * flight.step_s;
@@ -314,67 +324,7 @@ UNIT_TEST(repeated_fixes_become_even_motion)
 		assert_true(near(atan2(flight.samples[i].look[0], flight.samples[i].look[1]) * DEG, t, 0.2));
 	}
 	eco_flight_free(&flight);
-	eco_track_free(&m.track);
-}
-
-UNIT_TEST(isolated_jumps_are_dropped_others_split)
-{
-	struct made spikes = straight(100), apart = made_track(100), glide = straight(100);
-	spikes.track.fixes[0].at[1] = 4000;
-	spikes.track.fixes[40].at[0] = -5e6;
-	spikes.track.fixes[60].at[1] = spikes.track.fixes[61].at[1] = 700;
-	spikes.track.fixes[80].at[2] = 5000;
-	struct eco_track_report report = cleaned(&spikes.track);
-	assert_true(report.jumped == 5 && report.kept == 95 && report.parts == 1);
-	assert_even(&spikes.track, 10);
-	for (uint32_t i = 0; i < 100; i++)
-		put(&apart, i, i < 40 ? 10.0 * i : 12000 + 10 * i, 0, 0);
-	report = cleaned(&apart.track);
-	assert_true(report.parts == 2 && report.kept == 60 && report.jumped == 40);
-	assert_even(&apart.track, 12400);
-	/* a receiver corrects itself by 100 m: no end, but no flash either */
-	for (uint32_t i = 50; i < 100; i++)
-		glide.track.fixes[i].at[0] += 100;
-	report = cleaned(&glide.track);
-	assert_true(report.retimed == 1 && report.parts == 1 && report.kept == 100);
-	assert_even(&glide.track, 0);
-	eco_track_free(&spikes.track);
-	eco_track_free(&apart.track);
-	eco_track_free(&glide.track);
-}
-
-UNIT_TEST(fast_stretches_are_no_jumps)
-{
-	/* a walk, a ride, a walk */
-	struct made m = made_track(300);
-	double x = 0;
-	for (uint32_t i = 0; i < 300; i++, x += i >= 140 && i < 160 ? 25 : 1.4)
-		put(&m, i, x, 0, 0);
-	struct eco_track_report report = cleaned(&m.track);
-	assert_true(report.kept == 300 && report.parts == 1 && report.retimed == 0);
-	eco_track_free(&m.track);
-}
-
-UNIT_TEST(gaps_without_motion_are_shortened)
-{
-	struct made m = made_track(200);
-	for (uint32_t i = 0; i < 200; i++)
-		put(&m, i < 100 ? i : i + 3600, 10.0 * (i < 100 ? i : i - 1), 0, 0);
-	struct eco_track_report report = cleaned(&m.track);
-	assert_true(report.retimed == 1 && near(m.track.fixes[m.track.count - 1].time_s, 99 + 60 + 99, 1.1));
-	eco_track_free(&m.track);
-}
-
-UNIT_TEST(without_times_a_pace_is_taken)
-{
-	struct made m = made_track(3);
-	put(&m, NAN, 0, 0, NAN);
-	put(&m, NAN, 30, 40, NAN);
-	put(&m, NAN, 30, 90, NAN);
-	struct eco_track_report report = cleaned(&m.track);
-	assert_true(report.untimed && near(m.track.fixes[1].time_s, 5, 1e-9)
-		&& near(m.track.fixes[2].time_s, 10, 1e-9));
-	eco_track_free(&m.track);
+	eco_track_free(&made.track);
 }
 
 UNIT_TEST(heights_are_absolute_relative_or_interpolated)
@@ -383,30 +333,30 @@ UNIT_TEST(heights_are_absolute_relative_or_interpolated)
 		{ { ECO_HEIGHTS_DEFAULT, ECO_HEIGHTS_RELATIVE, 5 },
 		{ ECO_HEIGHTS_ABSOLUTE, ECO_HEIGHTS_ABSOLUTE, 305 } };
 	for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
-		struct made m = straight(10);
+		struct made made = straight(10);
 		for (uint32_t i = 0; i < 10; i++) {
-			m.track.fixes[i].at[2] = i == 4 ? NAN : 305 + i;
-			m.track.fixes[i].above_m = i == 4 ? NAN : 5 + i;
+			made.track.fixes[i].at[2] = i == 4 ? NAN : 305 + i;
+			made.track.fixes[i].above_m = i == 4 ? NAN : 5 + i;
 		}
 		struct eco_track_options options = track_defaults;
 		options.height = rows[k].wanted;
-		m.track.notes = fmemopen(track_notes, sizeof track_notes, "w");
-		assert_int_equal(eco_track_place(&m.track, &options, NULL), ECO_OK);
-		fclose(m.track.notes);
-		assert_true(m.track.height == rows[k].taken && strstr(track_notes, "1 fixes have no height")
-			&& m.track.fixes[0].at[2] == rows[k].first);
-		eco_track_free(&m.track);
+		made.track.notes = fmemopen(track_notes, sizeof track_notes, "w");
+		assert_int_equal(eco_track_place(&made.track, &options, NULL), ECO_OK);
+		fclose(made.track.notes);
+		assert_true(made.track.height == rows[k].taken && strstr(track_notes, "1 fixes have no height")
+			&& made.track.fixes[0].at[2] == rows[k].first);
+		eco_track_free(&made.track);
 	}
-	struct made m = straight(10), flat = made_track(1);
+	struct made made = straight(10), flat = made_track(1);
 	struct eco_track_options options = track_defaults;
 	options.height = ECO_HEIGHTS_RELATIVE;
-	assert_int_equal(eco_track_place(&m.track, &options, NULL), ECO_OK);
-	assert_true(m.track.height == ECO_HEIGHTS_RELATIVE && m.track.fixes[0].at[2] == 0);
+	assert_int_equal(eco_track_place(&made.track, &options, NULL), ECO_OK);
+	assert_true(made.track.height == ECO_HEIGHTS_RELATIVE && made.track.fixes[0].at[2] == 0);
 	put(&flat, 0, 0, 0, NAN);
 	assert_int_equal(eco_track_place(&flat.track, &options, NULL), ECO_BAD_INPUT);
 	assert_int_equal(eco_track_place(&flat.track, &track_defaults, NULL), ECO_OK);
 	assert_true(!flat.track.has_height);
-	eco_track_free(&m.track);
+	eco_track_free(&made.track);
 	eco_track_free(&flat.track);
 }
 

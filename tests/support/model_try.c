@@ -1,13 +1,6 @@
 #include "tests/support/model_try.h"
 
-char import_said[8192];
 struct eco_model m;
-
-void import_note(void *ctx, const char *text)
-{
-	size_t used = strlen(import_said);
-	snprintf(import_said + used, sizeof import_said - used, "%s\n", text);
-}
 
 void import_file(const char *path, const struct eco_model_options *options)
 {
@@ -40,32 +33,8 @@ void import_refuses(const char *path, enum eco_code wanted, const char *says)
 	assert_null(model.position);
 }
 
-void import_says(const char *text)
-{
-	if (!strstr(import_said, text))
-		fail_msg("said: %s\n  wanted %s", import_said, text);
-}
-
-bool close_to(double a, double b, double most)
-{
-	return fabs(a - b) <= most;
-}
-
-const struct eco_material *material_of(const char *name)
-{
-	for (uint32_t i = 0; i < m.material_count; i++)
-		if (strcmp(m.materials[i].name, name) == 0)
-			return &m.materials[i];
-	fail_msg("no material \"%s\"", name);
-	return NULL;
-}
-
-void import_high(const char *path, double height_m)
-{
-	import_file(path, &(struct eco_model_options){ .height_m = height_m });
-}
-
-bool has_vertex(double x, double y, double z, const float *uv)
+/* Whether a vertex at that place, with that uv where uv is asked for, is there. */
+static bool has_vertex(double x, double y, double z, const float *uv)
 {
 	for (uint32_t i = 0; i < m.vertex_count; i++) {
 		const float *p = &m.position[i * 3], *q = m.uv ? &m.uv[i * 2] : NULL;
@@ -125,47 +94,6 @@ void model_told(const char *key, uint32_t t, const char *wanted, char *to, size_
 	to[used] = 0;
 }
 
-/* Texts alike, or lists of numbers that differ by rounding to float. */
-static bool tells(const char *got, const char *wanted)
-{
-	char *end, *other;
-	while (strcmp(got, wanted) != 0) {
-		double a = strtod(got, &end), b = strtod(wanted, &other);
-		if (end == got || other == wanted || !close_to(a, b, 1e-5 * fabs(b) + 1e-6) || *end != *other)
-			return false;
-		if (!*end)
-			return true;
-		got = end + 1;
-		wanted = other + 1;
-	}
-	return true;
-}
-
-void expect_told(const char *wanted, told_value *value_of)
-{
-	char all[1000], got[400], key[20], *rest = all;
-	snprintf(all, sizeof all, "%s", wanted);
-	for (char *one; (one = strsep(&rest, "|"));) {
-		char *value = strchr(one, '=');
-		unsigned number = 0;
-		if (*one == '~' || *one == '!') {
-			if ((strstr(import_said, one + 1) != NULL) != (*one == '~'))
-				fail_msg("said: %s\n  wanted %s", import_said, one);
-			continue;
-		}
-		assert_true(!*one || (value && sscanf(one, "%19[a-z_]%u", key, &number) >= 1));
-		if (*one)
-			value_of(key, number, value + 1, got, sizeof got);
-		if (*one && !tells(got, value + 1))
-			fail_msg("%.*s is %s, not %s\n  said: %s", (int)(value - one), one, got, value + 1, import_said);
-	}
-}
-
-void expect_model(const char *wanted)
-{
-	expect_told(wanted, model_told);
-}
-
 void expect_models(const char *folder, const struct model_case *cases, size_t count)
 {
 	const char *name = "";
@@ -181,7 +109,7 @@ void expect_models(const char *folder, const struct model_case *cases, size_t co
 		else if (c->text)
 			input_text(folder, c->file, c->text);
 		import_file(input_path(folder, c->file), &c->options);
-		expect_model(c->wanted);
+		expect_told(c->wanted, model_told);
 		if (c->beside)
 			unlink(input_path(folder, c->beside));
 	}
