@@ -51,6 +51,8 @@ int main(int argc, char **argv)
 		else if (entry->fts_info == FTS_F || entry->fts_info == FTS_SL)
 			count += replay_file(entry->fts_path);
 	}
+	if (tree)
+		fts_close(tree);
 	printf("%d inputs replayed\n", count);
 	return 0;
 }
