@@ -137,7 +137,7 @@ static void tell(const char *key, uint32_t number, const char *wanted, char *to,
 		snprintf(to, size, "%.9g", z);
 }
 
-/* What is read; with "?": what it is refused with. */
+/* Wanted: the ground, or with "?" the words of a refusal. */
 #define FILE_(name) "build/tmp/ground/" name
 #define SCENE31 .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 100 }
 #define MAP_PLACE .no_holes = true, .has_place = true, .corner = { 100, 240 }, .pixel = { 10, 10 }

@@ -146,7 +146,107 @@ static void fails(struct given g, const char *says)
 
 /* ---- Tests ---- */
 
-#define COLORS(path_) { .path = path_, .scene_crs = "EPSG:32632", .low = { 1, 1 }, .high = { 0, 0 } }
+/* "at=x,y,r,g,b,a,most": the texel there differs by no more than `most` from that; colours of -1 are any.
+ * "root=x,y,step": the corner and the texels of the whole. */
+static void tell(const char *key, uint32_t number, const char *wanted, char *to, size_t size)
+{
+	double at[2] = { 0 };
+	int colour[4] = { 0 }, most = 0, off = 0;
+	if (strcmp(key, "root") == 0) {
+		snprintf(to, size, "%g,%g,%g", tree.root.low[0], tree.root.low[1], tree.root.texel_m);
+		return;
+	}
+	assert_int_equal(sscanf(wanted, "%lf,%lf,%d,%d,%d,%d,%d", &at[0], &at[1], &colour[0], &colour[1], &colour[2], &colour[3],
+		&most), 7);
+	const uint8_t *texel = texel_at(at[0], at[1]);
+	assert_non_null(texel);
+	for (int k = 0; k < 4; k++)
+		off = colour[k] >= 0 && abs(texel[k] - colour[k]) > off ? abs(texel[k] - colour[k]) : off;
+	if (off <= most)
+		snprintf(to, size, "%s", wanted);
+	else
+		snprintf(to, size, "%g,%g,%u,%u,%u,%u", at[0], at[1], texel[0], texel[1], texel[2], texel[3]);
+}
+
+static struct eco_ground_class one_class[] = { { 1, { 9, 8, 7 }, false } },
+	two_classes[] = { { 1, { 9, 8, 7 }, false }, { 4, { 0 }, true } },
+	three_classes[] = { { 1, { 9, 8, 7 }, false }, { 2, { 9, 8, 7 }, false }, { 3, { 9, 8, 7 }, false } };
+
+#define COLORS(path_) { .path = path_, .scene_crs = ZONE, .low = { 1, 1 }, .high = { 0, 0 } }
+#define BYTES(name, side, crs_) { name, side, .bands = 3, .type = GDT_Byte, .crs = crs_ }
+#define CLASSES(name, type_) { name, 300, .bands = 1, .type = type_, .crs = ZONE }
+#define ANYWHERE .scene_crs = ZONE, .low = { 1, 1 }
+#define PHOTO_PLACE .has_place = true, .corner = { WEST + 100, SOUTH + 612 }, .pixel = { 2, 2 }
+
+/* Wanted: the image, or with "?" the words of a refusal. */
+static const struct { const char *name; struct raster_file raster; double pixel_m; struct given given; const char *wanted; } cases[] = {
+	{ "rasters_of_another_crs_are_warped", BYTES("zone33.tif", 100, ZONE), 2, { .scene_crs = "EPSG:25832", .low = { 1, 1 } },
+		"at=50,150,62,187,-1,255,3" },
+	/* alpha is the file's, whatever the bands hold: clear in the east */
+	{ "a_fourth_band_is_alpha", { "rgba.tif", 300, .bands = 4, .type = GDT_Byte, .crs = ZONE }, 1, { ANYWHERE },
+		"at=75,150,62,125,128,255,2|at=225,150,-1,-1,-1,0,0" },
+	{ NULL, { "rgba16.tif", 300, .bands = 4, .type = GDT_UInt16, .crs = ZONE, .of = 257 }, 1,
+		{ ANYWHERE, .source = { .has_range = true, .range = { 0, 65535 } } },
+		"at=75,150,62,125,128,255,2|at=225,150,-1,-1,-1,0,0" },
+	/* black and white are said, or guessed of all bands together and noted: 250 x 40, less a two-hundredth */
+	{ "numbers_that_are_no_bytes_have_a_black_and_a_white",
+		{ "deep.tif", 300, .bands = 3, .type = GDT_UInt16, .crs = ZONE, .of = 40 }, 1, { ANYWHERE },
+		"~its bands hold UInt16|~for black and 99|at=150,75,127,63,131,-1,4" },
+	{ NULL, { "deep.tif", 300, .bands = 3, .type = GDT_UInt16, .crs = ZONE, .of = 40 }, 1,
+		{ ANYWHERE, .source = { .has_range = true, .range = { 0, 255 * 40 } } }, "!\n|at=150,75,125,62,128,-1,1" },
+	{ "an_image_that_does_not_reach_the_plants_is_said_to", BYTES("small.tif", 64, ZONE), 1,
+		{ .scene_crs = ZONE, .low = { 10, 10 }, .high = { 104, 64 } }, "~does not reach all plants" },
+	{ NULL, BYTES("small.tif", 64, ZONE), 1, { .scene_crs = ZONE, .low = { 5000, 5000 }, .high = { 5100, 5100 } },
+		"~does not reach any plants" },
+	{ NULL, BYTES("small.tif", 64, ZONE), 1, { .scene_crs = ZONE, .low = { 5, 5 }, .high = { 60, 60 } }, "!\n" },
+	{ "classes_have_the_colours_of_the_file_or_of_the_scene",
+		{ "palette.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE, .palette = true }, 1, { ANYWHERE },
+		"at=75,75,50,10,20,255,0|at=225,75,100,10,20,-1,0|at=75,225,150,10,20,-1,0|at=225,225,200,10,20,-1,0" },
+	{ NULL, { "palette.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE, .palette = true }, 1,
+		{ ANYWHERE, .source = { .classes = two_classes, .class_count = 2 } },
+		"at=75,75,9,-1,-1,-1,0|at=225,75,100,-1,-1,-1,0|at=225,225,-1,-1,-1,0,0" },
+	{ "nodata_is_clear", { "hole.tif", 300, .bands = 1, .type = GDT_Int16, .crs = ZONE, .has_nodata = true, .nodata = 4 }, 1,
+		{ ANYWHERE, .source = { .classes = three_classes, .class_count = 3 } },
+		"at=225,225,-1,-1,-1,0,0|at=75,75,-1,-1,-1,255,0" },
+	{ NULL, CLASSES("hole2.tif", GDT_Int16), 1,
+		{ ANYWHERE, .source = { .classes = three_classes, .class_count = 3, .has_nodata = true, .nodata = 4 } },
+		"at=225,225,-1,-1,-1,0,0" },
+	{ "a_picture_without_coordinates_lies_where_the_scene_says", BYTES("photo.tif", 256, NULL), 0,
+		{ ANYWHERE, .source = { .crs = (char *)ZONE, PHOTO_PLACE } },
+		"root=100,100,2|at=228,484,62,187,-1,-1,2" },
+	{ "what_lacks_is_said", BYTES("no_crs.tif", 64, NULL), 1, { ANYWHERE }, "?the file has no CRS; say it in the scene: "
+		"\"ground\": {\"image\": {\"file\": ..., \"crs\": \"EPSG:32632\"}}" },
+	{ NULL, BYTES("no_crs.tif", 64, NULL), 1, { ANYWHERE, .source = { .crs = (char *)ZONE } }, "root=0,0,1" },
+	{ NULL, BYTES("good.tif", 64, ZONE), 1, { .low = { 1, 1 } }, "?but the scene has no CRS" },
+	{ NULL, { "height.tif", 64, .bands = 1, .type = GDT_Float32, .crs = ZONE }, 1, { ANYWHERE },
+		"?it has one band of Float32: heights, classes or grey?" },
+	{ NULL, CLASSES("unknown.tif", GDT_Byte), 1, { ANYWHERE, .source = { .classes = one_class, .class_count = 1 } },
+		"?has no colour; add it to the scene's" },
+	{ NULL, BYTES("bands.tif", 64, ZONE), 1, { ANYWHERE, .source = { .classes = one_class, .class_count = 1 } },
+		"?it has 3 bands; a raster of classes has one" },
+	{ NULL, BYTES("lost.tif", 64, NULL), 0, { .low = { 1, 1 } }, "?it does not say where it lies; add to the image" },
+};
+
+UNIT_TEST(rasters_become_images_or_questions)
+{
+	const char *name = "";
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct given g = cases[i].given;
+		name = cases[i].name ? cases[i].name : name;
+		print_message("# %s, %s\n", name, cases[i].wanted);
+		g.path = make(cases[i].raster, cases[i].pixel_m);
+		if (*cases[i].wanted == '?') {
+			fails(g, cases[i].wanted + 1);
+			continue;
+		}
+		read_tree(g);
+		expect_told(cases[i].wanted, tell);
+		/* a mean of colours of classes, never of their numbers */
+		for (uint32_t k = 0; k < tree.count && cases[i].raster.palette && !g.source.classes; k++)
+			for (const uint8_t *t = tree.leaves[k].rgba; t < tree.leaves[k].rgba + ECO_GROUND_IMAGE_BYTES; t += 4)
+				assert_true(!t[3] || (t[1] == 10 && t[2] == 20));
+	}
+}
 
 UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
 {
@@ -170,65 +270,6 @@ UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
 	}
 	assert_int_equal(before, 255);
 	assert_int_equal(texel_at(150, 320)[3], 0);
-}
-
-UNIT_TEST(rasters_of_another_crs_are_warped)
-{
-	read_tree((struct given){ .path = make((struct raster_file){ "zone33.tif", 100, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 2), .scene_crs = "EPSG:25832", .low = { 1, 1 } });
-	const uint8_t *texel = texel_at(50, 150);
-	assert_true(abs(texel[0] - 62) <= 3 && abs(texel[1] - 187) <= 3 && texel[3] == 255);
-}
-
-/* Alpha is the file's, whatever the bands hold: clear in the east. */
-UNIT_TEST(a_fourth_band_is_alpha)
-{
-	for (int deep = 0; deep < 2; deep++) {
-		struct given g = COLORS(make((struct raster_file){ deep ? "rgba16.tif" : "rgba.tif", 300, .bands = 4,
-			.type = deep ? GDT_UInt16 : GDT_Byte, .crs = ZONE, .of = deep ? 257 : 1 }, 1));
-		g.source.has_range = deep;
-		g.source.range[1] = 65535;
-		read_tree(g);
-		const uint8_t *west = texel_at(75, 150), *east = texel_at(225, 150);
-		assert_true(abs(west[0] - 62) <= 2 && abs(west[1] - 125) <= 2 && west[2] == 128 &&
-			west[3] == 255);
-		assert_int_equal(east[3], 0);
-	}
-}
-
-/* 16 bits: black and white are said, or guessed of all bands together and noted. */
-UNIT_TEST(numbers_that_are_no_bytes_have_a_black_and_a_white)
-{
-	struct given g = COLORS(make((struct raster_file){ "deep.tif", 300, .bands = 3, .type = GDT_UInt16, .crs = ZONE, .of = 40 }, 1));
-	read_tree(g);
-	import_says("its bands hold UInt16");
-	import_says("for black and 99");       /* 250 x 40, less a two-hundredth */
-	const uint8_t *texel = texel_at(150, 75);
-	assert_true(abs(texel[0] - 127) <= 4 && abs(texel[1] - 63) <= 4 && abs(texel[2] - 131) <= 4);
-	g.source.has_range = true;
-	g.source.range[1] = 255 * 40;
-	read_tree(g);
-	assert_string_equal(import_said, "");
-	texel = texel_at(150, 75);
-	assert_true(abs(texel[0] - 125) <= 1 && abs(texel[1] - 62) <= 1 && texel[2] == 128);
-}
-
-/* Plants beyond an image are said. */
-UNIT_TEST(an_image_that_does_not_reach_the_plants_is_said_to)
-{
-	struct given g =
-		COLORS(make((struct raster_file){ "small.tif", 64, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 1));
-	g.low[0] = g.low[1] = 10;
-	g.high[0] = 104, g.high[1] = 64;
-	read_tree(g);
-	import_says("does not reach all plants");
-	g.low[0] = g.low[1] = 5000;
-	g.high[0] = g.high[1] = 5100;
-	read_tree(g);
-	import_says("does not reach any plants");
-	g.low[0] = g.low[1] = 5;
-	g.high[0] = g.high[1] = 60;
-	read_tree(g);
-	assert_string_equal(import_said, "");
 }
 
 /* Far from the plants no view resolves them; and so many squares are the most. */
@@ -255,88 +296,4 @@ UNIT_TEST(texels_are_wider_where_no_plant_is_near)
 	g.source.texel_m = 8;
 	read_tree(g);
 	assert_int_equal(tree.count, 4);
-}
-
-UNIT_TEST(classes_have_the_colours_of_the_file_or_of_the_scene)
-{
-	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false }, { 4, { 0 }, true } };
-	struct given g = COLORS(make((struct raster_file){ "palette.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE, .palette = true }, 1));
-	read_tree(g);
-	assert_int_equal(texel_at(75, 75)[0], 50);
-	assert_int_equal(texel_at(225, 75)[0], 100);
-	assert_int_equal(texel_at(75, 225)[0], 150);
-	assert_int_equal(texel_at(225, 225)[0], 200);
-	for (uint32_t i = 0; i < tree.count; i++) /* a mean of colours of classes, never of their numbers */
-		for (size_t t = 0; t < ECO_GROUND_IMAGE_BYTES; t += 4) {
-			const uint8_t *texel = tree.leaves[i].rgba + t;
-			assert_true(!texel[3] || (texel[1] == 10 && texel[2] == 20));
-		}
-	g.source.classes = classes;
-	g.source.class_count = 2;
-	read_tree(g);
-	assert_int_equal(texel_at(75, 75)[0], 9);
-	assert_int_equal(texel_at(225, 75)[0], 100);
-	assert_int_equal(texel_at(225, 225)[3], 0);
-}
-
-UNIT_TEST(nodata_is_clear)
-{
-	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false }, { 2, { 9, 8, 7 }, false },
-		{ 3, { 9, 8, 7 }, false } };
-	struct given g = COLORS(make((struct raster_file){ "hole.tif", 300, .bands = 1, .type = GDT_Int16, .crs = ZONE, .has_nodata = true, .nodata = 4 }, 1));
-	g.source.classes = classes;
-	g.source.class_count = 3;
-	read_tree(g);
-	assert_int_equal(texel_at(225, 225)[3], 0);
-	assert_int_equal(texel_at(75, 75)[3], 255);
-	g.path =
-		make((struct raster_file){ "hole2.tif", 300, .bands = 1, .type = GDT_Int16, .crs = ZONE }, 1);
-	g.source.has_nodata = true;
-	g.source.nodata = 4;
-	read_tree(g);
-	assert_int_equal(texel_at(225, 225)[3], 0);
-}
-
-UNIT_TEST(what_lacks_is_said)
-{
-	static const struct { struct raster_file raster; double pixel_m; const char *scene_crs; uint32_t classes; const char *says;
-	} cases[] = {
-		{ { "no_crs.tif", 64, .bands = 3, .type = GDT_Byte }, 1, ZONE, 0, "the file has no CRS; say it in the scene: "
-			"\"ground\": {\"image\": {\"file\": ..., \"crs\": \"EPSG:32632\"}}" },
-		{ { "good.tif", 64, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 1, NULL, 0, "but the scene has no CRS" },
-		{ { "height.tif", 64, .bands = 1, .type = GDT_Float32, .crs = ZONE }, 1, ZONE, 0,
-			"it has one band of Float32: heights, classes or grey?" },
-		{ { "unknown.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE }, 1, ZONE, 1,
-			"has no colour; add it to the scene's" },
-		{ { "bands.tif", 64, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 1, ZONE, 1,
-			"it has 3 bands; a raster of classes has one" },
-		{ { "lost.tif", 64, .bands = 3, .type = GDT_Byte }, 0, NULL, 0,
-			"it does not say where it lies; add to the image" },
-	};
-	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false } };
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct given g = COLORS(make(cases[i].raster, cases[i].pixel_m));
-		g.scene_crs = cases[i].scene_crs;
-		g.source.classes = classes;
-		g.source.class_count = cases[i].classes;
-		fails(g, cases[i].says);
-	}
-	struct given g = COLORS("build/tmp/image/no_crs.tif");
-	g.source.crs = (char *)ZONE;
-	read_tree(g);
-}
-
-/* A picture without coordinates, put where the scene says. */
-UNIT_TEST(a_picture_without_coordinates_lies_where_the_scene_says)
-{
-	struct given g = COLORS(make((struct raster_file){ "photo.tif", 256, .bands = 3, .type = GDT_Byte }, 0));
-	g.source.crs = (char *)"EPSG:32632";
-	g.source.has_place = true;
-	g.source.corner[0] = WEST + 100;
-	g.source.corner[1] = SOUTH + 612;
-	g.source.pixel[0] = g.source.pixel[1] = 2;
-	read_tree(g);
-	assert_true(tree.root.low[0] == 100 && tree.root.low[1] == 100 && tree.root.texel_m == 2);
-	assert_true(abs(texel_at(100 + 128, 100 + 384)[0] - 62) <= 2);
-	assert_true(abs(texel_at(100 + 128, 100 + 384)[1] - 187) <= 2);
 }
