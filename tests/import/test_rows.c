@@ -48,20 +48,21 @@ static struct eco_rows *open_good(const struct eco_rows_source *source)
 	return rows;
 }
 
-/* Reads a file of this name and text; it has a note that says this (NULL: none), and this CRS (NULL: none).
- */
-static void expect(const char *name, const char *text, const char *wanted, const char *note, const char *crs)
+/* Its rows; it has a note that says this (NULL: none), and this CRS (NULL: none). */
+static void expect_source(const struct eco_rows_source *source, const char *wanted, const char *note, const char *crs)
 {
-	struct eco_rows_source source = { .path = input_text("rows", name, text) };
-	struct eco_rows *rows = open_good(&source);
+	struct eco_rows *rows = open_good(source);
 	char got[4000];
 	if (rows->note_count != (note != NULL) || (note != NULL && !strstr(rows->notes[0], note)))
-		fail_msg("%s: %u notes, the first: %s", name, rows->note_count, rows->note_count > 0
+		fail_msg("%s: %u notes, the first: %s", source->path, rows->note_count, rows->note_count > 0
 			? rows->notes[0] : "none");
-	assert_int_equal(rows->crs != NULL, crs != NULL);
-	if (crs)
-		assert_string_equal(rows->crs, crs);
+	assert_string_equal(rows->crs ? rows->crs : "", crs ? crs : "");
 	assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
+}
+
+static void expect(const char *name, const char *text, const char *wanted, const char *note, const char *crs)
+{
+	expect_source(&(struct eco_rows_source){ .path = input_text("rows", name, text) }, wanted, note, crs);
 }
 
 static void expect_error(const char *path, const char *layer, const char *says)
@@ -156,6 +157,11 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 	{ NULL, "short.gml", GML("EPSG:4326", "4.9 52.4"), "gml_id,soort / (4.9 52.4) b1,Tilia", NULL, "EPSG:4326" },
 	{ NULL, "north.gml", GML("urn:ogc:def:crs:EPSG::31467", "5335000 3560000"),
 		"gml_id,soort / (3560000 5335000) b1,Tilia", NULL, "EPSG:31467" },
+	{ "fields_of_kml_are_columns", "a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>"
+		"<name>oak</name><ExtendedData><Data name=\"dbh\"><value>30</value></Data></ExtendedData><Point>"
+		"<coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
+		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / "
+		"(11.5 48.1 0) oak,,,,,,-1,0,-1,,,30", NULL, "EPSG:4326" },
 };
 
 UNIT_TEST(files_become_rows)
@@ -341,67 +347,50 @@ static void make_file(const char *driver, const char *path, const struct made *l
 	CPLPopErrorHandler();
 }
 
-static void expect_made(const char *driver, const char *name, const struct made *layers, size_t count,
-	const char *layer, const char *wanted, const char *note, const char *crs)
-{
-	struct eco_rows_source source = { .path = input_path("rows", name), .layer = layer };
-	struct eco_rows *rows;
-	char got[2000];
-	make_file(driver, source.path, layers, count);
-	rows = open_good(&source);
-	assert_int_equal(rows->note_count, note != NULL);
-	if (note && !strstr(rows->notes[0], note))
-		fail_msg("%s", rows->notes[0]);
-	assert_int_equal(rows->crs != NULL, crs != NULL);
-	if (crs)
-		assert_string_equal(rows->crs, crs);
-	assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
-}
+static const struct made oak = { "trees", 25832, wkbPoint, "POINT (690000 5335000)", "oak" },
+	degrees = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" }, nowhere = { "trees", 0, wkbPoint, "POINT (3 4)", "oak" },
+	table = { "trees", 0, wkbNone, NULL, "oak" }, high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)", "oak" },
+	pair = { "trees", 0, wkbNone, NULL, "48.88398, 2.36" }, wkt = { "trees", 0, wkbNone, NULL, "POINT (3 4)" },
+	layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" }, { "beds", 25832, wkbPolygon, NULL, "rose" },
+		{ "shrubs", 25832, wkbPoint, "POINT (3 4)", "hazel" } };
 
-UNIT_TEST(a_workbook_may_have_its_places_as_text)
-{
-	static const struct made pair = { "trees", 0, wkbNone, NULL, "48.88398, 2.36" },
-		text = { "trees", 0, wkbNone, NULL, "POINT (3 4)" };
-	static const char *const others[] = { "height" };
-	struct eco_rows_source source = { .path = input_path("rows", "p.gpkg"), .wanted = others,
-		.wanted_count = 1 };
-	char got[200];
-	expect_made("XLSX", "p.xlsx", &pair, 1, NULL, "species / (2.36 48.88398) 48.88398, 2.36",
-		"latitude and longitude in one field", "EPSG:4326");
-	expect_made("ODS", "p.ods", &text, 1, NULL, "species / (3 4) POINT (3 4)", NULL, NULL);
-	make_file("GPKG", source.path, &text, 1);    /* read, though it is not among the columns wanted */
-	assert_string_equal(rows_text_of(open_good(&source), got, sizeof got), "species / (3 4) POINT (3 4)");
-}
+static const struct { const char *driver, *file; const struct made *layers; size_t count; const char *layer, *wanted, *note, *crs;
+} files[] = {
+	{ "GPKG", "a.gpkg", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832" },
+	{ "GPKG", "b.gpkg", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326" },
+	{ "GPKG", "c.gpkg", &high, 1, NULL, "species / (690000 5335000 512) oak", NULL, "EPSG:25832" },
+	{ "ESRI Shapefile", "a.shp", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832" },
+	{ "ESRI Shapefile", "b.shp", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326" },
+	{ "ESRI Shapefile", "c.shp", &nowhere, 1, NULL, "species / (3 4) oak", NULL, NULL },
+	{ "XLSX", "a.xlsx", &table, 1, NULL, "species / oak", NULL, NULL },
+	{ "ODS", "a.ods", &table, 1, NULL, "species / oak", NULL, NULL },
+	{ "FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832" },
+	/* a workbook may have its places as text */
+	{ "XLSX", "p.xlsx", &pair, 1, NULL, "species / (2.36 48.88398) 48.88398, 2.36",
+		"latitude and longitude in one field", "EPSG:4326" },
+	{ "ODS", "p.ods", &wkt, 1, NULL, "species / (3 4) POINT (3 4)", NULL, NULL },
+	/* the layer that fits is taken, or asked for: below */
+	{ "GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak", "it has 2 layers; \"trees\" is taken", "EPSG:25832" },
+	{ "GPKG", "named.gpkg", layers, 3, "shrubs", "species / (3 4) hazel", NULL, "EPSG:25832" },
+};
 
 UNIT_TEST(files_of_gis_bring_points_and_their_crs)
 {
-	static const struct made oak = { "trees", 25832, wkbPoint, "POINT (690000 5335000)", "oak" };
-	static const struct made degrees = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" };
-	static const struct made nowhere = { "trees", 0, wkbPoint, "POINT (3 4)", "oak" };
-	static const struct made table = { "trees", 0, wkbNone, NULL, "oak" };
-	static const struct made high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)",
-		"oak" };
-	expect_made("GPKG", "a.gpkg", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
-	expect_made("GPKG", "b.gpkg", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326");
-	expect_made("GPKG", "c.gpkg", &high, 1, NULL, "species / (690000 5335000 512) oak", NULL,
-		"EPSG:25832");
-	expect_made("ESRI Shapefile", "a.shp", &oak, 1, NULL, "species / (690000 5335000) oak", NULL,
-		"EPSG:25832");
-	expect_made("ESRI Shapefile", "b.shp", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL,
-		"EPSG:4326");
+	static const char *const others[] = { "height" };
+	char got[2000];
 	unlink("build/tmp/rows/c.prj");
-	expect_made("ESRI Shapefile", "c.shp", &nowhere, 1, NULL, "species / (3 4) oak", NULL, NULL);
-	expect_made("XLSX", "a.xlsx", &table, 1, NULL, "species / oak", NULL, NULL);
-	expect_made("ODS", "a.ods", &table, 1, NULL, "species / oak", NULL, NULL);
-	expect_made("FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL,
-		"EPSG:25832");
-	expect("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</"
-		"name><ExtendedData><Data name=\"dbh\"><value>30</value></Data></"
-		"ExtendedData><Point><coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></"
-		"kml>",
-		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,"
-		"icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30",
-			NULL, "EPSG:4326");
+	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+		struct eco_rows_source source = { .path = input_path("rows", files[i].file), .layer = files[i].layer };
+		make_file(files[i].driver, source.path, files[i].layers, files[i].count);
+		expect_source(&source, files[i].wanted, files[i].note, files[i].crs);
+	}
+	/* read, though it is not among the columns wanted */
+	struct eco_rows_source source = { .path = input_path("rows", "p.gpkg"), .wanted = others, .wanted_count = 1 };
+	make_file("GPKG", source.path, &wkt, 1);
+	assert_string_equal(rows_text_of(open_good(&source), got, sizeof got), "species / (3 4) POINT (3 4)");
+	expect_error("build/tmp/rows/named.gpkg", NULL, "add \"layer\": \"trees\" or another of: trees (Point), beds (Polygon), "
+		"shrubs (Point)");
+	expect_error("build/tmp/rows/named.gpkg", "herbs", "no layer \"herbs\"; there are: trees");
 }
 
 /* Opens and reads to the end. */
@@ -436,23 +425,21 @@ const char *__lsan_default_suppressions(void)
 /* A file that ends early, or that lost bytes in its middle, is neither empty nor shorter than it was. */
 UNIT_TEST(broken_files_cannot_be_read)
 {
-	static const struct made oak = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" },
-		row = { "trees", 0, wkbNone, NULL, "oak" };
-	static const struct { const char *driver, *good, *broken; const struct made *layer; } files[] = {
-		{ "XLSX", "whole.xlsx", "cut.xlsx", &row }, { "ODS", "whole.ods", "cut.ods", &row },
-		{ "GPKG", "whole.gpkg", "cut.gpkg", &oak }, { "FlatGeobuf", "whole.fgb", "cut.fgb", &oak },
-		{ "ESRI Shapefile", "cut.shp", "cut.shp", &oak }, { "LIBKML", "whole.kmz", "cut.kmz", &oak },
-		{ "GML", "whole.gml", "cut.gml", &oak }, { "GeoJSON", "whole.geojson", "cut.geojson", &oak } };
-	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+	static const struct { const char *driver, *good, *broken; const struct made *layer; } whole[] = {
+		{ "XLSX", "whole.xlsx", "cut.xlsx", &table }, { "ODS", "whole.ods", "cut.ods", &table },
+		{ "GPKG", "whole.gpkg", "cut.gpkg", &degrees }, { "FlatGeobuf", "whole.fgb", "cut.fgb", &degrees },
+		{ "ESRI Shapefile", "cut.shp", "cut.shp", &degrees }, { "LIBKML", "whole.kmz", "cut.kmz", &degrees },
+		{ "GML", "whole.gml", "cut.gml", &degrees }, { "GeoJSON", "whole.geojson", "cut.geojson", &degrees } };
+	for (size_t i = 0; i < sizeof whole / sizeof *whole; i++) {
 		struct eco_error error;
-		const char *good = input_path("rows", files[i].good);
+		const char *good = input_path("rows", whole[i].good);
 		size_t size;
-		make_file(files[i].driver, good, files[i].layer, 1);
+		make_file(whole[i].driver, good, whole[i].layer, 1);
 		read_whole(good, &error);
 		assert_ok(error.code, error);
 		uint8_t *bytes = file_read(good, &size);
 		for (size_t part = 1; part <= 19; part++)
-			expect_broken(files[i].broken, bytes, size * part / 20, size * part / 20);
+			expect_broken(whole[i].broken, bytes, size * part / 20, size * part / 20);
 		free(bytes);
 	}
 	for (int i = 1; i < 4; i++) {        /* texts where bytes are expected */
@@ -489,22 +476,6 @@ UNIT_TEST(parts_of_a_shapefile_that_are_missed_are_named)
 	unlink("build/tmp/rows/parts.shx");
 	expect_error(source.path, NULL, "a Shapefile is several files, and its .shx is not beside it; copy "
 		"all of them");
-}
-
-UNIT_TEST(the_layer_that_fits_is_taken_or_asked_for)
-{
-	static const struct made layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" },
-		{ "beds", 25832, wkbPolygon, NULL, "rose" },
-		{ "shrubs", 25832, wkbPoint, "POINT (3 4)", "hazel" } };
-	const char *path;
-	expect_made("GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak",
-		"it has 2 layers; \"trees\" is taken", "EPSG:25832");
-	expect_made("GPKG", "named.gpkg", layers, 3, "shrubs", "species / (3 4) hazel", NULL, "EPSG:25832");
-	path = input_path("rows", "many.gpkg");
-	make_file("GPKG", path, layers, 3);
-	expect_error(path, NULL, "add \"layer\": \"trees\" or another of: trees (Point), beds (Polygon), "
-		"shrubs (Point)");
-	expect_error(path, "herbs", "no layer \"herbs\"; there are: trees");
 }
 
 #define TREE(inside) "<core:cityObjectMember><veg:SolitaryVegetationObject gml:id=\"t\">" inside \

@@ -140,66 +140,57 @@ UNIT_TEST(values_are_counted_most_first)
 
 /* ---- Places ---- */
 
-static const struct {
-	const char *x, *y, *numbers, *crs;
-	const struct eco_raster_extent *dem;
-	const char *says;
+static const struct eco_raster_extent berlin = { .low = { 390000, 5819000 }, .high = { 393000, 5821000 },
+	.crs = "EPSG:25833" };
+
+/* `says`: the CRS of the table and of the scene, whether swapped; or after "?" a part of a question. `other`: the second
+ * row; NULL: as the first. */
+static const struct { const char *names, *row, *crs; const struct eco_raster_extent *dem; const char *says, *other;
 } places[] = {
-	/* crs of the table, of the scene, whether swapped; or what the question says */
-	{ "lon", "lat", "11.57,48.14", NULL, NULL, "EPSG:4326 EPSG:32632" },
-	{ "lon", "lat", "-70.6,-33.4", NULL, NULL, "EPSG:4326 EPSG:32719" },
-	{ "lon", "lat", "48.14,-122.6", NULL, NULL, "EPSG:4326 EPSG:32610 swapped" },
-	{ "x", "y", "11.57,48.14", NULL, NULL, "EPSG:4326 EPSG:32632" },
-	{ "utm33n_e", "utm33n_n", "391000,5820000", NULL, NULL, "EPSG:32633 EPSG:32633" },
-	{ "x_25833", "y_25833", "391000,5820000", NULL, NULL, "EPSG:25833 EPSG:25833" },
-	{ "E_LV95", "N_LV95", "2600000,1200000", NULL, NULL, "EPSG:2056 EPSG:2056" },
-	{ "x_mga55", "y_mga55", "320000,5813000", NULL, NULL, "EPSG:7855 EPSG:7855" },
-	{ "x", "y", "391000,5820000", "EPSG:25833", NULL, "EPSG:25833 EPSG:25833" },
-	{ "x", "y", "1008714,770748", "EPSG:2261", NULL, "EPSG:2261 EPSG:32618" },
-	{ "x", "y", "5820000,391000", "EPSG:25833", NULL, "EPSG:25833 EPSG:25833 swapped" },
-	{ "x", "y", "12.5,340.2", NULL, NULL, "- -" },
-	{ "lon", "lat", "237.6,37.7", NULL, NULL, "EPSG:4326 EPSG:32610" },
-	{ "x", "y", "237.6,37.7", NULL, NULL, "- -" },
-	{ "x", "y", "0,0", NULL, NULL, "- -" },              /* whole numbers are no degrees ... */
-	{ "lon", "lat", "11,48", NULL, NULL, "EPSG:4326 EPSG:32632" },       /* unless they say so */
-	{ "x", "y", "391000,5820000", NULL, NULL, "?each UTM zone, at latitude 52.5" },
-	{ "x", "y", "2600000,1200000", NULL, NULL, "?EPSG:2056" },
-	{ "x", "y", "391000,5820000", NULL,
-		&(struct eco_raster_extent){ .low = { 390000, 5819000 }, .high = { 392000, 5821000 },
-			.crs = "EPSG:25833" },
-		"EPSG:25833 EPSG:25833" },
-	{ "lon", "lat", "13.4,52.52", NULL,
-		&(struct eco_raster_extent){ .low = { 390000, 5819000 }, .high = { 393000, 5821000 },
-			.crs = "EPSG:25833" },
-		"EPSG:4326 EPSG:25833" },
-	{ "lon", "lat", "52.52,13.4", NULL,
-		&(struct eco_raster_extent){ .low = { 390000, 5819000 }, .high = { 393000, 5821000 },
-			.crs = "EPSG:25833" },
-		"EPSG:4326 EPSG:25833 swapped" },
+	{ "lon,lat", "11.57,48.14", NULL, NULL, "EPSG:4326 EPSG:32632", NULL },
+	{ "lon,lat", "-70.6,-33.4", NULL, NULL, "EPSG:4326 EPSG:32719", NULL },
+	{ "lon,lat", "48.14,-122.6", NULL, NULL, "EPSG:4326 EPSG:32610 swapped", NULL },
+	{ "x,y", "11.57,48.14", NULL, NULL, "EPSG:4326 EPSG:32632", NULL },
+	{ "utm33n_e,utm33n_n", "391000,5820000", NULL, NULL, "EPSG:32633 EPSG:32633", NULL },
+	{ "x_25833,y_25833", "391000,5820000", NULL, NULL, "EPSG:25833 EPSG:25833", NULL },
+	{ "E_LV95,N_LV95", "2600000,1200000", NULL, NULL, "EPSG:2056 EPSG:2056", NULL },
+	{ "x_mga55,y_mga55", "320000,5813000", NULL, NULL, "EPSG:7855 EPSG:7855", NULL },
+	{ "x,y", "391000,5820000", "EPSG:25833", NULL, "EPSG:25833 EPSG:25833", NULL },
+	{ "x,y", "1008714,770748", "EPSG:2261", NULL, "EPSG:2261 EPSG:32618", NULL },
+	{ "x,y", "5820000,391000", "EPSG:25833", NULL, "EPSG:25833 EPSG:25833 swapped", NULL },
+	{ "x,y", "12.5,340.2", NULL, NULL, "- -", NULL },
+	{ "lon,lat", "237.6,37.7", NULL, NULL, "EPSG:4326 EPSG:32610", NULL },
+	{ "x,y", "237.6,37.7", NULL, NULL, "- -", NULL },
+	{ "x,y", "0,0", NULL, NULL, "- -", NULL },              /* whole numbers are no degrees ... */
+	{ "lon,lat", "11,48", NULL, NULL, "EPSG:4326 EPSG:32632", NULL },       /* unless they say so */
+	{ "x,y", "391000,5820000", NULL, NULL, "?each UTM zone, at latitude 52.5", NULL },
+	{ "x,y", "2600000,1200000", NULL, NULL, "?EPSG:2056", NULL },
+	{ "x,y", "391000,5820000", NULL, &berlin, "EPSG:25833 EPSG:25833", NULL },
+	{ "lon,lat", "13.4,52.52", NULL, &berlin, "EPSG:4326 EPSG:25833", NULL },
+	{ "lon,lat", "52.52,13.4", NULL, &berlin, "EPSG:4326 EPSG:25833 swapped", NULL },
 	/* surveyors' x counts to the north */
-	{ "X (PUWG 1992)", "Y (PUWG 1992)", "486567,637273", NULL, NULL,
-		"?--x \"Y (PUWG 1992)\" --y \"X (PUWG 1992)\"" },
-	{ "easting 1992", "northing 1992", "637273,486567", NULL, NULL, "EPSG:2180 EPSG:2180" },
-	{ "X_5677", "Y_5677", "5933874,3567274", NULL, NULL, "EPSG:5677 EPSG:5677 swapped" },
-	{ "x", "y", "486567,637273", "EPSG:2180",
+	{ "X (PUWG 1992),Y (PUWG 1992)", "486567,637273", NULL, NULL,
+		"?--x \"Y (PUWG 1992)\" --y \"X (PUWG 1992)\"", NULL },
+	{ "easting 1992,northing 1992", "637273,486567", NULL, NULL, "EPSG:2180 EPSG:2180", NULL },
+	{ "X_5677,Y_5677", "5933874,3567274", NULL, NULL, "EPSG:5677 EPSG:5677 swapped", NULL },
+	{ "x,y", "486567,637273", "EPSG:2180",
 		&(struct eco_raster_extent){ .low = { 637000, 486000 }, .high = { 638000, 487000 },
 			.crs = "EPSG:2180" },
-		"EPSG:2180 EPSG:2180 swapped" },
-	{ "x", "y", "391000,5820000", "nonsense", NULL, "?\"nonsense\" is not known" },
+		"EPSG:2180 EPSG:2180 swapped", NULL },
+	{ "x,y", "391000,5820000", "nonsense", NULL, "?\"nonsense\" is not known", NULL },
+	/* a column says the zone, or that rows are in several; the eighth is a park's, perhaps */
+	{ "easting,northing,utm_zone", "323400,4307500,18N", NULL, NULL, "EPSG:32618 EPSG:32618", NULL },
+	{ "easting,northing,UTM Zone", "323400,4307500,18 T", NULL, NULL, "EPSG:32618 EPSG:32618", NULL },
+	{ "easting,northing,zone", "323400,1307500,UTM zone 18L", NULL, NULL, "EPSG:32718 EPSG:32718", NULL },
+	{ "x,y,epsg", "323400,4307500,26918", NULL, NULL, "EPSG:26918 EPSG:26918", NULL },
+	{ "x,y,zone", "323400,4307500,EPSG:32618", NULL, NULL, "EPSG:32618 EPSG:32618", NULL },
+	{ "x,y,utm_zone", "323400,4307500,18", NULL, NULL, "?\"18\": is that zone 18 in the north, --crs EPSG:32618, or "
+		"in the south, --crs EPSG:32718?", NULL },
+	{ "x,y,utm_zone", "323400,4307500,18S", NULL, NULL, "?is that zone 18 in the north", NULL },
+	{ "x,y,zone", "323400,4307500,3", NULL, NULL, "?each UTM zone", NULL },
+	{ "x,y,utm_zone", "323400,4307500,18N", NULL, NULL, "?is \"18N\" and \"17N\", and an entry has "
+		"one CRS. Put each zone into a table of its own; or start with --crs EPSG:32618", "723400,4307500,17N" },
 };
-
-static const struct { const char *header, *row, *other, *says; } zones[] = {
-	{ "easting,northing,utm_zone", "323400,4307500,18N", NULL, "EPSG:32618 EPSG:32618" },
-	{ "easting,northing,UTM Zone", "323400,4307500,18 T", NULL, "EPSG:32618 EPSG:32618" },
-	{ "easting,northing,zone", "323400,1307500,UTM zone 18L", NULL, "EPSG:32718 EPSG:32718" },
-	{ "x,y,epsg", "323400,4307500,26918", NULL, "EPSG:26918 EPSG:26918" },
-	{ "x,y,zone", "323400,4307500,EPSG:32618", NULL, "EPSG:32618 EPSG:32618" },
-	{ "x,y,utm_zone", "323400,4307500,18", NULL, "?\"18\": is that zone 18 in the north, --crs EPSG:32618, or "
-		"in the south, --crs EPSG:32718?" },
-	{ "x,y,utm_zone", "323400,4307500,18S", NULL, "?is that zone 18 in the north" },
-	{ "x,y,zone", "323400,4307500,3", NULL, "?each UTM zone" },           /* a park's zone, perhaps */
-	{ "x,y,utm_zone", "323400,4307500,18N", "723400,4307500,17N", "?is \"18N\" and \"17N\", and an entry has "
-		"one CRS. Put each zone into a table of its own; or start with --crs EPSG:32618" } };
 
 static const char *place_text(const struct eco_place_guess *g)
 {
@@ -209,40 +200,23 @@ static const char *place_text(const struct eco_place_guess *g)
 	return text;
 }
 
-/* `says`: the CRS of the table `text` and of the scene, or a part of a question, after "?". */
-static void assert_place(const char *text, const char *crs, const struct eco_raster_extent *dem,
-	const char *says)
-{
-	struct eco_error error = { 0 };
-	struct eco_place_guess guess;
-	struct read r;
-	read_text(&r, text);
-	struct eco_rows_source source = { .path = r.table.path };
-	struct eco_place_asked asked = { .table = &r.table, .source = &source, .columns = &r.columns,
-		.crs = crs, .dem = dem };
-	enum eco_code code = eco_place_guess(&guess, &asked, &error);
-	if (says[0] == '?' ? !code || !strstr(error.text, says + 1) : code || strcmp(place_text(&guess), says) != 0)
-		fail_msg("%s: %s; wanted %s", text, code ? error.text : place_text(&guess), says);
-	eco_table_free(&r.table);
-}
-
 UNIT_TEST(places_get_a_crs_or_a_question)
 {
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+		const char *says = places[i].says, *row = places[i].row;
+		struct eco_place_guess guess;
 		char text[200];
-		snprintf(text, sizeof text, "%s,%s\n%s\n%s\n", places[i].x, places[i].y, places[i].numbers,
-			places[i].numbers);
-		assert_place(text, places[i].crs, places[i].dem, places[i].says);
-	}
-}
-
-UNIT_TEST(a_column_says_the_zone_or_that_rows_are_in_several)
-{
-	for (size_t i = 0; i < sizeof zones / sizeof *zones; i++) {
-		char text[200];
-		snprintf(text, sizeof text, "%s\n%s\n%s\n", zones[i].header, zones[i].row,
-			zones[i].other ? zones[i].other : zones[i].row);
-		assert_place(text, NULL, NULL, zones[i].says);
+		struct read r;
+		snprintf(text, sizeof text, "%s\n%s\n%s\n", places[i].names, row, places[i].other ? places[i].other : row);
+		read_text(&r, text);
+		struct eco_rows_source source = { .path = r.table.path };
+		struct eco_place_asked asked = { .table = &r.table, .source = &source, .columns = &r.columns,
+			.crs = places[i].crs, .dem = places[i].dem };
+		cause = (struct eco_error){ 0 };
+		enum eco_code code = eco_place_guess(&guess, &asked, &cause);
+		if (says[0] == '?' ? !code || !strstr(cause.text, says + 1) : code || strcmp(place_text(&guess), says) != 0)
+			fail_msg("%s: %s; wanted %s", text, code ? cause.text : place_text(&guess), says);
+		eco_table_free(&r.table);
 	}
 }
 
