@@ -21,7 +21,8 @@ static int value_at(double east, double north, int band)
 	return band == 1 ? (int)(250 * north) : band == 2 ? 128 : east < 0.5 ? 255 : 0;
 }
 
-/* Colours, of so many steps each; one band has four classes, one a quarter: 1 2 in the south, 3 4 in the north. */
+/* Colours, of so many steps each; one band has four classes, one a quarter: 1 2 in the south, 3 4 in the
+ * north. */
 static double sample_at(const struct raster_file *r, int x, int y, int band)
 {
 	double east = (x + 0.5) / r->columns, north = 1 - (y + 0.5) / r->rows;
@@ -156,7 +157,8 @@ static void tell(const char *key, uint32_t number, const char *wanted, char *to,
 		snprintf(to, size, "%g,%g,%g", tree.root.low[0], tree.root.low[1], tree.root.texel_m);
 		return;
 	}
-	assert_int_equal(sscanf(wanted, "%lf,%lf,%d,%d,%d,%d,%d", &at[0], &at[1], &colour[0], &colour[1], &colour[2], &colour[3],
+	assert_int_equal(sscanf(wanted, "%lf,%lf,%d,%d,%d,%d,%d", &at[0], &at[1], &colour[0], &colour[1],
+		&colour[2], &colour[3],
 		&most), 7);
 	const uint8_t *texel = texel_at(at[0], at[1]);
 	assert_non_null(texel);
@@ -180,51 +182,65 @@ static struct eco_ground_class one_class[] = { { 1, { 9, 8, 7 }, false } },
 
 /* Wanted: the image, or with "?" the words of a refusal. */
 static const struct { const char *name; struct raster_file raster; double pixel_m; struct given given; const char *wanted; } cases[] = {
-	{ "rasters_of_another_crs_are_warped", BYTES("zone33.tif", 100, ZONE), 2, { .scene_crs = "EPSG:25832", .low = { 1, 1 } },
+	{ "rasters_of_another_crs_are_warped", BYTES("zone33.tif", 100, ZONE), 2, { .scene_crs = "EPSG:25832",
+		.low = { 1, 1 } },
 		"at=50,150,62,187,-1,255,3" },
 	/* alpha is the file's, whatever the bands hold: clear in the east */
-	{ "a_fourth_band_is_alpha", { "rgba.tif", 300, .bands = 4, .type = GDT_Byte, .crs = ZONE }, 1, { ANYWHERE },
+	{ "a_fourth_band_is_alpha", { "rgba.tif", 300, .bands = 4, .type = GDT_Byte, .crs = ZONE }, 1,
+		{ ANYWHERE },
 		"at=75,150,62,125,128,255,2|at=225,150,-1,-1,-1,0,0" },
 	{ NULL, { "rgba16.tif", 300, .bands = 4, .type = GDT_UInt16, .crs = ZONE, .of = 257 }, 1,
 		{ ANYWHERE, .source = { .has_range = true, .range = { 0, 65535 } } },
 		"at=75,150,62,125,128,255,2|at=225,150,-1,-1,-1,0,0" },
-	/* black and white are said, or guessed of all bands together and noted: 250 x 40, less a two-hundredth */
+	/* black and white are said, or guessed of all bands together and noted: 250 x 40, less a
+	 * two-hundredth */
 	{ "numbers_that_are_no_bytes_have_a_black_and_a_white",
 		{ "deep.tif", 300, .bands = 3, .type = GDT_UInt16, .crs = ZONE, .of = 40 }, 1, { ANYWHERE },
 		"~its bands hold UInt16|~for black and 99|at=150,75,127,63,131,-1,4" },
 	{ NULL, { "deep.tif", 300, .bands = 3, .type = GDT_UInt16, .crs = ZONE, .of = 40 }, 1,
-		{ ANYWHERE, .source = { .has_range = true, .range = { 0, 255 * 40 } } }, "!\n|at=150,75,125,62,128,-1,1" },
+		{ ANYWHERE, .source = { .has_range = true, .range = { 0, 255 * 40 } } },
+			"!\n|at=150,75,125,62,128,-1,1" },
 	{ "an_image_that_does_not_reach_the_plants_is_said_to", BYTES("small.tif", 64, ZONE), 1,
 		{ .scene_crs = ZONE, .low = { 10, 10 }, .high = { 104, 64 } }, "~does not reach all plants" },
-	{ NULL, BYTES("small.tif", 64, ZONE), 1, { .scene_crs = ZONE, .low = { 5000, 5000 }, .high = { 5100, 5100 } },
+	{ NULL, BYTES("small.tif", 64, ZONE), 1, { .scene_crs = ZONE, .low = { 5000, 5000 }, .high = { 5100,
+		5100 } },
 		"~does not reach any plants" },
-	{ NULL, BYTES("small.tif", 64, ZONE), 1, { .scene_crs = ZONE, .low = { 5, 5 }, .high = { 60, 60 } }, "!\n" },
+	{ NULL, BYTES("small.tif", 64, ZONE), 1, { .scene_crs = ZONE, .low = { 5, 5 }, .high = { 60, 60 } },
+		"!\n" },
 	{ "classes_have_the_colours_of_the_file_or_of_the_scene",
-		{ "palette.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE, .palette = true }, 1, { ANYWHERE },
+		{ "palette.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE, .palette = true }, 1,
+			{ ANYWHERE },
 		"at=75,75,50,10,20,255,0|at=225,75,100,10,20,-1,0|at=75,225,150,10,20,-1,0|at=225,225,200,10,20,-1,0" },
 	{ NULL, { "palette.tif", 300, .bands = 1, .type = GDT_Byte, .crs = ZONE, .palette = true }, 1,
 		{ ANYWHERE, .source = { .classes = two_classes, .class_count = 2 } },
 		"at=75,75,9,-1,-1,-1,0|at=225,75,100,-1,-1,-1,0|at=225,225,-1,-1,-1,0,0" },
-	{ "nodata_is_clear", { "hole.tif", 300, .bands = 1, .type = GDT_Int16, .crs = ZONE, .has_nodata = true, .nodata = 4 }, 1,
+	{ "nodata_is_clear", { "hole.tif", 300, .bands = 1, .type = GDT_Int16, .crs = ZONE,
+		.has_nodata = true, .nodata = 4 }, 1,
 		{ ANYWHERE, .source = { .classes = three_classes, .class_count = 3 } },
 		"at=225,225,-1,-1,-1,0,0|at=75,75,-1,-1,-1,255,0" },
 	{ NULL, CLASSES("hole2.tif", GDT_Int16), 1,
-		{ ANYWHERE, .source = { .classes = three_classes, .class_count = 3, .has_nodata = true, .nodata = 4 } },
+		{ ANYWHERE, .source = { .classes = three_classes, .class_count = 3, .has_nodata = true,
+			.nodata = 4 } },
 		"at=225,225,-1,-1,-1,0,0" },
 	{ "a_picture_without_coordinates_lies_where_the_scene_says", BYTES("photo.tif", 256, NULL), 0,
 		{ ANYWHERE, .source = { .crs = (char *)ZONE, PHOTO_PLACE } },
 		"root=100,100,2|at=228,484,62,187,-1,-1,2" },
-	{ "what_lacks_is_said", BYTES("no_crs.tif", 64, NULL), 1, { ANYWHERE }, "?the file has no CRS; say it in the scene: "
+	{ "what_lacks_is_said", BYTES("no_crs.tif", 64, NULL), 1, { ANYWHERE },
+		"?the file has no CRS; say it in the scene: "
 		"\"ground\": {\"image\": {\"file\": ..., \"crs\": \"EPSG:32632\"}}" },
-	{ NULL, BYTES("no_crs.tif", 64, NULL), 1, { ANYWHERE, .source = { .crs = (char *)ZONE } }, "root=0,0,1" },
+	{ NULL, BYTES("no_crs.tif", 64, NULL), 1, { ANYWHERE, .source = { .crs = (char *)ZONE } },
+		"root=0,0,1" },
 	{ NULL, BYTES("good.tif", 64, ZONE), 1, { .low = { 1, 1 } }, "?but the scene has no CRS" },
 	{ NULL, { "height.tif", 64, .bands = 1, .type = GDT_Float32, .crs = ZONE }, 1, { ANYWHERE },
 		"?it has one band of Float32: heights, classes or grey?" },
-	{ NULL, CLASSES("unknown.tif", GDT_Byte), 1, { ANYWHERE, .source = { .classes = one_class, .class_count = 1 } },
+	{ NULL, CLASSES("unknown.tif", GDT_Byte), 1, { ANYWHERE, .source = { .classes = one_class,
+		.class_count = 1 } },
 		"?has no colour; add it to the scene's" },
-	{ NULL, BYTES("bands.tif", 64, ZONE), 1, { ANYWHERE, .source = { .classes = one_class, .class_count = 1 } },
+	{ NULL, BYTES("bands.tif", 64, ZONE), 1, { ANYWHERE, .source = { .classes = one_class,
+		.class_count = 1 } },
 		"?it has 3 bands; a raster of classes has one" },
-	{ NULL, BYTES("lost.tif", 64, NULL), 0, { .low = { 1, 1 } }, "?it does not say where it lies; add to the image" },
+	{ NULL, BYTES("lost.tif", 64, NULL), 0, { .low = { 1, 1 } },
+		"?it does not say where it lies; add to the image" },
 };
 
 UNIT_TEST(rasters_become_images_or_questions)
@@ -243,14 +259,16 @@ UNIT_TEST(rasters_become_images_or_questions)
 		expect_told(cases[i].wanted, tell);
 		/* a mean of colours of classes, never of their numbers */
 		for (uint32_t k = 0; k < tree.count && cases[i].raster.palette && !g.source.classes; k++)
-			for (const uint8_t *t = tree.leaves[k].rgba; t < tree.leaves[k].rgba + ECO_GROUND_IMAGE_BYTES; t += 4)
+			for (const uint8_t *t =
+				tree.leaves[k].rgba; t < tree.leaves[k].rgba + ECO_GROUND_IMAGE_BYTES; t += 4)
 				assert_true(!t[3] || (t[1] == 10 && t[2] == 20));
 	}
 }
 
 UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
 {
-	read_tree((struct given)COLORS(make((struct raster_file){ "rgb.tif", 600, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 0.5)));
+	read_tree((struct given)COLORS(make((struct raster_file){ "rgb.tif", 600, .bands = 3,
+		.type = GDT_Byte, .crs = ZONE }, 0.5)));
 	assert_true(tree.root.low[0] == 0 && tree.root.low[1] == 0 && tree.root.texel_m == 2);
 	assert_int_equal(tree.depth, 2);
 	for (int i = 0; i < 100; i++) {
@@ -276,7 +294,8 @@ UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
 UNIT_TEST(texels_are_wider_where_no_plant_is_near)
 {
 	struct given g =
-		COLORS(make((struct raster_file){ "wide.tif", 4096, .bands = 3, .type = GDT_Byte, .crs = ZONE }, 1));
+		COLORS(make((struct raster_file){ "wide.tif", 4096, .bands = 3, .type = GDT_Byte,
+		.crs = ZONE }, 1));
 	g.low[0] = g.low[1] = 10;
 	g.high[0] = g.high[1] = 20;
 	read_tree(g);

@@ -49,7 +49,8 @@ static struct eco_rows *open_good(const struct eco_rows_source *source)
 }
 
 /* Its rows; it has a note that says this (NULL: none), and this CRS (NULL: none). */
-static void expect_source(const struct eco_rows_source *source, const char *wanted, const char *note, const char *crs)
+static void expect_source(const struct eco_rows_source *source, const char *wanted, const char *note,
+	const char *crs)
 {
 	struct eco_rows *rows = open_good(source);
 	char got[4000];
@@ -109,7 +110,8 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 	{ "rows_may_be_short_or_long", "short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,",
 		NULL, NULL },
 	{ NULL, "old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL },
-	{ "points_as_text_are_the_geometry", "wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\n"
+	{ "points_as_text_are_the_geometry", "wkt.csv",
+		"WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\n"
 		"red\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n", "WKT,species / (11.5 48.1) POINT (11.5 48.1),"
 		"oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / "
 		"POINT POINT (x y),bad", NULL, NULL },
@@ -142,22 +144,29 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 		FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n", "s / (1 2) oak / (3 4) ash", NULL, "EPSG:4326" },
 	{ NULL, "g.geojson", "\xef\xbb\xbf" COLLECTION("", FEATURE(POINT("1,2"), "\"Größe\":3.5")),
 		"Größe / (1 2) 3.5", NULL, "EPSG:4326" },
-	{ "geojson_is_degrees_unless_it_says_otherwise", "a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"),
+	{ "geojson_is_degrees_unless_it_says_otherwise", "a.geojson", COLLECTION("",
+		FEATURE(POINT("2.35,48.85"),
 		"\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
 		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326" },
-	{ NULL, "b.geojson", COLLECTION(SAYS("urn:ogc:def:crs:EPSG::28992"), FEATURE(POINT("121000,487000"), "\"id\":1")),
+	{ NULL, "b.geojson", COLLECTION(SAYS("urn:ogc:def:crs:EPSG::28992"), FEATURE(POINT("121000,487000"),
+		"\"id\":1")),
 		"id / (121000 487000) 1", NULL, "EPSG:28992" },
-	{ NULL, "c.geojson", COLLECTION(SAYS("urn:ogc:def:crs:OGC:1.3:CRS84"), FEATURE(POINT("2,48"), "\"id\":1")),
+	{ NULL, "c.geojson", COLLECTION(SAYS("urn:ogc:def:crs:OGC:1.3:CRS84"), FEATURE(POINT("2,48"),
+		"\"id\":1")),
 		"id / (2 48) 1", NULL, "EPSG:4326" },
 	{ NULL, "d.json", FEATURE(POINT("2,48,35.5"), "\"id\":1"), "id / (2 48 35.5) 1", NULL, "EPSG:4979" },
-	{ "gml_has_easting_or_longitude_first_in_the_end", "boom.gml", GML("urn:ogc:def:crs:EPSG::28992", "121000 487000"),
+	{ "gml_has_easting_or_longitude_first_in_the_end", "boom.gml", GML("urn:ogc:def:crs:EPSG::28992",
+		"121000 487000"),
 		"gml_id,soort / (121000 487000) b1,Tilia", NULL, "EPSG:28992" },
-	{ NULL, "degrees.gml", GML("urn:ogc:def:crs:EPSG::4326", "52.4 4.9"), "gml_id,soort / (4.9 52.4) b1,Tilia", NULL,
+	{ NULL, "degrees.gml", GML("urn:ogc:def:crs:EPSG::4326", "52.4 4.9"),
+		"gml_id,soort / (4.9 52.4) b1,Tilia", NULL,
 		"EPSG:4326" },
-	{ NULL, "short.gml", GML("EPSG:4326", "4.9 52.4"), "gml_id,soort / (4.9 52.4) b1,Tilia", NULL, "EPSG:4326" },
+	{ NULL, "short.gml", GML("EPSG:4326", "4.9 52.4"), "gml_id,soort / (4.9 52.4) b1,Tilia", NULL,
+		"EPSG:4326" },
 	{ NULL, "north.gml", GML("urn:ogc:def:crs:EPSG::31467", "5335000 3560000"),
 		"gml_id,soort / (3560000 5335000) b1,Tilia", NULL, "EPSG:31467" },
-	{ "fields_of_kml_are_columns", "a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>"
+	{ "fields_of_kml_are_columns", "a.kml",
+		"<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>"
 		"<name>oak</name><ExtendedData><Data name=\"dbh\"><value>30</value></Data></ExtendedData><Point>"
 		"<coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
 		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / "
@@ -285,7 +294,8 @@ UNIT_TEST(a_file_that_is_no_table_is_refused_with_what_to_do)
 		"an Excel workbook; give it its name .xlsx");
 	expect_error(input_bytes("rows", "old.xls", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0", 10), NULL,
 		"an old Excel");
-	expect_error(input_text("rows", "scene.gltf", "{\"asset\":{}}"), NULL, "glTF is a model, not a table");
+	expect_error(input_text("rows", "scene.gltf", "{\"asset\":{}}"), NULL,
+		"glTF is a model, not a table");
 	expect_error(input_text("rows", "a.shx", "x"), NULL, "name the one that ends in .shp");
 	expect_error(input_bytes("rows", "trees.zip", "PK\3\4\x14\0\0\0\0\0trees.shp", 19), NULL, "packed");
 	expect_error(input_text("rows", "topo.json", "{\"type\":\"Topology\",\"objects\":{}}"), NULL,
@@ -348,13 +358,18 @@ static void make_file(const char *driver, const char *path, const struct made *l
 }
 
 static const struct made oak = { "trees", 25832, wkbPoint, "POINT (690000 5335000)", "oak" },
-	degrees = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" }, nowhere = { "trees", 0, wkbPoint, "POINT (3 4)", "oak" },
-	table = { "trees", 0, wkbNone, NULL, "oak" }, high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)", "oak" },
-	pair = { "trees", 0, wkbNone, NULL, "48.88398, 2.36" }, wkt = { "trees", 0, wkbNone, NULL, "POINT (3 4)" },
-	layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" }, { "beds", 25832, wkbPolygon, NULL, "rose" },
+	degrees = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" }, nowhere = { "trees", 0, wkbPoint,
+		"POINT (3 4)", "oak" },
+	table = { "trees", 0, wkbNone, NULL, "oak" }, high = { "trees", 25832, wkbPoint25D,
+		"POINT Z (690000 5335000 512)", "oak" },
+	pair = { "trees", 0, wkbNone, NULL, "48.88398, 2.36" }, wkt = { "trees", 0, wkbNone, NULL,
+		"POINT (3 4)" },
+	layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" }, { "beds", 25832, wkbPolygon, NULL,
+		"rose" },
 		{ "shrubs", 25832, wkbPoint, "POINT (3 4)", "hazel" } };
 
-static const struct { const char *driver, *file; const struct made *layers; size_t count; const char *layer, *wanted, *note, *crs;
+static const struct { const char *driver, *file; const struct made *layers; size_t count; const char *layer,
+	*wanted, *note, *crs;
 } files[] = {
 	{ "GPKG", "a.gpkg", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832" },
 	{ "GPKG", "b.gpkg", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326" },
@@ -370,7 +385,8 @@ static const struct { const char *driver, *file; const struct made *layers; size
 		"latitude and longitude in one field", "EPSG:4326" },
 	{ "ODS", "p.ods", &wkt, 1, NULL, "species / (3 4) POINT (3 4)", NULL, NULL },
 	/* the layer that fits is taken, or asked for: below */
-	{ "GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak", "it has 2 layers; \"trees\" is taken", "EPSG:25832" },
+	{ "GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak", "it has 2 layers; \"trees\" is taken",
+		"EPSG:25832" },
 	{ "GPKG", "named.gpkg", layers, 3, "shrubs", "species / (3 4) hazel", NULL, "EPSG:25832" },
 };
 
@@ -380,15 +396,18 @@ UNIT_TEST(files_of_gis_bring_points_and_their_crs)
 	char got[2000];
 	unlink("build/tmp/rows/c.prj");
 	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-		struct eco_rows_source source = { .path = input_path("rows", files[i].file), .layer = files[i].layer };
+		struct eco_rows_source source = { .path = input_path("rows", files[i].file),
+			.layer = files[i].layer };
 		make_file(files[i].driver, source.path, files[i].layers, files[i].count);
 		expect_source(&source, files[i].wanted, files[i].note, files[i].crs);
 	}
 	/* read, though it is not among the columns wanted */
-	struct eco_rows_source source = { .path = input_path("rows", "p.gpkg"), .wanted = others, .wanted_count = 1 };
+	struct eco_rows_source source = { .path = input_path("rows", "p.gpkg"), .wanted = others,
+		.wanted_count = 1 };
 	make_file("GPKG", source.path, &wkt, 1);
 	assert_string_equal(rows_text_of(open_good(&source), got, sizeof got), "species / (3 4) POINT (3 4)");
-	expect_error("build/tmp/rows/named.gpkg", NULL, "add \"layer\": \"trees\" or another of: trees (Point), beds (Polygon), "
+	expect_error("build/tmp/rows/named.gpkg", NULL,
+		"add \"layer\": \"trees\" or another of: trees (Point), beds (Polygon), "
 		"shrubs (Point)");
 	expect_error("build/tmp/rows/named.gpkg", "herbs", "no layer \"herbs\"; there are: trees");
 }
@@ -427,9 +446,12 @@ UNIT_TEST(broken_files_cannot_be_read)
 {
 	static const struct { const char *driver, *good, *broken; const struct made *layer; } whole[] = {
 		{ "XLSX", "whole.xlsx", "cut.xlsx", &table }, { "ODS", "whole.ods", "cut.ods", &table },
-		{ "GPKG", "whole.gpkg", "cut.gpkg", &degrees }, { "FlatGeobuf", "whole.fgb", "cut.fgb", &degrees },
-		{ "ESRI Shapefile", "cut.shp", "cut.shp", &degrees }, { "LIBKML", "whole.kmz", "cut.kmz", &degrees },
-		{ "GML", "whole.gml", "cut.gml", &degrees }, { "GeoJSON", "whole.geojson", "cut.geojson", &degrees } };
+		{ "GPKG", "whole.gpkg", "cut.gpkg", &degrees }, { "FlatGeobuf", "whole.fgb", "cut.fgb",
+			&degrees },
+		{ "ESRI Shapefile", "cut.shp", "cut.shp", &degrees }, { "LIBKML", "whole.kmz", "cut.kmz",
+			&degrees },
+		{ "GML", "whole.gml", "cut.gml", &degrees }, { "GeoJSON", "whole.geojson", "cut.geojson",
+			&degrees } };
 	for (size_t i = 0; i < sizeof whole / sizeof *whole; i++) {
 		struct eco_error error;
 		const char *good = input_path("rows", whole[i].good);
@@ -481,23 +503,28 @@ UNIT_TEST(parts_of_a_shapefile_that_are_missed_are_named)
 #define TREE(inside) "<core:cityObjectMember><veg:SolitaryVegetationObject gml:id=\"t\">" inside \
 	"</veg:SolitaryVegetationObject></core:cityObjectMember>"
 #define AT(pos) "<gml:Point><gml:pos srsDimension=\"3\">" pos "</gml:pos></gml:Point>"
-#define RING(corners) "<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList srsDimension=\"3\">" \
+#define RING(corners) \
+"<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList srsDimension=\"3\">" \
 	corners "</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember>"
 
 UNIT_TEST(trees_of_city_models_are_rows)
 {
 	static const struct { const char *name, *srs, *inside, *wanted, *note, *crs; } models[] = {
 		/* an implicit geometry stands at its reference point */
-		{ "implicit.gml", "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH", TREE("<veg:species>1640</veg:species>"
+		{ "implicit.gml", "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH",
+			TREE("<veg:species>1640</veg:species>"
 			"<veg:height uom=\"m\">12.5</veg:height><gen:stringAttribute name=\"Art\"><gen:value>Linde"
 			"</gen:value></gen:stringAttribute><veg:lod2ImplicitRepresentation><core:ImplicitGeometry>"
-			"<core:relativeGMLGeometry>" AT("1 2 3") "</core:relativeGMLGeometry><core:referencePoint>"
+			"<core:relativeGMLGeometry>" AT("1 2 3")
+			"</core:relativeGMLGeometry><core:referencePoint>"
 			AT("690100.5 5335200.25 515") "</core:referencePoint></core:ImplicitGeometry>"
 			"</veg:lod2ImplicitRepresentation>"),
 			"gml_id,species,height,height_uom,Art / (690100.5 5335200.25 515) t,1640,12.5,m,Linde", NULL,
 			"EPSG:25832" },
-		/* another on the middle of its lowest part, a trunk under a leaning crown; buildings are none */
-		{ "foot.gml", "EPSG:25832", TREE("<veg:lod1Geometry><gml:MultiSurface>" RING("10 20 500 12 20 500 12 22 500 "
+		/* another on the middle of its lowest part, a trunk under a leaning crown; buildings are none
+		 * */
+		{ "foot.gml", "EPSG:25832", TREE("<veg:lod1Geometry><gml:MultiSurface>"
+			RING("10 20 500 12 20 500 12 22 500 "
 			"10 22 500 10 20 500") RING("10 20 505 40 20 505 40 60 510 10 20 505")
 			"</gml:MultiSurface></veg:lod1Geometry>")
 			"<core:cityObjectMember><bldg:Building><bldg:height>9</bldg:height></bldg:Building>"
@@ -505,8 +532,10 @@ UNIT_TEST(trees_of_city_models_are_rows)
 			"</veg:averageHeight></veg:PlantCover></core:cityObjectMember>",
 			"gml_id / (11 21 500) t", "its PlantCover features are skipped", "EPSG:25832" },
 		{ "globe.gml", "urn:ogc:def:crs:EPSG::4979", TREE("<veg:lod1Geometry>" AT("48.1 11.5 520")
-			"</veg:lod1Geometry>") TREE(""), "gml_id / (11.5 48.1 520) t / empty t", NULL, "EPSG:4979" },
-		{ "nowhere.gml", "urn:adv:crs:plan", TREE("<veg:lod1Geometry>" AT("1 2 3") "</veg:lod1Geometry>"),
+			"</veg:lod1Geometry>") TREE(""), "gml_id / (11.5 48.1 520) t / empty t", NULL,
+			"EPSG:4979" },
+		{ "nowhere.gml", "urn:adv:crs:plan", TREE("<veg:lod1Geometry>" AT("1 2 3")
+			"</veg:lod1Geometry>"),
 			"gml_id / (1 2 3) t", NULL, NULL },
 	};
 	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {

@@ -99,7 +99,8 @@ UNIT_TEST(commas_part_thousands_where_something_says_so)
 		struct read r;
 		read_text(&r, cases[i].text);
 		const struct eco_columns *c = &r.columns;
-		const char says[] = { c->decimal, c->thousands ? c->thousands : '-', c->thousands_open ? '?' : 0, 0 };
+		const char says[] = { c->decimal, c->thousands ? c->thousands : '-', c->thousands_open ? '?'
+			: 0, 0 };
 		if (strcmp(says, cases[i].says) != 0 || c->of[ECO_ROLE_X] != 0 || c->of[ECO_ROLE_Y] != 1)
 			fail_msg("%s  is %s instead of %s", cases[i].text, says, cases[i].says);
 		eco_table_free(&r.table);
@@ -143,9 +144,11 @@ UNIT_TEST(values_are_counted_most_first)
 static const struct eco_raster_extent berlin = { .low = { 390000, 5819000 }, .high = { 393000, 5821000 },
 	.crs = "EPSG:25833" };
 
-/* `says`: the CRS of the table and of the scene, whether swapped; or after "?" a part of a question. `other`: the second
+/* `says`: the CRS of the table and of the scene, whether swapped; or after "?" a part of a question. `other`:
+ * the second
  * row; NULL: as the first. */
-static const struct { const char *names, *row, *crs; const struct eco_raster_extent *dem; const char *says, *other;
+static const struct { const char *names, *row, *crs; const struct eco_raster_extent *dem; const char *says,
+	*other;
 } places[] = {
 	{ "lon,lat", "11.57,48.14", NULL, NULL, "EPSG:4326 EPSG:32632", NULL },
 	{ "lon,lat", "-70.6,-33.4", NULL, NULL, "EPSG:4326 EPSG:32719", NULL },
@@ -184,12 +187,14 @@ static const struct { const char *names, *row, *crs; const struct eco_raster_ext
 	{ "easting,northing,zone", "323400,1307500,UTM zone 18L", NULL, NULL, "EPSG:32718 EPSG:32718", NULL },
 	{ "x,y,epsg", "323400,4307500,26918", NULL, NULL, "EPSG:26918 EPSG:26918", NULL },
 	{ "x,y,zone", "323400,4307500,EPSG:32618", NULL, NULL, "EPSG:32618 EPSG:32618", NULL },
-	{ "x,y,utm_zone", "323400,4307500,18", NULL, NULL, "?\"18\": is that zone 18 in the north, --crs EPSG:32618, or "
+	{ "x,y,utm_zone", "323400,4307500,18", NULL, NULL,
+		"?\"18\": is that zone 18 in the north, --crs EPSG:32618, or "
 		"in the south, --crs EPSG:32718?", NULL },
 	{ "x,y,utm_zone", "323400,4307500,18S", NULL, NULL, "?is that zone 18 in the north", NULL },
 	{ "x,y,zone", "323400,4307500,3", NULL, NULL, "?each UTM zone", NULL },
 	{ "x,y,utm_zone", "323400,4307500,18N", NULL, NULL, "?is \"18N\" and \"17N\", and an entry has "
-		"one CRS. Put each zone into a table of its own; or start with --crs EPSG:32618", "723400,4307500,17N" },
+		"one CRS. Put each zone into a table of its own; or start with --crs EPSG:32618",
+		"723400,4307500,17N" },
 };
 
 static const char *place_text(const struct eco_place_guess *g)
@@ -207,14 +212,16 @@ UNIT_TEST(places_get_a_crs_or_a_question)
 		struct eco_place_guess guess;
 		char text[200];
 		struct read r;
-		snprintf(text, sizeof text, "%s\n%s\n%s\n", places[i].names, row, places[i].other ? places[i].other : row);
+		snprintf(text, sizeof text, "%s\n%s\n%s\n", places[i].names, row, places[i].other
+			? places[i].other : row);
 		read_text(&r, text);
 		struct eco_rows_source source = { .path = r.table.path };
 		struct eco_place_asked asked = { .table = &r.table, .source = &source, .columns = &r.columns,
 			.crs = places[i].crs, .dem = places[i].dem };
 		cause = (struct eco_error){ 0 };
 		enum eco_code code = eco_place_guess(&guess, &asked, &cause);
-		if (says[0] == '?' ? !code || !strstr(cause.text, says + 1) : code || strcmp(place_text(&guess), says) != 0)
+		if (says[0] == '?' ? !code || !strstr(cause.text, says + 1) : code
+			|| strcmp(place_text(&guess), says) != 0)
 			fail_msg("%s: %s; wanted %s", text, code ? cause.text : place_text(&guess), says);
 		eco_table_free(&r.table);
 	}
