@@ -21,14 +21,6 @@ void __sanitizer_cov_trace_pc(void)
 
 /* ---- Models of `count` pieces ---- */
 
-static FILE *create(const char *name, const char **path)
-{
-	*path = input_path("model_work", name);
-	FILE *file = fopen(*path, "w");
-	assert_non_null(file);
-	return file;
-}
-
 /* Triangle i, away from all others. */
 static void put_triangle(FILE *to, unsigned i)
 {
@@ -37,132 +29,108 @@ static void put_triangle(FILE *to, unsigned i)
 		z + .01, x, y + .02, z + .02);
 }
 
-static const char *write_pieces(unsigned count)
-{
-	const char *path;
-	FILE *file = create("pieces.obj", &path);
-	for (unsigned i = 0; i < count; i++)
-		put_triangle(file, i);
-	fclose(file);
-	return path;
-}
+static void put_piece(FILE *to, unsigned i, unsigned count) { put_triangle(to, i); }
 
 /* Level squares, each as large as the next: a sheet that all else stands on is looked for among them. */
-static const char *write_sheets(unsigned count)
+static void put_sheet(FILE *to, unsigned i, unsigned count)
 {
-	const char *path;
-	FILE *file = create("sheets.obj", &path);
-	for (unsigned i = 0; i < count; i++)
-		fprintf(file, "v %u 0 0\nv %u 0 1\nv %u 0 1\nv %u 0 0\nf -4 -3 -2 -1\n", 2 * i, 2 * i,
-			2 * i + 1, 2 * i + 1);
-	fprintf(file, "v 0 0 0\nv 1 0 0\nv 0 9 0\nf -3 -2 -1\n");
-	fclose(file);
-	return path;
+	fprintf(to, "v %u 0 0\nv %u 0 1\nv %u 0 1\nv %u 0 0\nf -4 -3 -2 -1\n", 2 * i, 2 * i, 2 * i + 1, 2 * i + 1);
 }
 
-static const char *write_strip(unsigned count)
+/* Its triangles from the last on. */
+static void put_strip(FILE *to, unsigned i, unsigned count)
 {
-	const char *path;
-	FILE *file = create("strip.obj", &path);
-	for (unsigned i = 0; i < count + 2; i++)
-		fprintf(file, "v %u %u %u\n", i % 2, i, i / 2 % 2);
-	for (unsigned i = count; i > 0; i--)
-		fprintf(file, "f %u %u %u\n", i, i + 1, i + 2);
-	fclose(file);
-	return path;
+	for (unsigned v = 0; v < count + 2 && i == 0; v++)
+		fprintf(to, "v %u %u %u\n", v % 2, v, v / 2 % 2);
+	fprintf(to, "f %u %u %u\n", count - i, count - i + 1, count - i + 2);
 }
 
 /* A triangle each of a material or a part. */
-static const char *write_named(unsigned count, const char *name, const char *head, const char *statement)
+static void put_material(FILE *to, unsigned i, unsigned count)
 {
-	const char *path;
-	FILE *file = create(name, &path);
-	fprintf(file, "%s", head);
-	for (unsigned i = 0; i < count; i++) {
-		fprintf(file, "%s%u\n", statement, i);
-		put_triangle(file, i);
-	}
-	fclose(file);
-	return path;
+	fprintf(to, "usemtl m%u\n", i);
+	put_triangle(to, i);
 }
 
-static const char *write_materials(unsigned count)
+static void put_object(FILE *to, unsigned i, unsigned count)
 {
-	return write_named(count, "materials.obj", "", "usemtl m");
+	fprintf(to, "o leaf_LOD%u\n", i);
+	put_triangle(to, i);
 }
 
 /* Names that are there, that differ in case, and that are not there. */
-static const char *write_library(unsigned count)
+static void put_library(FILE *to, unsigned i, unsigned count)
 {
-	const char *path;
-	FILE *file = create("library.mtl", &path);
-	for (unsigned i = 0; i < count; i++)
-		fprintf(file, "newmtl %c%u\nKd %g 1 0\n", "mMn"[i % 3], i, i % 256 / 255.0);
-	fclose(file);
-	return write_named(count, "library.obj", "mtllib library.mtl\n", "usemtl m");
-}
-
-static const char *write_objects(unsigned count)
-{
-	return write_named(count, "objects.obj", "", "o leaf_LOD");
+	fprintf(to, "newmtl %c%u\nKd %g 1 0\n", "mMn"[i % 3], i, i % 256 / 255.0);
 }
 
 /* (0, 0, 0), (0.1, 0, 0), (0, 0.1, 0) in floats */
 #define TRIANGLE "AAAAAAAAAAAAAAAAzczMPQAAAAAAAAAAAAAAAM3MzD0AAAAA"
 
-/* Nodes that share a mesh, each with a morph weight of its own if `weights`; each in the one before if
- * `chain`. */
-static const char *write_nodes(unsigned count, const char *name, bool weights, bool chain)
+/* Nodes share a mesh. */
+#define NODES_HEAD "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:;base64," TRIANGLE \
+	"\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0," \
+	"\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{" \
+	"\"POSITION\":0},\"targets\":[{\"POSITION\":0}]}]}],\"nodes\":["
+
+/* Each with a morph weight of its own. */
+static void put_weight(FILE *to, unsigned i, unsigned count)
 {
-	const char *path;
-	FILE *file = create(name, &path);
-	fprintf(file, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,"
-		"\"uri\":\"data:;base64,%s\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
-		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},"
-		"\"targets\":[{\"POSITION\":0}]}]}],\"scene\":0,\"scenes\":[{\"nodes\":[0",
-		TRIANGLE);
-	for (unsigned i = 1; i < count && !chain; i++)
-		fprintf(file, ",%u", i);
-	fprintf(file, "]}],\"nodes\":[");
-	for (unsigned i = 0; i < count; i++) {
-		fprintf(file, "%s{\"mesh\":0,\"translation\":[%g,%g,0.001]", i ? "," : "", chain ? 0.001
-			: i % 97 * 0.1, chain ? 0.002 : i % 89 * 0.1);
-		if (weights)
-			fprintf(file, ",\"weights\":[%.6f]", i * 1e-5);
-		if (chain && i + 1 < count)
-			fprintf(file, ",\"children\":[%u]", i + 1);
-		fprintf(file, "}");
-	}
-	fprintf(file, "]}");
+	fprintf(to, "%s{\"mesh\":0,\"translation\":[%g,%g,0.001],\"weights\":[%.6f]}", i ? "," : "", i % 97 * 0.1,
+		i % 89 * 0.1, i * 1e-5);
+}
+
+/* Each in the one before. */
+static void put_link(FILE *to, unsigned i, unsigned count)
+{
+	fprintf(to, "%s{\"mesh\":0,\"translation\":[0.001,0.002,0.001]", i ? "," : "");
+	fprintf(to, i + 1 < count ? ",\"children\":[%u]}" : "}", i + 1);
+}
+
+static const struct kind {
+	const char *name, *file, *head, *tail;
+	void (*put)(FILE *to, unsigned i, unsigned count);
+} kinds[] = {
+	{ "pieces", "pieces.obj", "", "", put_piece },
+	{ "sheets", "sheets.obj", "", "v 0 0 0\nv 1 0 0\nv 0 9 0\nf -3 -2 -1\n", put_sheet },
+	{ "strip", "strip.obj", "", "", put_strip },
+	{ "materials", "materials.obj", "", "", put_material },
+	{ "materials of a library", "library.obj", "mtllib library.mtl\n", "", put_material },
+	{ "objects", "objects.obj", "", "", put_object },
+	{ "nodes with weights", "weights.gltf", NODES_HEAD, "]}", put_weight },
+	{ "a chain of nodes", "chain.gltf", NODES_HEAD, "]}", put_link },
+};
+
+static const char *write_kind(const struct kind *kind, unsigned count)
+{
+	const char *path = input_path("model_work", kind->file);
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	fprintf(file, "%s", kind->head);
+	for (unsigned i = 0; i < count; i++)
+		kind->put(file, i, count);
+	fprintf(file, "%s", kind->tail);
 	fclose(file);
 	return path;
 }
 
-static const char *write_weights(unsigned count) { return write_nodes(count, "weights.gltf", true, false); }
-static const char *write_chain(unsigned count) { return write_nodes(count, "chain.gltf", false, true); }
-
 /* ---- What they cost ---- */
 
-static uint64_t work_of(const char *path)
+static uint64_t work_of(const struct kind *kind, unsigned count)
 {
+	static const struct kind library = { "a library", "library.mtl", "", "", put_library };
+	write_kind(&library, count);
 	*work = 0;
-	import_file(path, NULL);
+	import_file(write_kind(kind, count), NULL);
 	return *work;
 }
 
 UNIT_TEST(work_grows_with_the_model_and_not_faster)
 {
-	static const struct { const char *name; const char *(*write)(unsigned count); } kinds[] = {
-		{ "pieces", write_pieces }, { "sheets", write_sheets }, { "strip", write_strip },
-		{ "materials", write_materials }, { "materials of a library", write_library },
-		{ "objects", write_objects }, { "nodes with weights", write_weights },
-		{ "a chain of nodes", write_chain } };
-
 	work = mmap(NULL, sizeof *work, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
 	assert_true(work != MAP_FAILED);
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-		uint64_t few = work_of(kinds[i].write(FEW)), many = work_of(kinds[i].write(FEW * TIMES));
+		uint64_t few = work_of(&kinds[i], FEW), many = work_of(&kinds[i], FEW * TIMES);
 		double growth = (double)many / (TIMES * (double)few);
 		printf("# %s: %llu blocks for %u, %llu for %u: %.2f of linear\n", kinds[i].name,
 			(unsigned long long)few, FEW, (unsigned long long)many, FEW * TIMES, growth);
