@@ -182,7 +182,7 @@ static struct counts ask(void (*make)(struct soup *s))
 	return counts;
 }
 
-/* Of 30 answers so many are surely right, and none is surely wrong. */
+/* Sure answers of 30, at least and at most; none may be surely wrong. */
 static const struct { const char *name; void (*make)(struct soup *s); uint32_t least, most; } shapes[] = {
 	{ "tree", tree, 30, 30 }, { "low-poly tree", low_poly_tree, 30, 30 }, { "conifer", conifer, 30, 30 },
 	{ "palm", palm, 30, 30 }, { "grass tuft", grass_tuft, 30, 30 }, { "potted plant", potted_plant, 30, 30 },
