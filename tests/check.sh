@@ -11,7 +11,7 @@ limit=${CHECK_S:-30}
 results=$BUILD/tests/checked
 rm -rf "$results"
 mkdir -p "$results" build/tmp
-export ASAN_OPTIONS="${ASAN_OPTIONS:-allocator_may_return_null=1}"
+export ASAN_OPTIONS="${ASAN_OPTIONS:-allocator_may_return_null=1}" LSAN_OPTIONS="suppressions=$PWD/tests/support/leaks.txt:print_suppressions=0"
 export CMOCKA_MESSAGE_OUTPUT=TAP BUILD RESULTS="$results" CHECK=1 LIMIT_WALL_S=1800
 
 # "SECONDS PROGRAM" of what is not green; a test that never ran is taken for a short one, a script for a longer one

@@ -24,7 +24,7 @@ case $folder in
 *) limit=600 ;;
 esac
 # a size that no machine has is an error to be handled, not the sanitizer's business
-export ASAN_OPTIONS="${ASAN_OPTIONS:-allocator_may_return_null=1}"
+export ASAN_OPTIONS="${ASAN_OPTIONS:-allocator_may_return_null=1}" LSAN_OPTIONS="suppressions=$PWD/tests/support/leaks.txt:print_suppressions=0"
 export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1}"
 # what looks for leaks, or writes down what was run, makes calls that ecoserve must not
 case $folder in */sanitize|*/coverage|*/thread) export ECOSERVE_NO_SANDBOX=yes ;; esac

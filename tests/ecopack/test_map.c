@@ -13,13 +13,6 @@
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
-/* fontconfig keeps its tables until the process ends. */
-const char *__lsan_default_suppressions(void);
-const char *__lsan_default_suppressions(void)
-{
-	return "leak:libfontconfig\n";
-}
-
 #define ROOT "build/tmp/test_map"
 #define PLANTS "\"plants\": {\"oak\": {\"model\": \"any.obj\", \"height_m\": 20}, \"ash\": {\"model\": " \
 	"\"any.obj\"}, \"elm\": {\"model\": \"any.obj\"}}"

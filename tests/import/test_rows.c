@@ -434,13 +434,6 @@ static void expect_broken(const char *name, const uint8_t *bytes, size_t size, s
 		fail_msg("%s, damaged at %zu: %s", name, where, error.code ? error.text : "it is read");
 }
 
-/* libkml loses the memory of an archive that it cannot open. The leak sanitizer asks for this by its name. */
-const char *__lsan_default_suppressions(void);
-const char *__lsan_default_suppressions(void)
-{
-	return "leak:libkmlengine\nleak:libkmlbase\n";
-}
-
 /* A file that ends early, or that lost bytes in its middle, is neither empty nor shorter than it was. */
 UNIT_TEST(broken_files_cannot_be_read)
 {
