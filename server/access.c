@@ -108,9 +108,9 @@ static bool holds_token(const struct srv_access *access, const char *scene, cons
 	return holds;
 }
 
-static bool has_token(const struct srv_access *access, const char *scene)
+bool srv_access_is_private(const struct srv_access *access, const char *scene)
 {
-	for (uint32_t i = 0; access && i < access->token_count; i++)
+	for (uint32_t i = 0; i < access->token_count; i++)
 		if (strcmp(access->tokens[i].scene, scene) == 0)
 			return true;
 	return false;
@@ -123,7 +123,7 @@ static const struct srv_scene *opened_scene(const struct srv_access *access, con
 	const char *path = before ? scene->file.path : NULL;
 	const struct srv_scene *old = path && !srv_store_find_file(before, scene->name, path, false)
 		? srv_store_find_file(before, NULL, path, false) : NULL;
-	return old && has_token(access, old->name) && !has_token(access, scene->name) ? old : NULL;
+	return old && srv_access_is_private(access, old->name) && !srv_access_is_private(access, scene->name) ? old : NULL;
 }
 
 static bool is_known(const char *scene, const struct srv_store *store, const struct srv_sources *sources)
@@ -141,36 +141,28 @@ static enum eco_code check_caps(const struct srv_cap_list *list, const char *opt
 	return ECO_OK;
 }
 
-enum eco_code srv_access_check(const struct srv_access *access, const struct srv_caps *caps,
-	const struct srv_store *store, const struct srv_sources *sources, const struct srv_store *before,
-	struct eco_error *error)
+enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
+	const struct srv_sources *sources, const struct srv_store *before, struct eco_error *error)
 {
-	for (uint32_t i = 0; access && i < access->token_count; i++)
+	for (uint32_t i = 0; i < access->token_count; i++)
 		if (!is_known(access->tokens[i].scene, store, sources))
 			return eco_fail(error, ECO_BAD_USAGE, "--token %s=FILE: there is no scene of this "
 				"name, and it would be served without a token under any other: name its "
 				"pack, %s=OUT.eco", access->tokens[i].scene, access->tokens[i].scene);
-	for (uint32_t i = 0; access && i < store->count; i++) {
+	for (uint32_t i = 0; i < store->count; i++) {
 		const struct srv_scene *old = opened_scene(access, store->scenes[i], before);
 		if (old)
 			return eco_fail(error, ECO_BAD_USAGE, "%s was scene '%s', which has a token, and is "
 				"'%s', which has none: name it, %s=OUT.eco, or give the other a token, too",
 				old->file.path, old->name, store->scenes[i]->name, old->name);
 	}
-	if (!caps)
-		return ECO_OK;
-	enum eco_code code = check_caps(&caps->vertices, "cap-vertices", store, sources, error);
-	return code ? code : check_caps(&caps->bytes, "cap-bytes", store, sources, error);
-}
-
-bool srv_access_is_private(const struct srv_access *access, const char *scene)
-{
-	return has_token(access, scene);
+	enum eco_code code = check_caps(&access->vertices, "cap-vertices", store, sources, error);
+	return code ? code : check_caps(&access->bytes, "cap-bytes", store, sources, error);
 }
 
 bool srv_access_has_private(const struct srv_access *access)
 {
-	for (uint32_t i = 0; access && i < access->token_count; i++)
+	for (uint32_t i = 0; i < access->token_count; i++)
 		if (access->tokens[i].scene[0])
 			return true;
 	return false;
@@ -178,7 +170,7 @@ bool srv_access_has_private(const struct srv_access *access)
 
 bool srv_access_scene(const struct srv_access *access, const char *scene, const char *authorization)
 {
-	return !has_token(access, scene) || holds_token(access, scene, authorization);
+	return !srv_access_is_private(access, scene) || holds_token(access, scene, authorization);
 }
 
 /* ---- Origins ---- */
@@ -222,13 +214,13 @@ enum eco_code srv_access_add_origin(const char *origin, void *to, struct eco_err
 
 bool srv_access_origins_vary(const struct srv_access *access)
 {
-	return access && access->origin_count > 1 && !srv_access_origin(access, NULL);
+	return access->origin_count > 1 && !srv_access_origin(access, NULL);
 }
 
 const char *srv_access_origin(const struct srv_access *access, const char *origin)
 {
 	const char *found = NULL;
-	for (uint32_t i = 0; access && i < access->origin_count; i++) {
+	for (uint32_t i = 0; i < access->origin_count; i++) {
 		if (strcmp(access->origins[i], "*") == 0)
 			return "*";
 		if (access->origin_count == 1 || (origin && strcmp(access->origins[i], origin) == 0))
@@ -282,10 +274,9 @@ static uint64_t most_of(const struct srv_cap_list *list, const char *scene)
 	return own ? own : all;
 }
 
-struct srv_most srv_caps_of(const struct srv_caps *caps, const char *scene)
+struct srv_most srv_caps_of(const struct srv_access *access, const char *scene)
 {
-	return caps ? (struct srv_most){ most_of(&caps->vertices, scene), most_of(&caps->bytes, scene) }
-		: (struct srv_most){ UINT64_MAX, UINT64_MAX };
+	return (struct srv_most){ most_of(&access->vertices, scene), most_of(&access->bytes, scene) };
 }
 
 void srv_caps_apply(const struct srv_most *most, struct eco_request *request)

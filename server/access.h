@@ -19,10 +19,16 @@
 #define SRV_CAPS_MAX 256u
 
 struct srv_token { char scene[SRV_NAME_BYTES]; uint8_t bytes[SRV_TOKEN_BYTES_MAX]; };     /* 0s behind it */
-struct srv_access {
+/* A request for more is answered as if it asked for this. A cap of one scene goes before the one for all
+ * (scene ""). */
+struct srv_cap { char scene[SRV_NAME_BYTES]; uint64_t most; };
+struct srv_cap_list { struct srv_cap items[SRV_CAPS_MAX]; uint32_t count; };
+struct srv_access {                      /* all 0: everybody may do all */
 	struct srv_token tokens[SRV_TOKENS_MAX]; uint32_t token_count;   /* scene "": the operator's */
 	const char *origins[SRV_ORIGINS_MAX]; uint32_t origin_count;     /* "*": any */
 	char frames[SRV_FRAMES_BYTES];   /* " ORIGIN ORIGIN": whose pages may have the viewer in a frame */
+	/* the most that an answer of a scene draws and takes */
+	struct srv_cap_list vertices, bytes;
 };
 
 /* Readers of options (struct eco_option). "SCENE=FILE", and FILE of the operator's: the first line of FILE is
@@ -33,27 +39,21 @@ enum eco_code srv_access_add_operator(const char *file, void *access, struct eco
 enum eco_code srv_access_add_origin(const char *origin, void *access, struct eco_error *error);
 enum eco_code srv_access_add_frame(const char *origin, void *access, struct eco_error *error);
 
-/* The most that an answer of a scene draws and takes: a request for more is answered as if it asked for this.
- * A cap of one scene goes before the one for all (scene ""). */
-struct srv_cap { char scene[SRV_NAME_BYTES]; uint64_t most; };
-struct srv_cap_list { struct srv_cap items[SRV_CAPS_MAX]; uint32_t count; };
-struct srv_caps { struct srv_cap_list vertices, bytes; };        /* 0: none */
 /* "N", or "SCENE=N", N above 0; the last of a scene holds. `list`: a struct srv_cap_list. */
 enum eco_code srv_cap_add_vertices(const char *argument, void *list, struct eco_error *error);
 enum eco_code srv_cap_add_bytes(const char *argument, void *list, struct eco_error *error);
 
-/* Caps of a scene's answers; UINT64_MAX: no cap. `caps` NULL: no scene has one. */
+/* Caps of a scene's answers; UINT64_MAX: no cap. */
 struct srv_most { uint64_t vertices, bytes; };
-struct srv_most srv_caps_of(const struct srv_caps *caps, const char *scene);
+struct srv_most srv_caps_of(const struct srv_access *access, const char *scene);
 void srv_caps_apply(const struct srv_most *most, struct eco_request *request);
 
 struct srv_sources;
 /* ECO_BAD_USAGE names a scene that has a token or a cap, but is neither there nor named by an argument:
  * another may be the one that should have it. `before`: the scenes of an earlier start or reload, or NULL; a
- * file of one that has a token must not become one without. `access` and `caps` may be NULL. */
-enum eco_code srv_access_check(const struct srv_access *access, const struct srv_caps *caps,
-	const struct srv_store *store, const struct srv_sources *sources, const struct srv_store *before,
-	struct eco_error *error);
+ * file of one that has a token must not become one without. */
+enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
+	const struct srv_sources *sources, const struct srv_store *before, struct eco_error *error);
 
 /* `scene` "": the operator's resources. `authorization`: the header's value, or NULL. The operator's token opens
  * every scene. True if there is no token to have. */

@@ -2,14 +2,14 @@
  *
  *   srv_store_init(&store); srv_store_add(&store, ...);
  *   srv_daemon_start(&daemon, &config, &store, &error);
- *   for each request: target -> route -> framing -> query -> plan (work threads) -> answer (answer.h)
+ *   for each request: target -> route -> framing -> query -> plan (work threads) -> answer (exchange.h)
  *   srv_daemon_reload(daemon);                later requests get other packs
  *   srv_daemon_quiesce(daemon);               new requests, /healthz too, are answered 503
  *   while (srv_daemon_busy(daemon)) wait;     running requests end, while the caller waits
  *   srv_daemon_stop(daemon);
  *   srv_store_free(&store);
  *
- * Threads: one accepts (endpoint.h); a pool polls, reads requests and sends answers; work threads plan; one
+ * Threads: one accepts; a pool polls, reads requests and sends answers; work threads plan; one
  * watches deadlines. The library's parser only splits heads that are known to be well: see gate.h, framing.h
  * and target.h. */
 #ifndef SRV_DAEMON_H
@@ -23,7 +23,6 @@
 #include "server/store.h"
 
 struct srv_access;
-struct srv_caps;
 struct srv_reload;
 struct srv_site;
 struct srv_sources;
@@ -56,8 +55,7 @@ struct srv_config {                      /* what it points to outlives the daemo
 	const struct srv_endpoint *endpoint;     /* in its place one that listens, which the daemon takes over */
 	const struct srv_site *site;             /* at /; NULL: how to make it */
 	struct srv_networks trusted;             /* proxies without a share, whose X-Forwarded-For counts */
-	const struct srv_access *access;         /* tokens and origins, and caps of scenes; NULL: none */
-	const struct srv_caps *caps;
+	const struct srv_access *access;         /* tokens, origins and caps of scenes; NULL: none */
 	const struct srv_sources *sources;       /* for a reload; NULL: there is none */
 	uint32_t bad_packs;                      /* of the sources at the start */
 	bool log;                                /* one line a request on stderr, ... */
@@ -73,8 +71,6 @@ enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_conf
 uint16_t srv_daemon_port(const struct srv_daemon *daemon);
 /* "http://127.0.0.1:8080": with the port that was bound. Valid as long as the daemon. */
 const char *srv_daemon_url(const struct srv_daemon *daemon);
-struct srv_counts { uint64_t connections, accept_failures; };    /* open now; for want of descriptors */
-struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon);
 /* Opens the scenes again that config.sources name, on a thread, without failing a request; logs what became
  * of them. Quiescing ends it. */
 void srv_daemon_reload(struct srv_daemon *daemon);

@@ -1,5 +1,4 @@
-/* The socket that takes connections, and the thread that takes them in. The socket is opened here, or handed
- * over by systemd, which keeps it while the server is started again; before the server gives up its
+/* The socket that takes connections: opened here, or handed over by systemd, which keeps it while the server is started again; before the server gives up its
  * privileges, as ports below 1024 need some. */
 #ifndef SRV_ENDPOINT_H
 #define SRV_ENDPOINT_H
@@ -8,7 +7,7 @@
 #include <stdint.h>
 #include <sys/socket.h>
 
-#include "server/reaper.h"
+#include "ecofiles/base/status.h"
 
 #define SRV_LISTEN_DEFAULT "127.0.0.1:8080"
 
@@ -26,19 +25,5 @@ enum eco_code srv_endpoint_open(struct srv_endpoint *endpoint, const char *liste
 /* The same, but where systemd hands a socket over (LISTEN_FDS, as sd_listen_fds(3) describes it) that one,
  * and then `listen` must be NULL. Called once, by a program's main thread: the environment forgets it. */
 enum eco_code srv_endpoint_take(struct srv_endpoint *endpoint, const char *listen, struct eco_error *error);
-
-/* A thread that accepts, lets the reaper decide who may come in, and hands the socket on. Without descriptors
- * it makes room and rests, instead of asking again and again. */
-struct srv_listener;
-/* Takes over the descriptor of a connection that has a lease. */
-typedef void srv_listener_fn(void *ctx, int fd, const struct sockaddr *peer, socklen_t size);
-
-/* `fd`: listening, non-blocking, the caller's. */
-enum eco_code srv_listener_start(struct srv_listener **listener, int fd, struct srv_reaper *reaper,
-	srv_listener_fn *take, void *ctx, struct eco_error *error);
-/* Nothing is taken in from then on. NULL is fine. */
-void srv_listener_stop(struct srv_listener *listener);
-/* How often accepting failed for want of descriptors or memory. */
-uint64_t srv_listener_failures(const struct srv_listener *listener);
 
 #endif

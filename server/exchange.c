@@ -2,7 +2,6 @@
 
 #include <assert.h>
 #include <microhttpd.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,13 +33,13 @@ static void read_target(struct srv_exchange *exchange)
 		exchange->route = NULL;
 }
 
-struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,
+struct srv_exchange *srv_exchange_new(struct srv_daemon *daemon, struct MHD_Connection *connection,
 	struct srv_lease *lease, const char *raw)
 {
 	struct srv_exchange *exchange = calloc(1, sizeof *exchange);
 	if (!exchange)
 		return NULL;
-	exchange->host = host;
+	exchange->daemon = daemon;
 	exchange->connection = connection;
 	exchange->lease = lease;
 	exchange->client = lease->address;
@@ -63,41 +62,24 @@ const char *srv_exchange_header(const struct srv_exchange *exchange, const char 
 
 static void add_common_headers(struct srv_exchange *exchange)
 {
-	const struct srv_access *access = exchange->host->config.access;
-	srv_answer_add(&exchange->answer, "X-Request-Id", exchange->id);
-	srv_answer_allow_origin(&exchange->answer, srv_access_origin(access, exchange->origin),
-		srv_access_origins_vary(access));
-}
-
-const char *srv_exchange_path(const struct srv_exchange *exchange, char path[SRV_TARGET_BYTES_MAX])
-{
-	if (exchange->target_code)
-		return NULL;
-	snprintf(path, SRV_TARGET_BYTES_MAX, "%.*s", (int)strcspn(exchange->raw, "?"), exchange->raw);
-	return path;
-}
-
-void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *format, ...)
-{
-	char path[SRV_TARGET_BYTES_MAX], detail[SRV_TARGET_BYTES_MAX];
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(detail, sizeof detail, format, arguments);
-	va_end(arguments);
-	srv_answer_problem(&exchange->answer, &(struct srv_problem_details){ .problem = problem,
-		.detail = detail, .instance = srv_exchange_path(exchange, path), .close = exchange->closes,
-		.allow = problem == SRV_PROBLEM_METHOD && exchange->route ? exchange->route->allow : NULL });
+	const struct srv_access *access = exchange->daemon->config.access;
+	const char *origin = srv_access_origin(access, exchange->origin);
+	srv_answer_add(exchange, "X-Request-Id", exchange->id);
+	if (srv_access_origins_vary(access))     /* the value depends on the request */
+		srv_answer_add(exchange, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ORIGIN);
+	srv_answer_add(exchange, "Access-Control-Allow-Origin", origin);
+	srv_answer_add(exchange, "Access-Control-Expose-Headers", origin
+		? "ETag, Server-Timing, X-Request-Id, Retry-After, Content-Range" : NULL);
 }
 
 /* Answers that are being sent are held by who asked for them, within the bound of all. Small ones are not
  * counted, so that /healthz is always answered. */
 static void hold_answer(struct srv_exchange *exchange)
 {
-	uint64_t bytes = exchange->answer.memory_bytes, most = exchange->host->config.answers_max;
-	if (bytes <= FREE_BYTES || srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_ANSWERS,
+	uint64_t bytes = exchange->answer.memory_bytes, most = exchange->daemon->config.answers_max;
+	if (bytes <= FREE_BYTES || srv_reaper_hold(exchange->daemon->reaper, exchange->lease, SRV_HELD_ANSWERS,
 			bytes))
 		return;
-	srv_answer_free(&exchange->answer);
 	if (bytes > most)
 		srv_exchange_problem(exchange, SRV_PROBLEM_LIMIT, "the answer takes %llu bytes of memory; at most %llu are "
 			"given to all answers: ask for fewer vertices, or set 'bytes'", (unsigned long
@@ -113,10 +95,10 @@ static bool queue_answer(struct srv_exchange *exchange)
 	add_common_headers(exchange);
 	if (!answer->response)
 		return false;
-	srv_reaper_await(exchange->host->reaper, exchange->lease, SRV_WAIT_SENDING);
+	srv_reaper_await(exchange->daemon->reaper, exchange->lease, SRV_WAIT_SENDING);
 	bool queued = MHD_queue_response(exchange->connection, answer->status, answer->response) == MHD_YES;
 	exchange->phase = SRV_PHASE_DONE;
-	srv_answer_free(answer);
+	srv_answer_free(exchange);
 	return queued;
 }
 
@@ -128,20 +110,12 @@ static bool queue_refusal(struct srv_exchange *exchange, enum srv_problem proble
 	return queue_answer(exchange);
 }
 
-void srv_exchange_judge(struct srv_exchange *exchange, const struct srv_validators *validators)
-{
-	char path[SRV_TARGET_BYTES_MAX];
-	if (exchange->answer.response && exchange->answer.status / 100 == 2)
-		srv_answer_judge(&exchange->answer, &exchange->conditions, validators,
-			srv_exchange_path(exchange, path));
-}
-
 /* ---- Working ---- */
 
 static void finish_work(void *argument)
 {
 	struct srv_exchange *exchange = argument;
-	srv_reaper_watch(exchange->host->reaper, exchange->lease, NULL);
+	srv_reaper_watch(exchange->daemon->reaper, exchange->lease, NULL);
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
 }
@@ -149,7 +123,7 @@ static void finish_work(void *argument)
 static void refuse_work(void *argument)
 {
 	struct srv_exchange *exchange = argument;
-	srv_count(&exchange->host->metrics, SRV_COUNT_PLANS_REFUSED, 1);
+	srv_count(&exchange->daemon->metrics, SRV_COUNT_PLANS_REFUSED, 1);
 	srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
 		"too many plans wait, or too many from this address; ask again in a second");
 	finish_work(exchange);
@@ -159,7 +133,7 @@ void srv_exchange_work(struct srv_exchange *exchange, struct srv_work *work, voi
 {
 	exchange->phase = SRV_PHASE_WORKING;
 	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
-	srv_reaper_watch(exchange->host->reaper, exchange->lease, &exchange->cancelled);
+	srv_reaper_watch(exchange->daemon->reaper, exchange->lease, &exchange->cancelled);
 	if (!srv_work_submit(work, &(struct srv_job){ .run = run, .finish = finish_work,
 			.displaced = refuse_work, .argument = exchange,
 			.cancelled = &exchange->cancelled, .owner = exchange->client }))
@@ -186,7 +160,7 @@ static bool is_local(const struct srv_exchange *exchange)
 
 static bool may_operate(struct srv_exchange *exchange)
 {
-	const struct srv_access *access = exchange->host->config.access;
+	const struct srv_access *access = exchange->daemon->config.access;
 	bool by_token = srv_access_is_private(access, "");
 	if (by_token ? srv_access_scene(access, "", exchange->authorization) : is_local(exchange))
 		return true;
@@ -206,7 +180,7 @@ static bool find_scene(struct srv_exchange *exchange)
 		return true;
 	exchange->scene =
 		srv_edition_find(exchange->edition, name, exchange->route == &srv_routes[SRV_CHUNK]);
-	const struct srv_access *access = exchange->host->config.access;
+	const struct srv_access *access = exchange->daemon->config.access;
 	bool may = srv_access_scene(access, name, exchange->authorization),
 		may_know = may && (exchange->scene || !srv_access_has_private(access)
 		|| srv_access_is_private(access, name) || (srv_access_is_private(access, "") && srv_access_scene(access, "", exchange->authorization)));
@@ -217,6 +191,17 @@ static bool find_scene(struct srv_exchange *exchange)
 		"there is no scene '%.64s'%s", name, may_know ? "; /v1/scenes lists what there is"
 		: ", or it is opened by its token: Authorization: Bearer TOKEN");
 	return false;
+}
+
+/* Methods and headers that the resource takes. */
+static void answer_options(struct srv_exchange *exchange)
+{
+	srv_answer_bytes(exchange, MHD_HTTP_NO_CONTENT, "", 0, NULL);
+	srv_answer_add(exchange, MHD_HTTP_HEADER_ALLOW, exchange->route->allow);
+	srv_answer_add(exchange, "Access-Control-Allow-Methods", exchange->route->allow);
+	srv_answer_add(exchange, "Access-Control-Allow-Headers",
+		"Authorization, Content-Type, If-None-Match, Range");
+	srv_answer_add(exchange, "Access-Control-Max-Age", "600");
 }
 
 /* The whole request is here: answers it, or has it worked on, which is answered later. False: later. */
@@ -231,16 +216,16 @@ static bool answer_whole_request(struct srv_exchange *exchange)
 	} else if (!(route->methods & exchange->method)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_METHOD, "use one of %s", route->allow);
 	} else if (exchange->method == SRV_METHOD_OPTIONS) {
-		srv_answer_options(&exchange->answer, route->allow);
+		answer_options(exchange);
 	} else if ((route->is_operators && !may_operate(exchange)) || !find_scene(exchange)) {
 		return true;
 	} else if (route == &srv_routes[SRV_RELOAD]) {
-		srv_exchange_work(exchange, exchange->host->chores, srv_exchange_reload);
+		srv_exchange_work(exchange, exchange->daemon->chores, srv_exchange_reload);
 		return false;
 	} else if (route != &srv_routes[SRV_PLAN] && route != &srv_routes[SRV_STREAM]) {
 		srv_exchange_answer_direct(exchange);
 	} else if (srv_exchange_prepare_plan(exchange)) {
-		srv_exchange_work(exchange, exchange->host->work, srv_exchange_make_plan);
+		srv_exchange_work(exchange, exchange->daemon->work, srv_exchange_make_plan);
 		return false;
 	}
 	return true;
@@ -248,7 +233,7 @@ static bool answer_whole_request(struct srv_exchange *exchange)
 
 static bool answer_request(struct srv_exchange *exchange)
 {
-	srv_reaper_await(exchange->host->reaper, exchange->lease, SRV_WAIT_WORK);
+	srv_reaper_await(exchange->daemon->reaper, exchange->lease, SRV_WAIT_WORK);
 	srv_gate_answering(&exchange->lease->gate, true);
 	return answer_whole_request(exchange) ? queue_answer(exchange) : true;
 }
@@ -259,7 +244,7 @@ static bool answer_request(struct srv_exchange *exchange)
  * has. */
 static void set_id(struct srv_exchange *exchange, const char *given)
 {
-	struct srv_host *host = exchange->host;
+	struct srv_daemon *daemon = exchange->daemon;
 	size_t size = given
 		? strspn(given, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-")
 		: 0;
@@ -267,7 +252,7 @@ static void set_id(struct srv_exchange *exchange, const char *given)
 		memcpy(exchange->id, given, size + 1);
 	else
 		snprintf(exchange->id, sizeof exchange->id, "%016llx",
-			(unsigned long long)eco_random(host->id_seed, atomic_fetch_add(&host->id_count, 1)));
+			(unsigned long long)eco_random(daemon->id_seed, atomic_fetch_add(&daemon->id_count, 1)));
 }
 
 struct lines { char text[SRV_HEAD_BYTES_MAX]; size_t size; };
@@ -292,7 +277,7 @@ static struct srv_address client_of(const struct srv_exchange *exchange)
 {
 	struct lines lines = { .size = 0 };
 	MHD_get_connection_values(exchange->connection, MHD_HEADER_KIND, add_forwarded, &lines);
-	return srv_networks_client(&exchange->host->config.trusted, &exchange->lease->address, lines.text);
+	return srv_networks_client(&exchange->daemon->config.trusted, &exchange->lease->address, lines.text);
 }
 
 /* The head has passed the gate: what it reads is well formed, and once. */
@@ -308,7 +293,7 @@ static void read_headers(struct srv_exchange *exchange)
 		.if_unmodified_since = srv_exchange_header(exchange, MHD_HTTP_HEADER_IF_UNMODIFIED_SINCE) };
 	if (exchange->lease->is_proxy) {
 		exchange->client = client_of(exchange);
-		srv_reaper_speak_for(exchange->host->reaper, exchange->lease, &exchange->client);
+		srv_reaper_speak_for(exchange->daemon->reaper, exchange->lease, &exchange->client);
 	}
 	exchange->authorization = srv_exchange_header(exchange, MHD_HTTP_HEADER_AUTHORIZATION);
 	exchange->origin = srv_exchange_header(exchange, MHD_HTTP_HEADER_ORIGIN);
@@ -328,7 +313,7 @@ static bool is_octets(const char *type)
  * wait for answer_request, which keeps the connection. */
 static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_body, struct eco_error *error)
 {
-	unsigned long long length = exchange->length, most = exchange->host->config.body_max;
+	unsigned long long length = exchange->length, most = exchange->daemon->config.body_max;
 	if (exchange->target_code) {
 		*error = exchange->error;
 		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG : SRV_PROBLEM_TARGET;
@@ -369,7 +354,7 @@ static bool grow_body(struct srv_exchange *exchange, size_t size)
 	while (room < size)
 		room = room ? 2 * room : BODY_STAKE_BYTES;
 	room = room < length ? room : length + 1;
-	if (!srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_BODIES, room))
+	if (!srv_reaper_hold(exchange->daemon->reaper, exchange->lease, SRV_HELD_BODIES, room))
 		return false;
 	uint8_t *body = realloc(exchange->body, room);
 	if (!body)
@@ -382,14 +367,14 @@ static bool grow_body(struct srv_exchange *exchange, size_t size)
 /* The head is complete: either the request goes on, or it is refused. */
 static bool handle_head(struct srv_exchange *exchange, const char *method)
 {
-	struct srv_host *host = exchange->host;
+	struct srv_daemon *daemon = exchange->daemon;
 	struct eco_error error = { 0 };
 	exchange->counted = true;
-	atomic_fetch_add(&host->busy, 1);
-	exchange->edition = srv_catalog_hold(&host->catalog);
+	atomic_fetch_add(&daemon->busy, 1);
+	exchange->edition = srv_catalog_hold(&daemon->catalog);
 	exchange->method = srv_method_of(method);
 	read_headers(exchange);
-	if (atomic_load(&host->draining))
+	if (atomic_load(&daemon->draining))
 		return queue_refusal(exchange, SRV_PROBLEM_STOPPING, "the server is stopping; ask again in a moment");
 	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route == &srv_routes[SRV_STREAM];
 	enum srv_problem problem = judge_head(exchange, takes_body, &error);
@@ -398,14 +383,14 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	exchange->phase = SRV_PHASE_BODY;
 	if (!takes_body)
 		return true;
-	srv_reaper_await(host->reaper, exchange->lease, SRV_WAIT_BODY);
+	srv_reaper_await(daemon->reaper, exchange->lease, SRV_WAIT_BODY);
 	return grow_body(exchange, 1) || queue_refusal(exchange, SRV_PROBLEM_BUSY, bodies_are_many);
 }
 
 /* The library takes no answer within a body: the rest of this one is read, kept nowhere, and then refused. */
 static void lose_body(struct srv_exchange *exchange)
 {
-	srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_BODIES, 0);
+	srv_reaper_hold(exchange->daemon->reaper, exchange->lease, SRV_HELD_BODIES, 0);
 	free(exchange->body);
 	exchange->body = NULL;
 	exchange->body_room = 0;
@@ -442,32 +427,79 @@ bool srv_exchange_handle(struct srv_exchange *exchange, const char *method, cons
 
 /* ---- The end ---- */
 
+static const char *const methods[] = { [SRV_METHOD_OTHER] = "?", [SRV_METHOD_GET] = "GET",
+	[SRV_METHOD_HEAD] = "HEAD", [SRV_METHOD_POST] = "POST", [SRV_METHOD_OPTIONS] = "OPTIONS" };
+
+static uint64_t sent_bytes(const struct srv_exchange *exchange)
+{
+	return exchange->method == SRV_METHOD_HEAD ? 0 : exchange->answer.size_bytes;
+}
+
+/* The next line of a trace; returns what follows it. */
+static const char *next_line(char line[512], const char *trace)
+{
+	size_t size = strcspn(trace, "\n");
+	snprintf(line, 512, "%.*s", (int)size, trace);
+	return trace + size + (trace[size] == '\n');
+}
+
+/* `trace`: lines about a slow plan, or NULL. */
+static void log_json(const struct srv_exchange *exchange, const char *client, const char *target, double ms,
+	const char *trace)
+{
+	struct srv_json json = { 0 };
+	char line[512];
+	srv_log_begin(&json, trace ? "slow" : "request");
+	srv_json_add(&json, "id:%s client:%s method:%s target:%s", exchange->id, client, methods[exchange->method],
+		target);
+	if (exchange->scene)
+		srv_json_add(&json, "scene:%s", exchange->scene->name);
+	srv_json_add(&json, "status:%u bytes:%lu ms:%g", exchange->answer.status, sent_bytes(exchange), ms);
+	if (exchange->plan_us)
+		srv_json_add(&json, "plan_ms:%g work:%lu cut_short:%d", (double)exchange->plan_us / 1000.0,
+			exchange->plan_work, exchange->cut_short);
+	if (trace)
+		srv_json_add(&json, "trace:[");
+	for (const char *at = trace; at && *at; srv_json_add(&json, "%s", line))
+		at = next_line(line, at);
+	srv_json_add(&json, trace ? "]}" : "}");
+	srv_log_end(&json.out);
+}
+
+static void log_text(const struct srv_exchange *exchange, const char *client, const char *target, double ms,
+	const char *trace)
+{
+	struct eco_writer out = { 0 };
+	char line[512];
+	eco_write_format(&out, "%s%s %s ", trace ? "slow: " : "", client, methods[exchange->method]);
+	eco_write_format(&out, "%s %u %llu %.3f ms id=%s", target, exchange->answer.status,
+		(unsigned long long)sent_bytes(exchange), ms, exchange->id);
+	if (exchange->plan_us)
+		eco_write_format(&out, " plan=%.3f ms work=%llu%s", (double)exchange->plan_us / 1000.0,
+			(unsigned long long)exchange->plan_work, exchange->cut_short ? " cut-short" : "");
+	for (const char *at = trace; at && *at; eco_write_format(&out, "\n  %.508s", line))
+		at = next_line(line, at);
+	srv_log_end(&out);
+}
+
 static void log_request(const struct srv_exchange *exchange, bool is_slow)
 {
-	static const char *const methods[] = { [SRV_METHOD_OTHER] = "?", [SRV_METHOD_GET] = "GET",
-		[SRV_METHOD_HEAD] = "HEAD", [SRV_METHOD_POST] = "POST", [SRV_METHOD_OPTIONS] = "OPTIONS" };
-	const struct eco_writer *trace = &exchange->trace;
-	char client[SRV_ADDRESS_TEXT_BYTES];
+	const char *trace = !is_slow ? NULL : exchange->trace.size ? (const char *)exchange->trace.bytes : "";
+	char client[SRV_ADDRESS_TEXT_BYTES], target[SRV_LOG_TARGET_BYTES];
+	double ms = (double)(srv_clock_us() - exchange->begun_us) / 1000.0;
 	srv_address_format(client, &exchange->client);
-	srv_log_request((enum srv_log_form)exchange->host->config.log_form, &(struct srv_log_request){
-		.id = exchange->id, .client = client, .method = methods[exchange->method],
-		.target = exchange->raw, .scene = exchange->scene ? exchange->scene->name : NULL,
-		.status = exchange->answer.status,
-		.bytes = exchange->method == SRV_METHOD_HEAD ? 0 : exchange->answer.size_bytes,
-		.ms = (double)(srv_clock_us() - exchange->begun_us) / 1000.0,
-		.plan_ms = (double)exchange->plan_us / 1000.0, .work = exchange->plan_work,
-		.cut_short = exchange->cut_short,
-		.trace = !is_slow ? NULL : trace->size ? (const char *)trace->bytes : "" });
+	srv_log_clean_target(target, exchange->raw);
+	(exchange->daemon->config.log_form == SRV_LOG_JSON ? log_json : log_text)(exchange, client, target, ms, trace);
 }
 
 /* The trace ends with a 0. */
 static bool is_slow(struct srv_exchange *exchange)
 {
-	uint64_t slow_ms = exchange->host->config.slow_ms;
+	uint64_t slow_ms = exchange->daemon->config.slow_ms;
 	if (!slow_ms || exchange->plan_us < slow_ms * 1000)
 		return false;
 	eco_write_u8(&exchange->trace, 0);
-	srv_count(&exchange->host->metrics, SRV_COUNT_SLOW, 1);
+	srv_count(&exchange->daemon->metrics, SRV_COUNT_SLOW, 1);
 	return true;
 }
 
@@ -476,11 +508,10 @@ static void count_and_log(struct srv_exchange *exchange)
 {
 	bool slow = is_slow(exchange);
 	if (exchange->counted) {
-		srv_count_request(&exchange->host->metrics, exchange->route, exchange->answer.status);
-		srv_count(&exchange->host->metrics, SRV_COUNT_BODY_BYTES,
-			exchange->method == SRV_METHOD_HEAD ? 0 : exchange->answer.size_bytes);
+		srv_count_request(&exchange->daemon->metrics, exchange->route, exchange->answer.status);
+		srv_count(&exchange->daemon->metrics, SRV_COUNT_BODY_BYTES, sent_bytes(exchange));
 	}
-	if (slow || exchange->host->config.log)
+	if (slow || exchange->daemon->config.log)
 		log_request(exchange, slow);
 }
 
@@ -488,10 +519,10 @@ void srv_exchange_end(struct srv_exchange *exchange)
 {
 	count_and_log(exchange);
 	if (exchange->counted)
-		atomic_fetch_sub(&exchange->host->busy, 1);
+		atomic_fetch_sub(&exchange->daemon->busy, 1);
 	srv_gate_answering(&exchange->lease->gate, false);
-	srv_reaper_await(exchange->host->reaper, exchange->lease, SRV_WAIT_REQUEST);
-	srv_answer_free(&exchange->answer);
+	srv_reaper_await(exchange->daemon->reaper, exchange->lease, SRV_WAIT_REQUEST);
+	srv_answer_free(exchange);
 	eco_writer_free(&exchange->trace);
 	srv_edition_release(exchange->edition);
 	free(exchange->holdings.items);

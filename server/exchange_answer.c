@@ -1,5 +1,7 @@
 /* Answers: of the routes that need no plan, and of the others. */
-#include "ecofiles/format/wire.h"
+#define XXH_STATIC_LINKING_ONLY
+#include <xxhash.h>
+
 #include "server/exchange.h"
 
 #include <microhttpd.h>
@@ -7,42 +9,51 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/wire.h"
 #include "server/access.h"
 #include "server/describe.h"
-#include "server/log.h"
-#include "server/stream.h"
+#include "server/site.h"
 
+static void tag_bytes(struct srv_exchange *exchange, const void *bytes, size_t size)
+{
+	struct eco_chunk_id id = eco_chunk_hash(bytes, size);
+	srv_etag_of(exchange->etag, &id);
+}
+
+/* A document that is the same until a pack is replaced has a tag. */
 static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
 {
-	const struct srv_scene *scene = exchange->scene;
-	const struct srv_access *access = exchange->host->config.access;
-	struct srv_validators validators = { .modified_s = scene ? scene->modified_s : 0,
-		.is_private = scene ? srv_access_is_private(access, scene->name)
-		: access && access->token_count };
-	if (validated && !json->out.failed) {
-		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
-		srv_etag_of(validators.etag, &id);
-	}
-	srv_answer_json(&exchange->answer, json, &validators);
-	srv_exchange_judge(exchange, &validators);
+	if (exchange->scene)
+		srv_answer_validate(exchange, exchange->scene);
+	else
+		exchange->is_private = exchange->daemon->config.access->token_count;
+	if (validated && !json->out.failed)
+		tag_bytes(exchange, json->out.bytes, json->out.size);
+	srv_answer_text(exchange, MHD_HTTP_OK, &json->out, "application/json");
+	srv_answer_add_validators(exchange, "no-cache");
+	srv_answer_judge(exchange);
 }
 
 static void answer_chunk(struct srv_exchange *exchange)
 {
 	struct eco_chunk_id id;
-	char path[SRV_TARGET_BYTES_MAX];
 	uint32_t chunk;
-	struct srv_scene *scene = srv_parse_id(exchange->variables[1], &id)
+	const struct srv_scene *scene = srv_parse_id(exchange->variables[1], &id)
 		? srv_edition_chunk(exchange->edition, exchange->variables[0], &id, &chunk) : NULL;
-	if (scene) {
-		srv_answer_chunk(&exchange->answer, scene, chunk, &exchange->conditions, (struct srv_chunk_terms){
-			exchange->method == SRV_METHOD_GET, srv_access_is_private(exchange->host->config.access,
-			scene->name) }, srv_exchange_path(exchange, path));
-		return;
-	}
-	srv_exchange_problem(exchange, SRV_PROBLEM_CHUNK, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
-		"the hashes of their payloads", exchange->variables[0], exchange->variables[1]);
+	if (scene)
+		srv_answer_chunk(exchange, scene, chunk);
+	else
+		srv_exchange_problem(exchange, SRV_PROBLEM_CHUNK, "scene '%s' has no chunk '%.64s': ids are 32 "
+			"lower-case hex digits, the hashes of their payloads", exchange->variables[0],
+			exchange->variables[1]);
+}
+
+static bool is_another_pack(const struct srv_exchange *exchange, const struct srv_pack_named *named)
+{
+	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
+	return named->given && memcmp(&named->id, pack, sizeof *pack) != 0;
 }
 
 /* An error after a part was written replaces that part. */
@@ -51,10 +62,9 @@ static void answer_plants(struct srv_exchange *exchange)
 	struct srv_plants_query query;
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
-	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
 	uint32_t list = srv_plants_list(exchange->scene, exchange->variables[1]);
 	enum eco_code code = srv_plants_query_parse(&query, &exchange->target, &error);
-	if (!code && query.pack.given && memcmp(&query.pack.id, pack, sizeof *pack) != 0) {
+	if (!code && is_another_pack(exchange, &query.pack)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that "
 			"'pack' names, and its lists have other numbers: ask for the view again");
 		return;
@@ -73,28 +83,51 @@ static void answer_plants(struct srv_exchange *exchange)
 	srv_exchange_problem(exchange, srv_problem_of(code), "%s", error.text);
 }
 
+/* ---- The viewer ---- */
+
+/* A page runs what this server sends, and nothing else. */
+#define SITE_POLICY "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; " \
+	"connect-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+
 static void answer_file(struct srv_exchange *exchange, const struct srv_site_file *file, bool immutable)
 {
-	enum srv_form form = srv_site_form(file, srv_exchange_header(exchange,
-		MHD_HTTP_HEADER_ACCEPT_ENCODING));
-	struct eco_chunk_id id = eco_chunk_hash(file->forms[form].bytes, file->forms[form].size);
-	struct srv_validators validators = { .modified_s = 0 };
-	srv_etag_of(validators.etag, &id);
-	const struct srv_access *access = exchange->host->config.access;
-	srv_answer_file(&exchange->answer, file, form, immutable, access ? access->frames : "", &validators);
-	srv_exchange_judge(exchange, &validators);
+	char policy[sizeof SITE_POLICY + SRV_FRAMES_BYTES];
+	enum srv_form form = srv_site_form(file, srv_exchange_header(exchange, MHD_HTTP_HEADER_ACCEPT_ENCODING));
+	const uint8_t *bytes = file->forms[form].bytes;
+	size_t size = file->forms[form].size;
+	snprintf(policy, sizeof policy, SITE_POLICY "%s", exchange->daemon->config.access->frames);
+	tag_bytes(exchange, bytes, size);
+	srv_answer_bytes(exchange, MHD_HTTP_OK, bytes, size, file->type);
+	srv_answer_add(exchange, MHD_HTTP_HEADER_CONTENT_ENCODING, srv_form_names[form]);
+	srv_answer_add(exchange, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ACCEPT_ENCODING);
+	srv_answer_add(exchange, "Content-Security-Policy", policy);
+	srv_answer_add(exchange, "X-Content-Type-Options", "nosniff");
+	srv_answer_add_validators(exchange, immutable ? "public, " SRV_IMMUTABLE : "no-cache");
+	srv_answer_judge(exchange);
+}
+
+/* A temporary redirect. */
+static void answer_elsewhere(struct srv_exchange *exchange, const char *location)
+{
+	srv_answer_bytes(exchange, MHD_HTTP_TEMPORARY_REDIRECT, "", 0, NULL);
+	srv_answer_add(exchange, MHD_HTTP_HEADER_LOCATION, location);
+	srv_answer_add(exchange, MHD_HTTP_HEADER_CACHE_CONTROL, "no-cache");
 }
 
 /* `version`: of an address that has one, else NULL: that leads to the one that has. */
 static void answer_viewer(struct srv_exchange *exchange, const char *version, const char *name)
 {
-	const struct srv_site *site = exchange->host->config.site;
+	const struct srv_site *site = exchange->daemon->config.site;
 	const struct srv_site_file *file = site ? srv_site_find(site, name) : NULL;
 	bool page = exchange->route == &srv_routes[SRV_INDEX];
 	const char *folder = exchange->route == &srv_routes[SRV_ICON] ? "viewer/" : "";
 	char location[16 + SRV_SITE_VERSION_BYTES + SRV_SITE_NAME_BYTES];
 	if (!file && page) {
-		srv_answer_no_page(&exchange->answer, srv_site_missing);
+		srv_answer_bytes(exchange, MHD_HTTP_NOT_FOUND, srv_site_missing, strlen(srv_site_missing),
+			"text/html; charset=utf-8");
+		srv_answer_add(exchange, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+		srv_answer_add(exchange, "Content-Security-Policy",
+			"default-src 'none'; base-uri 'none'; form-action 'none'");
 	} else if (!file) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, "%s", site && site->count
 			? "the viewer has no such file"
@@ -105,19 +138,21 @@ static void answer_viewer(struct srv_exchange *exchange, const char *version, co
 			"the server has another version of the viewer: load the page again");
 	} else if (!page && strcmp(name, SRV_SITE_INDEX) == 0) {
 		/* its addresses are relative to where it is served */
-		srv_answer_elsewhere(&exchange->answer, version ? "../../" : "../");
+		answer_elsewhere(exchange, version ? "../../" : "../");
 	} else if (page || version || !site->version[0]) {
 		answer_file(exchange, file, version);
 	} else {
 		snprintf(location, sizeof location, "%s%s/%s", folder, site->version, name);
-		srv_answer_elsewhere(&exchange->answer, location);
+		answer_elsewhere(exchange, location);
 	}
 }
+
+/* ---- For operators ---- */
 
 static void answer_ready(struct srv_exchange *exchange)
 {
 	struct srv_json json = { 0 };
-	const struct srv_gauges gauges = srv_host_gauges(exchange->host);
+	const struct srv_gauges gauges = srv_daemon_gauges(exchange->daemon);
 	if (!gauges.ready) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
 			"no further plan can wait now; send requests to another server for a moment");
@@ -130,16 +165,17 @@ static void answer_ready(struct srv_exchange *exchange)
 static void answer_metrics(struct srv_exchange *exchange)
 {
 	struct eco_writer text = { 0 };
-	const struct srv_gauges gauges = srv_host_gauges(exchange->host);
-	srv_metrics_write(&text, &exchange->host->metrics, &gauges);
-	srv_answer_metrics(&exchange->answer, &text);
+	const struct srv_gauges gauges = srv_daemon_gauges(exchange->daemon);
+	srv_metrics_write(&text, &exchange->daemon->metrics, &gauges);
+	srv_answer_text(exchange, MHD_HTTP_OK, &text, "text/plain; version=0.0.4; charset=utf-8");
+	srv_answer_add(exchange, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
 }
 
 /* Only scenes that the client may open are listed. */
 static bool may_see(const struct srv_scene *scene, const void *exchange)
 {
 	const struct srv_exchange *asks = exchange;
-	return srv_access_scene(asks->host->config.access, scene->name, asks->authorization);
+	return srv_access_scene(asks->daemon->config.access, scene->name, asks->authorization);
 }
 
 void srv_exchange_reload(void *argument)
@@ -148,7 +184,7 @@ void srv_exchange_reload(void *argument)
 	struct srv_reload report;
 	struct eco_error error = { 0 };
 	struct srv_json json = { 0 };
-	enum eco_code code = srv_host_reload(exchange->host, &report, &error);
+	enum eco_code code = srv_daemon_reload_now(exchange->daemon, &report, &error);
 	if (code || report.bad) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_RELOAD, "%s", code ? error.text : report.why);
 		return;
@@ -186,7 +222,7 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 		answer_described(exchange, true, &json);
 		break;
 	case SRV_SCENE:
-		most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
+		most = srv_caps_of(exchange->daemon->config.access, exchange->scene->name);
 		srv_describe_scene(&json, exchange->scene, &most);
 		answer_described(exchange, true, &json);
 		break;
@@ -211,9 +247,7 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 	}
 }
 
-/* ---- Plans and streams ---- */
-
-/* From the parameters to an answer, which a work thread makes or the cache has. */
+/* ---- Plans and streams: from the parameters to an answer, which a work thread makes or the cache has ---- */
 
 #define PLAN_TEXT_MAX (64u << 20)        /* or --answer-bytes, if that is less */
 
@@ -222,21 +256,18 @@ static const char *type_of(const struct srv_exchange *exchange)
 	return exchange->route == &srv_routes[SRV_PLAN] ? "application/json" : "application/octet-stream";
 }
 
-/* Answers that follow from other requests than GET and HEAD have no tag, and are not kept. */
-static void keep_answer(struct srv_exchange *exchange, unsigned status, uint64_t size_bytes,
-	struct srv_kept_body *body)
+static void answer_no_stream(struct srv_exchange *exchange)
 {
-	if (exchange->validators.etag[0])
-		srv_plan_cache_put(exchange->host->plans, exchange->validators.etag,
-			&(struct srv_kept_answer){ status, size_bytes, body });
+	srv_answer_bytes(exchange, MHD_HTTP_NO_CONTENT, "", 0, NULL);
+	srv_answer_add(exchange, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
 }
 
 /* The plan as JSON, in one piece. */
 static enum eco_code describe(struct srv_exchange *exchange, const struct srv_stream *stream, struct srv_body
 	*body, struct eco_error *error)
 {
-	uint64_t most = exchange->host->config.response_max < PLAN_TEXT_MAX ?
-		exchange->host->config.response_max : PLAN_TEXT_MAX;
+	uint64_t most = exchange->daemon->config.response_max < PLAN_TEXT_MAX ?
+		exchange->daemon->config.response_max : PLAN_TEXT_MAX;
 	struct srv_json json = { .most = most, .cancelled = &exchange->cancelled };
 	srv_describe_plan(&json, stream);
 	enum eco_code code = srv_json_end(&json);
@@ -254,6 +285,26 @@ static enum eco_code describe(struct srv_exchange *exchange, const struct srv_st
 		: eco_fail(error, code, "the plan could not be written; ask again in a moment");
 }
 
+/* A small body is kept in one piece, and sent from there. Answers that follow from other requests than GET and
+ * HEAD have no tag, and are not kept. */
+static void answer_body(struct srv_exchange *exchange, struct srv_body *body)
+{
+	struct srv_kept_body *kept = exchange->etag[0] ? srv_kept_body_make(body->size_bytes) : NULL;
+	uint8_t *at = kept ? kept->bytes : NULL;
+	for (uint32_t i = 0; kept && i < body->piece_count; at += body->pieces[i++].size)
+		if (body->pieces[i].size)
+			memcpy(at, body->pieces[i].bytes, body->pieces[i].size);
+	srv_plan_cache_put(exchange->daemon->plans, exchange->etag,
+		&(struct srv_kept_answer){ MHD_HTTP_OK, body->size_bytes, kept });
+	if (!kept) {
+		srv_answer_body(exchange, body, type_of(exchange));
+		return;
+	}
+	srv_answer_kept(exchange, kept, type_of(exchange));
+	srv_kept_body_release(kept);
+	srv_body_free(body);
+}
+
 static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t
 	begun_us, struct eco_error *error)
 {
@@ -267,36 +318,30 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 		return code;
 	snprintf(timing, sizeof timing, "plan;dur=%.3f, build;dur=%.3f", (double)(planned_us - begun_us) /
 		1000.0, (double)(srv_clock_us() - planned_us) / 1000.0);
-	if (!fits) {
-		keep_answer(exchange, MHD_HTTP_NO_CONTENT, 0, NULL);
-		srv_answer_no_stream(&exchange->answer, timing);
-		return ECO_OK;
+	if (fits) {
+		answer_body(exchange, &body);
+	} else {
+		srv_plan_cache_put(exchange->daemon->plans, exchange->etag,
+			&(struct srv_kept_answer){ MHD_HTTP_NO_CONTENT, 0, NULL });
+		answer_no_stream(exchange);
 	}
-	struct srv_kept_body *kept = exchange->validators.etag[0] ? srv_kept_body_copy(body.pieces,
-		body.piece_count, body.size_bytes) : NULL;
-	keep_answer(exchange, MHD_HTTP_OK, body.size_bytes, kept);
-	if (!kept) {
-		srv_answer_body(&exchange->answer, &body, type_of(exchange), &exchange->validators, timing);
-		return ECO_OK;
-	}
-	srv_answer_kept(&exchange->answer, kept, type_of(exchange), &exchange->validators, timing);
-	srv_kept_body_release(kept);
-	srv_body_free(&body);
+	srv_answer_add(exchange, "Server-Timing", timing);
+	srv_answer_judge(exchange);
 	return ECO_OK;
 }
 
 void srv_exchange_make_plan(void *argument)
 {
 	struct srv_exchange *exchange = argument;
-	struct srv_host *host = exchange->host;
+	struct srv_daemon *daemon = exchange->daemon;
 	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
 		.rule = exchange->query.rule, .explain = exchange->query.explain, .holdings =
-		&exchange->holdings, .body_max = host->config.response_max, .cancelled = &exchange->cancelled,
-		.work_max = host->config.plan_times * srv_typical_find(exchange->scene, NULL) };
+		&exchange->holdings, .body_max = daemon->config.response_max, .cancelled = &exchange->cancelled,
+		.work_max = daemon->config.plan_times * srv_typical_find(exchange->scene, NULL) };
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	uint64_t begun_us = srv_clock_us();
-	srv_trace_capture(host->config.slow_ms ? &exchange->trace : NULL);
+	srv_trace_capture(daemon->config.slow_ms ? &exchange->trace : NULL);
 	enum eco_code code = srv_stream_plan(&stream, &input, &error);
 	srv_trace_capture(NULL);
 	if (!code) {
@@ -306,46 +351,59 @@ void srv_exchange_make_plan(void *argument)
 		srv_stream_free(&stream);
 	}
 	exchange->plan_us = srv_clock_us() - begun_us + 1;
-	srv_count_plan(&host->metrics, exchange->plan_us, exchange->plan_work, exchange->cut_short);
-	srv_count(&host->metrics, SRV_COUNT_PLANS_CANCELLED, atomic_load(&exchange->cancelled));
+	srv_count_plan(&daemon->metrics, exchange->plan_us, exchange->plan_work, exchange->cut_short);
+	srv_count(&daemon->metrics, SRV_COUNT_PLANS_CANCELLED, atomic_load(&exchange->cancelled));
 	if (code)
 		srv_exchange_problem(exchange, srv_problem_of(code), "%s", error.text);
-	else
-		srv_exchange_judge(exchange, &exchange->validators);
+}
+
+/* A tag for what a server of this version, with these limits of work, vertices and bytes, answers to this
+ * target from this pack: the same request gives the same bytes. */
+static void tag_request(struct srv_exchange *exchange, const struct srv_most *most)
+{
+	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
+	const uint64_t limits[3] = { exchange->daemon->config.plan_times, most->vertices, most->bytes };
+	struct eco_chunk_id id;
+	XXH3_state_t state;
+	XXH128_canonical_t hash;
+	XXH3_INITSTATE(&state);
+	XXH3_128bits_reset(&state);
+	XXH3_128bits_update(&state, pack->bytes, sizeof pack->bytes);
+	XXH3_128bits_update(&state, ECO_VERSION, sizeof ECO_VERSION);
+	XXH3_128bits_update(&state, limits, sizeof limits);
+	XXH3_128bits_update(&state, exchange->raw, strlen(exchange->raw));
+	XXH128_canonicalFromHash(&hash, XXH3_128bits_digest(&state));
+	memcpy(id.bytes, hash.digest, sizeof id.bytes);
+	srv_etag_of(exchange->etag, &id);
 }
 
 /* A tag takes the pack and the target alone: whether one is named is known without a plan. "*" names whatever
  * there is, so that does need one, or an earlier answer to the same request. */
-static bool answer_unplanned(struct srv_exchange *exchange)
+static bool answer_unplanned(struct srv_exchange *exchange, const struct srv_most *most)
 {
-	const struct srv_most most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
-	struct srv_validators *validators = &exchange->validators;
 	const char *none_match = exchange->conditions.if_none_match;
 	struct srv_kept_answer kept = { .size_bytes = SRV_SIZE_UNKNOWN };
-	char path[SRV_TARGET_BYTES_MAX];
-	srv_etag_request(validators->etag, exchange->scene,
-		(const uint64_t[3]){ exchange->host->config.plan_times, most.vertices, most.bytes }, exchange->raw);
-	validators->modified_s = exchange->scene->modified_s;
-	validators->is_private = srv_access_is_private(exchange->host->config.access, exchange->scene->name);
-	bool known = srv_plan_cache_get(exchange->host->plans, validators->etag, &kept), answered = true;
-	enum srv_verdict verdict = srv_conditions_judge(&exchange->conditions, validators->etag, validators->modified_s);
+	srv_answer_validate(exchange, exchange->scene);
+	tag_request(exchange, most);
+	bool known = srv_plan_cache_get(exchange->daemon->plans, exchange->etag, &kept), answered = true;
+	enum srv_verdict verdict = srv_conditions_judge(&exchange->conditions, exchange->etag, exchange->modified_s);
 	if (verdict == SRV_VERDICT_FAILED)
-		srv_answer_failed_condition(&exchange->answer, srv_exchange_path(exchange, path));
+		srv_answer_bytes(exchange, MHD_HTTP_OK, "", 0, NULL);    /* which the judge replaces */
 	else if (verdict == SRV_VERDICT_NOT_MODIFIED && !srv_etag_any(none_match))
-		srv_answer_head(&exchange->answer, MHD_HTTP_NOT_MODIFIED, kept.size_bytes, type_of(exchange), validators);
+		srv_answer_head(exchange, MHD_HTTP_NOT_MODIFIED, kept.size_bytes, type_of(exchange));
 	else if (known && kept.status == MHD_HTTP_NO_CONTENT)
-		srv_answer_no_stream(&exchange->answer, NULL);
+		answer_no_stream(exchange);
 	else if (known && kept.body)
-		srv_answer_kept(&exchange->answer, kept.body, type_of(exchange), validators, NULL);
+		srv_answer_kept(exchange, kept.body, type_of(exchange));
 	else if (known && exchange->method == SRV_METHOD_HEAD)
-		srv_answer_head(&exchange->answer, kept.status, kept.size_bytes, type_of(exchange), validators);
+		srv_answer_head(exchange, kept.status, kept.size_bytes, type_of(exchange));
 	else
 		answered = false;
 	srv_kept_body_release(kept.body);
-	srv_count(&exchange->host->metrics, SRV_COUNT_KEPT, answered);
+	srv_count(&exchange->daemon->metrics, SRV_COUNT_KEPT, answered);
 	if (answered) {
-		srv_exchange_judge(exchange, validators);
-		srv_trace(SRV_TRACE_CACHE, "%s: answered without a plan: %s", exchange->scene->name, validators->etag);
+		srv_answer_judge(exchange);
+		srv_trace(SRV_TRACE_CACHE, "%s: answered without a plan: %s", exchange->scene->name, exchange->etag);
 	}
 	return answered;
 }
@@ -353,25 +411,24 @@ static bool answer_unplanned(struct srv_exchange *exchange)
 bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
 {
 	struct eco_error error = { 0 };
+	const struct srv_most most = srv_caps_of(exchange->daemon->config.access, exchange->scene->name);
 	if (srv_query_parse(&exchange->query, &exchange->target, &error)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "%s", error.text);
 		return false;
 	}
-	const struct srv_most most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
 	srv_caps_apply(&most, &exchange->query.request);
 	if (exchange->query.explain && exchange->route != &srv_routes[SRV_PLAN]) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER,
 			"parameter 'explain': a stream explains nothing; ask .../plan with the same parameters");
 		return false;
 	}
-	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
-	if (exchange->query.pack.given && memcmp(pack->bytes, exchange->query.pack.id.bytes, sizeof pack->bytes) != 0) {
+	if (is_another_pack(exchange, &exchange->query.pack)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that "
 			"'pack' names: forget what was held of it and ask again without holdings");
 		return false;
 	}
 	if (exchange->method != SRV_METHOD_POST)
-		return !answer_unplanned(exchange);
+		return !answer_unplanned(exchange, &most);
 	enum eco_code code = eco_wire_read_holdings(exchange->body, exchange->body_size, &exchange->holdings,
 		&error);
 	if (!code)

@@ -15,7 +15,6 @@
 #include "ecofiles/base/text.h"
 #include "server/request/json.h"
 
-#define TARGET_BYTES 400u
 #define END_MS 100
 
 static _Atomic(uint64_t) dropped;
@@ -49,7 +48,7 @@ static void put_line(const char *bytes, size_t size)
 
 /* ---- Lines ---- */
 
-static void print_line(struct eco_writer *out)
+void srv_log_end(struct eco_writer *out)
 {
 	eco_write_u8(out, '\n');
 	if (!out->failed)
@@ -66,15 +65,14 @@ void srv_log_line(const char *text, size_t size)
 		eco_write_bytes(&out, shown ? at : "?", shown ? length : 1);
 		at += length ? length : 1;
 	}
-	print_line(&out);
+	srv_log_end(&out);
 }
 
-/* Keeps printable characters, and drops values of parameters whose names contain "token". */
-static void clean_target(char to[TARGET_BYTES], const char *target)
+void srv_log_clean_target(char to[SRV_LOG_TARGET_BYTES], const char *target)
 {
 	size_t size = 0;
 	bool is_secret = false;
-	for (const char *at = target; *at && size < TARGET_BYTES - 2; at++) {
+	for (const char *at = target; *at && size < SRV_LOG_TARGET_BYTES - 2; at++) {
 		to[size++] = *at > 0x20 && *at < 0x7f ? *at : '?';
 		if (*at == '?' || *at == '&') {
 			const char *token = strstr(at, "token");
@@ -87,7 +85,7 @@ static void clean_target(char to[TARGET_BYTES], const char *target)
 	to[size] = 0;
 }
 
-static void begin_json(struct srv_json *json, const char *event)
+void srv_log_begin(struct srv_json *json, const char *event)
 {
 	struct timespec now;
 	struct tm utc;
@@ -97,55 +95,6 @@ static void begin_json(struct srv_json *json, const char *event)
 	strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
 	snprintf(time, sizeof time, "%s.%03dZ", text, (int)(now.tv_nsec / 1000000));
 	srv_json_add(json, "{time:%s event:%s", time, event);
-}
-
-/* The next line of a trace; returns what follows it. */
-static const char *next_line(char line[512], const char *trace)
-{
-	size_t size = strcspn(trace, "\n");
-	snprintf(line, 512, "%.*s", (int)size, trace);
-	return trace + size + (trace[size] == '\n');
-}
-
-static void print_json(const struct srv_log_request *r, const char *target)
-{
-	struct srv_json json = { 0 };
-	char line[512];
-	begin_json(&json, r->trace ? "slow" : "request");
-	srv_json_add(&json, "id:%s client:%s method:%s target:%s", r->id, r->client, r->method, target);
-	if (r->scene)
-		srv_json_add(&json, "scene:%s", r->scene);
-	srv_json_add(&json, "status:%u bytes:%lu ms:%g", r->status, r->bytes, r->ms);
-	if (r->plan_ms > 0)
-		srv_json_add(&json, "plan_ms:%g work:%lu cut_short:%d", r->plan_ms, r->work, r->cut_short);
-	if (r->trace)
-		srv_json_add(&json, "trace:[");
-	for (const char *at = r->trace; at && *at; srv_json_add(&json, "%s", line))
-		at = next_line(line, at);
-	srv_json_add(&json, r->trace ? "]}" : "}");
-	print_line(&json.out);
-}
-
-static void print_text(const struct srv_log_request *r, const char *target)
-{
-	struct eco_writer out = { 0 };
-	char line[512];
-	eco_write_format(&out, "%s%s %s ", r->trace ? "slow: " : "", r->client, r->method);
-	eco_write_format(&out, "%s %u %llu %.3f ms id=%s", target, r->status, (unsigned long long)r->bytes,
-		r->ms, r->id);
-	if (r->plan_ms > 0)
-		eco_write_format(&out, " plan=%.3f ms work=%llu%s", r->plan_ms, (unsigned long long)r->work,
-			r->cut_short ? " cut-short" : "");
-	for (const char *at = r->trace; at && *at; eco_write_format(&out, "\n  %.508s", line))
-		at = next_line(line, at);
-	print_line(&out);
-}
-
-void srv_log_request(enum srv_log_form form, const struct srv_log_request *request)
-{
-	char target[TARGET_BYTES];
-	clean_target(target, request->target);
-	(form == SRV_LOG_JSON ? print_json : print_text)(request, target);
 }
 
 void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...)
@@ -161,9 +110,9 @@ void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...
 		srv_log_line(line, (size_t)snprintf(line, sizeof line, "ecoserve: %s", text));
 		return;
 	}
-	begin_json(&json, problem ? "problem" : "daemon");
+	srv_log_begin(&json, problem ? "problem" : "daemon");
 	srv_json_add(&json, "text:%s}", text);
-	print_line(&json.out);
+	srv_log_end(&json.out);
 }
 
 /* ---- Trace ---- */

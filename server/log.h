@@ -17,22 +17,19 @@
 
 enum srv_log_form { SRV_LOG_TEXT, SRV_LOG_JSON };
 
-struct srv_log_request {
-	const char *id, *client, *method, *target, *scene;       /* scene NULL: of none */
-	unsigned status;
-	uint64_t bytes;                  /* of the body that was sent */
-	double ms, plan_ms;              /* plan_ms 0: nothing was planned */
-	uint64_t work;
-	bool cut_short;
-	const char *trace;               /* of a slow plan: lines; NULL: none */
-};
 #define SRV_LOG_BYTES (256u << 10)
 /* Before a sandbox: lets so many bytes wait in a pipe that is stderr. */
 void srv_log_start(void);
 uint64_t srv_log_dropped(void);          /* lines so far */
 /* A line without its end. */
 void srv_log_line(const char *text, size_t size);
-void srv_log_request(enum srv_log_form form, const struct srv_log_request *request);
+/* An object of JSON with its time and event, which the caller goes on with. */
+struct srv_json;
+void srv_log_begin(struct srv_json *json, const char *event);
+void srv_log_end(struct eco_writer *line);       /* prints and frees it */
+/* A target's printable characters, without values of parameters whose names contain "token". */
+#define SRV_LOG_TARGET_BYTES 400u
+void srv_log_clean_target(char to[SRV_LOG_TARGET_BYTES], const char *target);
 /* Something about the daemon; `problem`: that the operator should look at. */
 void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));

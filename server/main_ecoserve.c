@@ -33,7 +33,6 @@
 static struct {
 	struct srv_config config;
 	struct srv_access access;
-	struct srv_caps caps;
 	struct eco_inputs scenes;
 	const char *copies, *viewer, *settings, *user;
 	bool in_place, only_check, without_sandbox, require_sandbox;
@@ -102,11 +101,11 @@ static const struct eco_option options[] = {
 	{ "answers-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.answers_max, 4, 1ull << 40,
 		.help = "memory for all answers that are being sent, without the packs' own bytes. When it "
 			"is full, the address that holds most is disconnected. Default: 256 MiB" },
-	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = srv_cap_add_vertices,
+	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.access.vertices, .read = srv_cap_add_vertices,
 		.times = ECO_ONCE_A_NAME,
 		.help = "most vertices of an answer, of one scene or of all. A request for more is answered "
 			"as if it asked for this many. May be given more than once" },
-	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.caps.bytes, .read = srv_cap_add_bytes,
+	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.access.bytes, .read = srv_cap_add_bytes,
 		.times = ECO_ONCE_A_NAME,
 		.help = "most bytes of an answer, likewise" },
 	{ "kept-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
@@ -338,7 +337,6 @@ static enum eco_code run(struct eco_error *error)
 	raise_descriptors(given.config.connections_max);
 	given.config.site = &site;
 	given.config.access = &given.access;
-	given.config.caps = &given.caps;
 	given.config.sources = &sources;
 	srv_store_init(&store);
 	enum eco_code code = read_site(&site, error);
@@ -349,7 +347,7 @@ static enum eco_code run(struct eco_error *error)
 	if (!code && report.bad)
 		code = tell_bad(&report, error);
 	given.config.bad_packs = report.bad;
-	code = code ? code : srv_access_check(&given.access, &given.caps, &store, &sources, NULL, error);
+	code = code ? code : srv_access_check(&given.access, &store, &sources, NULL, error);
 	if (!code)
 		code = given.only_check ? announce("the configuration is good", &store, "", error)
 			: serve_scenes(&store, &signals, error);

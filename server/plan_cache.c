@@ -1,29 +1,28 @@
-/* A hash table of chains, and a ring from the latest asked for to the one to go first. The mutex guards
- * both; no body is copied under it. */
+/* A tree by tag, and a ring from the latest asked for to the one to go first. The mutex guards both; no body is
+ * copied under it. */
 #include "server/plan_cache.h"
 
 #include <pthread.h>
+#include <search.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <xxhash.h>
 
-#define CHAINS 4096u
 #define ETAG_BYTES_MAX 40u
 #define PAGES_FROM (8u << 10)
 
-struct entry {
-	struct entry *before, *next;             /* ring */
-	struct entry *chain;
+struct answer_kept {
+	struct answer_kept *next, *before;             /* ring, as insque has it */
 	char etag[ETAG_BYTES_MAX];
 	struct srv_kept_answer kept;
 };
 
 struct srv_plan_cache {
 	pthread_mutex_t mutex;
-	struct entry ring;
+	struct answer_kept ring;
 	uint64_t bytes, bytes_max;
-	struct entry *chains[CHAINS];
+	void *tree;
 };
 
 /* Large bodies have pages of their own, which go back when they are forgotten: among what plans take and
@@ -80,72 +79,52 @@ struct srv_plan_cache *srv_plan_cache_new(uint64_t bytes_max)
 	return cache;
 }
 
-static struct entry **chain_of(struct srv_plan_cache *cache, const char *etag)
+static int by_tag(const void *a, const void *b)
 {
-	return &cache->chains[XXH3_64bits(etag, strlen(etag)) % CHAINS];
+	return strcmp(((const struct answer_kept *)a)->etag, ((const struct answer_kept *)b)->etag);
 }
 
-static struct entry *find(struct srv_plan_cache *cache, const char *etag)
+static struct answer_kept *find(struct srv_plan_cache *cache, const char *etag)
 {
-	struct entry *entry = *chain_of(cache, etag);
-	while (entry && strcmp(entry->etag, etag) != 0)
-		entry = entry->chain;
-	return entry;
+	struct answer_kept key;
+	snprintf(key.etag, sizeof key.etag, "%s", etag);
+	struct answer_kept *const *found = tfind(&key, &cache->tree, by_tag);
+	return found ? *found : NULL;
 }
 
 static uint64_t bytes_of(const struct srv_kept_answer *kept)
 {
-	return sizeof(struct entry) + (kept->body ? sizeof *kept->body + kept->body->size : 0);
+	return sizeof(struct answer_kept) + (kept->body ? sizeof *kept->body + kept->body->size : 0);
 }
 
-static void leave_ring(struct entry *entry)
+static void drop(struct srv_plan_cache *cache, struct answer_kept *entry)
 {
-	entry->before->next = entry->next;
-	entry->next->before = entry->before;
-}
-
-static void lead_ring(struct srv_plan_cache *cache, struct entry *entry)
-{
-	entry->before = &cache->ring;
-	entry->next = cache->ring.next;
-	entry->before->next = entry->next->before = entry;
-}
-
-static void drop(struct srv_plan_cache *cache, struct entry *entry)
-{
-	struct entry **link = chain_of(cache, entry->etag);
-	while (*link != entry)
-		link = &(*link)->chain;
-	*link = entry->chain;
-	leave_ring(entry);
+	tdelete(entry, &cache->tree, by_tag);
+	remque(entry);
 	cache->bytes -= bytes_of(&entry->kept);
 	srv_kept_body_release(entry->kept.body);
 	free(entry);
 }
 
-static void add(struct srv_plan_cache *cache, struct entry *entry)
-{
-	struct entry **chain = chain_of(cache, entry->etag);
-	entry->chain = *chain;
-	*chain = entry;
-	lead_ring(cache, entry);
-	cache->bytes += bytes_of(&entry->kept);
-	if (entry->kept.body)
-		srv_kept_body_hold(entry->kept.body);
-}
-
 void srv_plan_cache_put(struct srv_plan_cache *cache, const char *etag, const struct srv_kept_answer *kept)
 {
-	struct entry *entry = strlen(etag) < ETAG_BYTES_MAX ? calloc(1, sizeof *entry) : NULL;
+	struct answer_kept *entry = *etag && strlen(etag) < ETAG_BYTES_MAX ? calloc(1, sizeof *entry) : NULL;
 	if (!entry)
 		return;
 	strcpy(entry->etag, etag);
 	entry->kept = *kept;
 	pthread_mutex_lock(&cache->mutex);
-	struct entry *known = find(cache, etag);
+	struct answer_kept *known = find(cache, etag);
 	if (known)
 		drop(cache, known);
-	add(cache, entry);
+	if (tsearch(entry, &cache->tree, by_tag)) {
+		insque(entry, &cache->ring);
+		cache->bytes += bytes_of(&entry->kept);
+		if (entry->kept.body)
+			srv_kept_body_hold(entry->kept.body);
+	} else {
+		free(entry);
+	}
 	while (cache->bytes > cache->bytes_max)
 		drop(cache, cache->ring.before);
 	pthread_mutex_unlock(&cache->mutex);
@@ -154,10 +133,10 @@ void srv_plan_cache_put(struct srv_plan_cache *cache, const char *etag, const st
 bool srv_plan_cache_get(struct srv_plan_cache *cache, const char *etag, struct srv_kept_answer *kept)
 {
 	pthread_mutex_lock(&cache->mutex);
-	struct entry *entry = find(cache, etag);
+	struct answer_kept *entry = find(cache, etag);
 	if (entry) {
-		leave_ring(entry);
-		lead_ring(cache, entry);
+		remque(entry);
+		insque(entry, &cache->ring);
 		*kept = entry->kept;
 		if (kept->body)
 			srv_kept_body_hold(kept->body);

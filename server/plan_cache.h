@@ -23,7 +23,7 @@ struct srv_plan_cache;
 /* NULL if there is no memory. */
 struct srv_plan_cache *srv_plan_cache_new(uint64_t bytes_max);
 void srv_plan_cache_free(struct srv_plan_cache *cache);          /* NULL is fine */
-/* Holds the body, too. `etag`: 0-terminated, short. Without memory nothing is kept. */
+/* Holds the body, too. `etag`: short; "": nothing is kept, as without memory. */
 void srv_plan_cache_put(struct srv_plan_cache *cache, const char *etag, const struct srv_kept_answer *kept);
 /* The caller holds the body then, if there is one. */
 bool srv_plan_cache_get(struct srv_plan_cache *cache, const char *etag, struct srv_kept_answer *kept);

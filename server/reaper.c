@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "server/daemon.h"
 #include "server/log.h"
 
 /* between two looks at all leases: a few microseconds of work for a thousand of them */
@@ -44,7 +45,8 @@ struct srv_reaper {
 	struct srv_lease leases;     /* ring */
 	struct srv_holder *holders;
 	uint64_t held[SRV_HELD_COUNT];
-	struct srv_reaper_limits limits;
+	uint64_t most[SRV_HELD_COUNT];
+	const struct srv_config *config;
 	bool stopping;
 	pthread_t thread;
 };
@@ -75,7 +77,7 @@ static struct srv_holder *use_holder(struct srv_reaper *reaper, const struct srv
 		if (!holder)
 			return NULL;
 		holder->address = *address;
-		holder->is_proxy = srv_networks_contain(reaper->limits.trusted, address);
+		holder->is_proxy = srv_networks_contain(&reaper->config->trusted, address);
 		holder->next = reaper->holders;
 		reaper->holders = holder;
 	}
@@ -130,7 +132,7 @@ static struct tcp_info about(const struct srv_lease *lease)
 /* A new window for a client that took enough in the last one. */
 static bool renew(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t now)
 {
-	const struct srv_reaper_limits *limits = &reaper->limits;
+	const struct srv_config *limits = reaper->config;
 	uint64_t bytes = about(lease).tcpi_bytes_acked, least = limits->rate_bytes_s * limits->send_ms / 1000;
 	bool first = lease->taken_bytes == NOT_TAKEN;
 	if (lease->wait != SRV_WAIT_SENDING || (!first && bytes - lease->taken_bytes < (least ? least : 1)))
@@ -231,7 +233,7 @@ static void *run(void *argument)
 	return NULL;
 }
 
-enum eco_code srv_reaper_start(struct srv_reaper **out, const struct srv_reaper_limits *limits,
+enum eco_code srv_reaper_start(struct srv_reaper **out, const struct srv_config *config,
 	struct eco_error *error)
 {
 	struct srv_reaper *reaper = calloc(1, sizeof *reaper);
@@ -240,7 +242,10 @@ enum eco_code srv_reaper_start(struct srv_reaper **out, const struct srv_reaper_
 	if (!reaper)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for connection deadlines");
 	reaper->leases.before = reaper->leases.next = &reaper->leases;
-	reaper->limits = *limits;
+	reaper->config = config;
+	reaper->most[SRV_HELD_CONNECTIONS] = config->connections_max;
+	reaper->most[SRV_HELD_BODIES] = config->bodies_max;
+	reaper->most[SRV_HELD_ANSWERS] = config->answers_max;
 	pthread_mutex_init(&reaper->mutex, NULL);
 	pthread_condattr_init(&attributes);
 	pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
@@ -337,8 +342,8 @@ static struct srv_lease *who_gives_way(struct srv_reaper *reaper, const struct s
 static const char *make_way(struct srv_reaper *reaper, const struct srv_holder *newcomer)
 {
 	uint64_t same = newcomer->held[SRV_HELD_CONNECTIONS], all = reaper->held[SRV_HELD_CONNECTIONS];
-	bool same_full = !newcomer->is_proxy && same >= reaper->limits.per_address;
-	if (!same_full && all < reaper->limits.held[SRV_HELD_CONNECTIONS] + (same ? 0 : RESERVED))
+	bool same_full = !newcomer->is_proxy && same >= reaper->config->connections_per_address;
+	if (!same_full && all < reaper->most[SRV_HELD_CONNECTIONS] + (same ? 0 : RESERVED))
 		return NULL;
 	struct srv_lease *way = same_full ? longest_idle(reaper, newcomer)
 		: who_gives_way(reaper, newcomer);
@@ -365,7 +370,7 @@ static struct srv_lease *heaviest(struct srv_reaper *reaper, enum srv_held what,
 static bool free_bytes(struct srv_reaper *reaper, const struct srv_lease *lease, enum srv_held what,
 	uint64_t more)
 {
-	uint64_t most = reaper->limits.held[what];
+	uint64_t most = reaper->most[what];
 	while (more > most || reaper->held[what] > most - more) {
 		struct srv_lease *way = heaviest(reaper, what, lease->payer->held[what] + more);
 		if (!way)
@@ -418,7 +423,7 @@ struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, const struc
 	if (!lease)
 		return NULL;
 	*lease = (struct srv_lease){ .fd = fd, .address = *address, .since_us = now,
-		.due_us = now + reaper->limits.head_ms * 1000 };
+		.due_us = now + reaper->config->head_ms * 1000 };
 	pthread_mutex_lock(&reaper->mutex);
 	forget_stale(reaper, fd);
 	lease->holder = use_holder(reaper, address);
@@ -488,8 +493,8 @@ bool srv_reaper_hold(struct srv_reaper *reaper, struct srv_lease *lease, enum sr
 /* Under the mutex. */
 static void set_wait(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_wait wait)
 {
-	const uint64_t limits_ms[] = { [SRV_WAIT_REQUEST] = reaper->limits.head_ms,
-		[SRV_WAIT_BODY] = reaper->limits.body_ms, [SRV_WAIT_SENDING] = reaper->limits.send_ms,
+	const uint64_t limits_ms[] = { [SRV_WAIT_REQUEST] = reaper->config->head_ms,
+		[SRV_WAIT_BODY] = reaper->config->body_ms, [SRV_WAIT_SENDING] = reaper->config->send_ms,
 		[SRV_WAIT_WORK] = 0 };
 	uint64_t now = srv_clock_us();
 	lease->due_us = lease->is_shut || !limits_ms[wait] ? 0 : now + limits_ms[wait] * 1000;

@@ -61,13 +61,9 @@ struct srv_lease {
 	uint64_t dropped_bytes;                          /* ... so much until now */
 };
 
-struct srv_reaper_limits {
-	uint64_t held[SRV_HELD_COUNT];                   /* of all */
-	uint64_t per_address, head_ms, body_ms, send_ms, rate_bytes_s;
-	const struct srv_networks *trusted;              /* proxies */
-};
-enum eco_code srv_reaper_start(struct srv_reaper **reaper, const struct srv_reaper_limits *limits,
-	struct eco_error *error);
+struct srv_config;
+/* The configuration outlives it. */
+enum eco_code srv_reaper_start(struct srv_reaper **reaper, const struct srv_config *config, struct eco_error *error);
 /* After the library has stopped. Frees it, and leases of connections that the library never began; NULL is
  * fine. */
 void srv_reaper_stop(struct srv_reaper *reaper);

@@ -70,8 +70,9 @@ static bool change(const struct srv_user *user)
 
 /* From now on this process is that user, and of root's rights has that over files until it settles.
  * ECO_UNSUPPORTED: it is not allowed to. */
-static enum eco_code become(const struct srv_user *user, struct eco_error *error)
+static enum eco_code become(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
+	const struct srv_user *user = sandbox->user;
 	int last_signal = 0;
 	pid_t parent = getppid();
 	if (!user->changes)
@@ -92,17 +93,6 @@ static bool all_allow(const char *const *path, int access)
 		if (faccessat(AT_FDCWD, *path, access, AT_EACCESS) && errno == EACCES)
 			return false;
 	return true;
-}
-
-/* Gives that up for good, unless `may_keep` and a path of the lists cannot be read or written without it. */
-static enum eco_code settle(bool may_keep, const char *const *read, const char *const *write, struct eco_error *error)
-{
-	int failed = set_capabilities(OVER_FILES, 0);
-	bool keep = may_keep && !(all_allow(read, R_OK) && all_allow(write, R_OK | W_OK));
-	uint32_t rights = keep ? OVER_FILES : 0;
-	if (!failed && !set_capabilities(rights, rights))
-		return ECO_OK;
-	return eco_fail(error, ECO_UNSUPPORTED, "cannot give up root's rights: %s", strerror(errno));
 }
 
 /* ---- System calls ---- */
@@ -168,8 +158,9 @@ static int add_rules(scmp_filter_ctx to)
 }
 
 /* For this thread and those that it starts. */
-static enum eco_code filter(struct eco_error *error)
+static enum eco_code filter(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
+	(void)sandbox;
 	scmp_filter_ctx to = seccomp_init(SCMP_ACT_ERRNO(EPERM));
 	if (!to)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a filter of system calls");
@@ -232,11 +223,6 @@ static enum eco_code list_folders(const struct srv_sandbox *sandbox, struct eco_
 
 /* ---- All of it ---- */
 
-static enum eco_code become_user(const struct srv_sandbox *sandbox, struct eco_error *error)
-{
-	return become(sandbox->user, error);
-}
-
 static enum eco_code confine(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
 	(void)sandbox;
@@ -244,23 +230,26 @@ static enum eco_code confine(const struct srv_sandbox *sandbox, struct eco_error
 		.without_libraries = true }, error);
 }
 
-static enum eco_code settle_user(const struct srv_sandbox *sandbox, struct eco_error *error)
+/* Gives up the right over files for good, unless folders confine it and one cannot be read or written without. */
+static enum eco_code settle(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
-	return sandbox->user->changes ? settle(eco_is_confined(), (const char *const *)folders, copies, error) : ECO_OK;
-}
-
-static enum eco_code filter_calls(const struct srv_sandbox *sandbox, struct eco_error *error)
-{
-	(void)sandbox;
-	return filter(error);
+	if (!sandbox->user->changes)
+		return ECO_OK;
+	int failed = set_capabilities(OVER_FILES, 0);
+	bool keep = eco_is_confined() && !(all_allow((const char *const *)folders, R_OK)
+		&& all_allow(copies, R_OK | W_OK));
+	uint32_t rights = keep ? OVER_FILES : 0;
+	if (!failed && !set_capabilities(rights, rights))
+		return ECO_OK;
+	return eco_fail(error, ECO_UNSUPPORTED, "cannot give up root's rights: %s", strerror(errno));
 }
 
 /* The parts in their order, and the consequence for a system that lacks one; NULL: it must not. */
 static const struct {
 	enum eco_code (*enter)(const struct srv_sandbox *sandbox, struct eco_error *error);
 	const char *without;
-} parts[] = { { become_user, "it serves as root" }, { confine, "it may read whatever its user may" },
-	{ settle_user, NULL }, { filter_calls, "it may call whatever its user may" } };
+} parts[] = { { become, "it serves as root" }, { confine, "it may read whatever its user may" },
+	{ settle, NULL }, { filter, "it may call whatever its user may" } };
 
 enum eco_code srv_sandbox_enter(const struct srv_sandbox *sandbox, struct eco_error *error)
 {

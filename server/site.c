@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/files.h"
 #include "ecofiles/base/options_file.h"
 
 #define FILE_BYTES_MAX (16u << 20)
@@ -48,27 +49,10 @@ static const char *type_of(const char *name)
 static enum eco_code read_whole(const char *path, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	FILE *file;
-	uint8_t *room = malloc(FILE_BYTES_MAX);
 	enum eco_code code = eco_open_regular(&file, path, "the viewer", error);
-	if (!code && !room)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %s", path);
-	if (!code) {
-		*size = fread(room, 1, FILE_BYTES_MAX, file);
-		if (ferror(file))
-			code = eco_fail_read(error, path, errno);
-		else if (*size == FILE_BYTES_MAX)
-			code = eco_fail(error, ECO_TOO_LARGE, "%s: a viewer's file has less than %u "
-				"bytes", path, FILE_BYTES_MAX);
-	}
-	if (!code) {
-		uint8_t *fitting = realloc(room, *size + 1);
-		*bytes = fitting ? fitting : room;
-		room = NULL;
-	}
-	free(room);
 	if (file)
 		fclose(file);
-	return code;
+	return code ? code : eco_file_read(path, FILE_BYTES_MAX, bytes, size, error);
 }
 
 static enum eco_code read_file(struct srv_site *site, const char *dir, const char *name,

@@ -26,18 +26,13 @@ static enum eco_code held_then(const struct srv_stream *stream, struct eco_holdi
 	*then = (struct eco_holdings){ .items = malloc((scene->list_count + 1u) * sizeof *then->items) };
 	for (uint32_t i = 0; chunks && now && i < now->count; i++)
 		chunks[now->items[i].list] = now->items[i].chunks;
-	for (uint32_t s = 0; chunks && s < stream->step_count; s++)
-		for (uint32_t i = 0; i < stream->steps[s].needs.count; i++) {
-			const struct eco_holding *need = &stream->steps[s].needs.items[i];
-			if (need->chunks > chunks[need->list])
-				chunks[need->list] = need->chunks;
-		}
-	for (uint32_t n = 0; chunks && n < stream->next_count; n++)
-		for (uint32_t i = 0; i < stream->next[n].count; i++) {
-			const struct eco_holding *need = &stream->next[n].items[i];
-			if (need->chunks > chunks[need->list])
-				chunks[need->list] = need->chunks;
-		}
+	for (uint32_t s = 0; chunks && s < stream->step_count + stream->next_count; s++) {
+		const struct eco_holdings *needs = s < stream->step_count ? &stream->steps[s].needs
+			: &stream->next[s - stream->step_count];
+		for (uint32_t i = 0; i < needs->count; i++)
+			if (needs->items[i].chunks > chunks[needs->items[i].list])
+				chunks[needs->items[i].list] = needs->items[i].chunks;
+	}
 	for (uint32_t list = 0; chunks && then->items && list < scene->list_count; list++)
 		if (chunks[list])
 			then->items[count++] = (struct eco_holding){ list, chunks[list] };

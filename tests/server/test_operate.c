@@ -237,10 +237,10 @@ static void assert_plan(const char *asked, uint64_t budget, uint64_t bytes_most)
 
 UNIT_TEST(answers_of_a_scene_may_be_capped)
 {
-	static struct srv_caps caps;
+	static struct srv_access caps;
 	char tag[100], free_tag[100];
-	caps = (struct srv_caps){ .vertices.count = 0 };
-	start((struct srv_config){ .caps = &caps });
+	caps = (struct srv_access){ .token_count = 0 };
+	start((struct srv_config){ .access = &caps });
 	http_expect(port, "GET", BASE, "", 200, "\"cap_vertices\":null,\"cap_bytes\":null");
 	assert_plan("5000", 5000, UINT64_MAX);
 	etag_of(free_tag, BASE "/stream?" VIEW_BY("5000"));
@@ -248,7 +248,7 @@ UNIT_TEST(answers_of_a_scene_may_be_capped)
 	assert_good(srv_cap_add_vertices("sample=700", &caps.vertices, &cause));
 	assert_good(srv_cap_add_vertices("300", &caps.vertices, &cause));
 	assert_good(srv_cap_add_bytes("4k", &caps.bytes, &cause));
-	start((struct srv_config){ .caps = &caps });
+	start((struct srv_config){ .access = &caps });
 	http_expect(port, "GET", BASE, "", 200, "\"cap_vertices\":700,\"cap_bytes\":4096");
 	assert_plan("5000", 700, 4096);
 	assert_plan("600", 600, 4096);
@@ -334,10 +334,10 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 	srv_daemon_stop(daemon_);
 	char *named[] = { "smaple=none.eco" };
 	const struct srv_sources none = { .count = 0 }, renamed = { named, 1, NULL, NULL };
-	assert_good(srv_access_check(&access, NULL, &scenes, &none, NULL, &cause));
+	assert_good(srv_access_check(&access, &scenes, &none, NULL, &cause));
 	strcpy(access.tokens[0].scene, "smaple");
-	assert_code(srv_access_check(&access, NULL, &scenes, &none, NULL, &cause), ECO_BAD_USAGE, "");
-	assert_good(srv_access_check(&access, NULL, &scenes, &renamed, &scenes, &cause));
+	assert_code(srv_access_check(&access, &scenes, &none, NULL, &cause), ECO_BAD_USAGE, "");
+	assert_good(srv_access_check(&access, &scenes, &renamed, &scenes, &cause));
 	srv_store_free(&scenes);
 }
 
@@ -362,13 +362,12 @@ UNIT_TEST(a_reload_that_would_open_a_scene_changes_nothing)
 {
 	for (int capped = 0; capped < 2; capped++) {
 		struct srv_access access = { 0 };
-		static struct srv_caps caps;
 		if (!capped)
 			give_token(&access, "sample");
 		else
-			assert_good(srv_cap_add_vertices("sample=700", &caps.vertices, &cause));
+			assert_good(srv_cap_add_vertices("sample=700", &access.vertices, &cause));
 		restore();
-		start((struct srv_config){ .access = &access, .caps = &caps });
+		start((struct srv_config){ .access = &access });
 		put_renamed("simple");
 		http_expect(port, "POST", RELOAD, "", 500, capped ? "--cap-vertices sample=700: there is no scene"
 			: "--token sample=FILE: there is no scene");
@@ -394,8 +393,8 @@ UNIT_TEST(a_file_keeps_its_token)
 	assert_good(srv_store_add(&before, "two", other, &cause));
 	assert_good(srv_store_add(&after, "two", served, &cause));
 	assert_good(srv_store_add(&after, "one", other, &cause));
-	assert_good(srv_access_check(&access, NULL, &before, &none, &before, &cause));
-	assert_code(srv_access_check(&access, NULL, &after, &none, &before, &cause), ECO_BAD_USAGE, served);
+	assert_good(srv_access_check(&access, &before, &none, &before, &cause));
+	assert_code(srv_access_check(&access, &after, &none, &before, &cause), ECO_BAD_USAGE, served);
 	srv_store_free(&before);
 	srv_store_free(&after);
 }

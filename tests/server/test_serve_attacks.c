@@ -6,6 +6,13 @@
 #include <malloc.h>
 #include <sys/resource.h>
 
+#include "server/exchange.h"
+
+static uint64_t connections(const struct srv_daemon *daemon)
+{
+	return srv_reaper_held(daemon->reaper, SRV_HELD_CONNECTIONS);
+}
+
 /* Bytes that the process has allocated; 0 where the allocator does not say (sanitizers, which look for leaks
  * themselves). */
 static size_t allocated(void)
@@ -113,10 +120,10 @@ UNIT_TEST(a_trusted_proxy_has_no_share_of_its_own)
 	struct srv_daemon *daemon = serve_another(&config);
 	open_idle(daemon, fds, 20);
 	assert_served(daemon);
-	WAIT_UNTIL(srv_daemon_counts(daemon).connections == 20);         /* who was served has left */
+	WAIT_UNTIL(connections(daemon) == 20);         /* who was served has left */
 	open_idle(daemon, fds + 20, 20);
 	assert_served(daemon);
-	assert_in_range(srv_daemon_counts(daemon).connections, 29, 30);
+	assert_in_range(connections(daemon), 29, 30);
 	close_all(fds, 40);
 	srv_daemon_stop(daemon);
 }
@@ -163,7 +170,7 @@ UNIT_TEST(crowds_of_addresses_lock_nobody_out)
 		assert_answered(daemon, 0, "/healthz");
 		for (uint32_t i = 1; i < 20; i++)
 			assert_answered(daemon, HONEST - i, i % 2 ? "/healthz" : BASE "/stream?" VIEW_BY("1000"));
-		assert_in_range(srv_daemon_counts(daemon).connections, PLACES - 10, PLACES + 16);
+		assert_in_range(connections(daemon), PLACES - 10, PLACES + 16);
 		assert_true(http_send(honest, rest, sizeof rest));
 		http_receive_status(honest, false, 400);         /* read, and found to be no holdings */
 		close(honest);
@@ -222,7 +229,7 @@ UNIT_TEST(exhausted_descriptors_are_waited_for)
 	close(highest);
 	assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
 	open_idle(daemon, fds, 40);              /* 80 descriptors, both ends */
-	WAIT_UNTIL(srv_daemon_counts(daemon).connections >= 40);
+	WAIT_UNTIL(connections(daemon) >= 40);
 	few = (struct rlimit){ .rlim_cur = (rlim_t)highest + 81, .rlim_max = limit.rlim_max };
 	assert_int_equal(setrlimit(RLIMIT_NOFILE, &few), 0);
 	int last[4], count = 0;
@@ -230,7 +237,7 @@ UNIT_TEST(exhausted_descriptors_are_waited_for)
 		count++;
 	assert_true(count >= 1);
 	usleep(400000);
-	assert_in_range(srv_daemon_counts(daemon).accept_failures, 1, 40);
+	assert_in_range(atomic_load(&daemon->accept_failures), 1, 40);
 	assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
 	assert_served(daemon);
 	close_all(fds, 40);
@@ -304,7 +311,7 @@ UNIT_TEST(answers_that_nobody_takes_are_given_up)
 	int fd = ask_much(daemon);
 	char bytes[65536];
 	assert_true(recv(fd, bytes, 1, MSG_PEEK) == 1);  /* it has begun */
-	while (srv_daemon_counts(daemon).connections)    /* until it is given up */
+	while (connections(daemon))    /* until it is given up */
 		usleep(10000);
 	for (ssize_t part; (part = recv(fd, bytes, sizeof bytes, 0)) > 0;)
 		got += (size_t)part;
