@@ -137,7 +137,7 @@ LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a 
 LIBS_IMPORT := -lmeshoptimizer -lseccomp -ljpeg -lpng -lwebp
 # what programs that test or measure call themselves
 LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd
-# linked in, so that what it reads passes server/request/gate.h
+# linked in, so that what it reads passes server/request/gate.c
 LIBS_SERVER := -Wl,--wrap=recv -l:libmicrohttpd.a -lgnutls -lseccomp
 LIBS_VIEW := -lcurl -lEGL -lepoxy -ljpeg -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.

@@ -6,7 +6,6 @@
 
 #include "ecofiles/base/options.h"
 #include "ecofiles/base/options_file.h"
-#include "server/reload.h"
 
 /* ---- Tokens ---- */
 

@@ -1,4 +1,4 @@
-#include "server/endpoint.h"
+#include "server/daemon.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -102,14 +102,6 @@ static bool queue_answer(struct srv_exchange *exchange)
 	return queued;
 }
 
-/* Before a request is whole: what follows may be a body, so the connection closes. */
-static bool queue_refusal(struct srv_exchange *exchange, enum srv_problem problem, const char *detail)
-{
-	exchange->closes = exchange->lease->is_refused = true;
-	srv_exchange_problem(exchange, problem, "%s", detail);
-	return queue_answer(exchange);
-}
-
 /* ---- Working ---- */
 
 static void finish_work(void *argument)
@@ -309,39 +301,34 @@ static bool is_octets(const char *type)
 		&& strchr(" \t;", type[sizeof octets - 1]);
 }
 
-/* The worst problem of the head alone: target first, then route and method. Without a body the latter two
- * wait for answer_request, which keeps the connection. */
-static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_body, struct eco_error *error)
+/* Answers the worst problem of the head alone: target first, then route and method. Without a body the latter two
+ * wait for answer_request, which keeps the connection. False: there is none. */
+static bool refuse_head(struct srv_exchange *exchange, bool takes_body)
 {
 	unsigned long long length = exchange->length, most = exchange->daemon->config.body_max;
-	if (exchange->target_code) {
-		*error = exchange->error;
-		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG : SRV_PROBLEM_TARGET;
-	}
-	if (takes_body && !exchange->has_length) {
-		eco_fail(error, ECO_BAD_INPUT, "send the holdings as the body, with a Content-Length");
-		return SRV_PROBLEM_LENGTH_REQUIRED;
-	}
-	if (takes_body && length > most) {
-		eco_fail(error, ECO_TOO_LARGE, "the body has %llu bytes; at most %llu are accepted", length, most);
-		return SRV_PROBLEM_BODY_TOO_LARGE;
-	}
-	if (takes_body && !is_octets(srv_exchange_header(exchange, MHD_HTTP_HEADER_CONTENT_TYPE))) {
-		eco_fail(error, ECO_UNSUPPORTED, "send the holdings as Content-Type: application/octet-stream");
-		return SRV_PROBLEM_MEDIA_TYPE;
-	}
-	if (takes_body || !length)
-		return SRV_PROBLEM_NONE;
-	if (!exchange->route) {
-		eco_fail(error, ECO_NOT_FOUND, "%s; only .../stream takes a body", known_resources);
-		return SRV_PROBLEM_ROUTE;
-	}
-	if (!(exchange->route->methods & exchange->method)) {
-		eco_fail(error, ECO_BAD_INPUT, "use one of %s", exchange->route->allow);
-		return SRV_PROBLEM_METHOD;
-	}
-	eco_fail(error, ECO_BAD_INPUT, "this resource takes no body with this method");
-	return SRV_PROBLEM_FRAMING;
+	if (atomic_load(&exchange->daemon->draining))
+		srv_exchange_problem(exchange, SRV_PROBLEM_STOPPING, "the server is stopping; ask again in a moment");
+	else if (exchange->target_code)
+		srv_exchange_problem(exchange, exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG
+			: SRV_PROBLEM_TARGET, "%s", exchange->error.text);
+	else if (takes_body && !exchange->has_length)
+		srv_exchange_problem(exchange, SRV_PROBLEM_LENGTH_REQUIRED,
+			"send the holdings as the body, with a Content-Length");
+	else if (takes_body && length > most)
+		srv_exchange_problem(exchange, SRV_PROBLEM_BODY_TOO_LARGE,
+			"the body has %llu bytes; at most %llu are accepted", length, most);
+	else if (takes_body && !is_octets(srv_exchange_header(exchange, MHD_HTTP_HEADER_CONTENT_TYPE)))
+		srv_exchange_problem(exchange, SRV_PROBLEM_MEDIA_TYPE,
+			"send the holdings as Content-Type: application/octet-stream");
+	else if (takes_body || !length)
+		return false;
+	else if (!exchange->route)
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, "%s; only .../stream takes a body", known_resources);
+	else if (!(exchange->route->methods & exchange->method))
+		srv_exchange_problem(exchange, SRV_PROBLEM_METHOD, "use one of %s", exchange->route->allow);
+	else
+		srv_exchange_problem(exchange, SRV_PROBLEM_FRAMING, "this resource takes no body with this method");
+	return true;
 }
 
 /* Room for `size` bytes of the body. It grows with what arrives, since what is declared costs a client
@@ -364,27 +351,29 @@ static bool grow_body(struct srv_exchange *exchange, size_t size)
 	return true;
 }
 
-/* The head is complete: either the request goes on, or it is refused. */
+/* The head is complete: either the request goes on, or it is refused, and the connection closes, since a body may
+ * follow. */
 static bool handle_head(struct srv_exchange *exchange, const char *method)
 {
 	struct srv_daemon *daemon = exchange->daemon;
-	struct eco_error error = { 0 };
 	exchange->counted = true;
 	atomic_fetch_add(&daemon->busy, 1);
 	exchange->edition = srv_catalog_hold(&daemon->catalog);
 	exchange->method = srv_method_of(method);
 	read_headers(exchange);
-	if (atomic_load(&daemon->draining))
-		return queue_refusal(exchange, SRV_PROBLEM_STOPPING, "the server is stopping; ask again in a moment");
 	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route == &srv_routes[SRV_STREAM];
-	enum srv_problem problem = judge_head(exchange, takes_body, &error);
-	if (problem)
-		return queue_refusal(exchange, problem, error.text);
+	exchange->closes = exchange->lease->is_refused = true;
+	if (refuse_head(exchange, takes_body))
+		return queue_answer(exchange);
+	if (takes_body)
+		srv_reaper_await(daemon->reaper, exchange->lease, SRV_WAIT_BODY);
+	if (takes_body && !grow_body(exchange, 1)) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY, "%s", bodies_are_many);
+		return queue_answer(exchange);
+	}
+	exchange->closes = exchange->lease->is_refused = false;
 	exchange->phase = SRV_PHASE_BODY;
-	if (!takes_body)
-		return true;
-	srv_reaper_await(daemon->reaper, exchange->lease, SRV_WAIT_BODY);
-	return grow_body(exchange, 1) || queue_refusal(exchange, SRV_PROBLEM_BUSY, bodies_are_many);
+	return true;
 }
 
 /* The library takes no answer within a body: the rest of this one is read, kept nowhere, and then refused. */

@@ -15,7 +15,6 @@
 #include "server/log.h"
 #include "server/plan_cache.h"
 #include "server/reaper.h"
-#include "server/reload.h"
 #include "server/request/condition.h"
 #include "server/request/json.h"
 #include "server/request/query.h"

@@ -251,32 +251,27 @@ static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
 	return eco_data_path(places, "", path) ? srv_site_read(site, path, error) : ECO_OK;
 }
 
-static enum eco_code check_sandbox(struct eco_error *error)
+/* The user that it becomes. */
+static enum eco_code find_user(struct srv_user *user, struct eco_error *error)
 {
-	struct srv_user user;
 	if (given.without_sandbox && (given.require_sandbox || given.user))
 		return eco_fail(error, ECO_BAD_USAGE, "--no-sandbox and --%s exclude each other: leave one out",
 			given.user ? "user" : "require-sandbox");
-	return given.without_sandbox ? ECO_OK : srv_user_find(&user, given.user, error);
-}
-
-static enum eco_code enter_sandbox(const struct srv_store *store, struct eco_error *error)
-{
-	struct srv_user user;
-	enum eco_code code = given.without_sandbox ? ECO_OK : srv_user_find(&user, given.user, error);
-	return code || given.without_sandbox ? code : srv_sandbox_enter(&(struct srv_sandbox){
-		.sources = given.config.sources, .store = store, .user = &user,
-		.log_form = (enum srv_log_form)given.config.log_form, .required = given.require_sandbox }, error);
+	return given.without_sandbox ? ECO_OK : srv_user_find(user, given.user, error);
 }
 
 /* The daemon shares the scenes: `store` lets go of them, so that none stays that a reload replaced. */
-static enum eco_code serve_scenes(struct srv_store *store, const sigset_t *signals, struct eco_error *error)
+static enum eco_code serve_scenes(struct srv_store *store, const struct srv_user *user, const sigset_t *signals,
+	struct eco_error *error)
 {
 	struct srv_daemon *daemon;
 	struct srv_endpoint endpoint;
 	char what[NI_MAXHOST + 40];
 	enum eco_code code = srv_endpoint_take(&endpoint, given.config.listen, error);
-	code = code ? code : enter_sandbox(store, error);
+	if (!code && !given.without_sandbox)
+		code = srv_sandbox_enter(&(struct srv_sandbox){ .sources = given.config.sources, .store = store,
+			.user = user, .log_form = (enum srv_log_form)given.config.log_form,
+			.required = given.require_sandbox }, error);
 	if (!code)
 		srv_typical_find_all(store, NULL);       /* a signal may end it here */
 	sigprocmask(SIG_BLOCK, signals, NULL);
@@ -332,6 +327,7 @@ static enum eco_code run(struct eco_error *error)
 	struct srv_store store;
 	struct srv_site site;
 	struct srv_reload report;
+	struct srv_user user;
 	const struct srv_sources sources = { given.scenes.names, given.scenes.count, copies_folder(), NULL };
 	const sigset_t signals = prepare_signals();
 	raise_descriptors(given.config.connections_max);
@@ -342,7 +338,7 @@ static enum eco_code run(struct eco_error *error)
 	enum eco_code code = read_site(&site, error);
 	code = code ? code : srv_trace_set(getenv("ECO_TRACE"), error);
 	code = code ? code : srv_endpoint_check(given.config.listen, error);
-	code = code ? code : check_sandbox(error);
+	code = code ? code : find_user(&user, error);
 	code = code ? code : srv_sources_load(&sources, NULL, &store, &report, error);
 	if (!code && report.bad)
 		code = tell_bad(&report, error);
@@ -350,7 +346,7 @@ static enum eco_code run(struct eco_error *error)
 	code = code ? code : srv_access_check(&given.access, &store, &sources, NULL, error);
 	if (!code)
 		code = given.only_check ? announce("the configuration is good", &store, "", error)
-			: serve_scenes(&store, &signals, error);
+			: serve_scenes(&store, &user, &signals, error);
 	srv_store_free(&store);
 	srv_site_free(&site);
 	return code;

@@ -1,4 +1,4 @@
-#include "server/outlook.h"
+#include "server/store.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -96,9 +96,14 @@ static void leave_holder(struct srv_reaper *reaper, struct srv_holder *holder)
 	free(holder);
 }
 
+static struct srv_holder *payer_of(const struct srv_lease *lease, enum srv_held what)
+{
+	return what == SRV_HELD_CONNECTIONS ? lease->holder : lease->payer;
+}
+
 static void set_held(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_held what, uint64_t amount)
 {
-	struct srv_holder *holder = what == SRV_HELD_CONNECTIONS ? lease->holder : lease->payer;
+	struct srv_holder *holder = payer_of(lease, what);
 	holder->held[what] += amount - lease->held[what];
 	reaper->held[what] += amount - lease->held[what];
 	lease->held[what] = amount;
@@ -270,10 +275,10 @@ void srv_reaper_stop(struct srv_reaper *reaper)
 	pthread_mutex_unlock(&reaper->mutex);
 	pthread_join(reaper->thread, NULL);
 	for (struct srv_lease *lease; (lease = reaper->leases.next) != &reaper->leases;) {
-		if (!lease->lingers)
-			srv_gate_close(&lease->gate);
 		if (lease->lingers)
 			close(lease->fd);
+		else
+			srv_gate_close(&lease->gate);
 		unlink_lease(reaper, lease);
 		free(lease);
 	}
@@ -291,40 +296,33 @@ static bool goes_before(const struct srv_lease *lease, const struct srv_lease *o
 		: lease->since_us < other->since_us);
 }
 
-/* The connection that goes first: of a holder (NULL: of any), at most in phase `last` of those in which they
- * give way, and there since before `since_us`. */
-static struct srv_lease *first_to_go(struct srv_reaper *reaper, const struct srv_holder *holder, enum srv_wait
-	last, uint64_t since_us)
+/* The connection that goes first: one that holds some of this, of a holder (NULL: of any), at most in phase `last`
+ * of those in which they give way, and there since before `since_us`. */
+static struct srv_lease *first_to_go(struct srv_reaper *reaper, enum srv_held what, const struct srv_holder *holder,
+	enum srv_wait last, uint64_t since_us)
 {
 	struct srv_lease *first = NULL;
 	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
-		if (!lease->is_shut && lease->wait <= last && lease->since_us < since_us
-				&& (!holder || lease->holder == holder) && goes_before(lease, first))
+		if (lease->held[what] && lease->wait <= last && lease->since_us < since_us
+				&& (!holder || payer_of(lease, what) == holder) && goes_before(lease, first))
 			first = lease;
 	return first;
 }
 
 static struct srv_lease *longest_idle(struct srv_reaper *reaper, const struct srv_holder *holder)
 {
-	return first_to_go(reaper, holder, SRV_WAIT_REQUEST, UINT64_MAX);
+	return first_to_go(reaper, SRV_HELD_CONNECTIONS, holder, SRV_WAIT_REQUEST, UINT64_MAX);
 }
 
-/* NULL: only proxies hold any. */
-static struct srv_holder *largest_holder(const struct srv_reaper *reaper, enum srv_held what)
+/* The connection with which the largest holder gives way, if it holds so much; NULL: none does. */
+static struct srv_lease *of_largest(struct srv_reaper *reaper, enum srv_held what, uint64_t least)
 {
-	struct srv_holder *largest = NULL;
+	const struct srv_holder *largest = NULL;
 	for (struct srv_holder *holder = reaper->holders; holder; holder = holder->next)
 		if (!holder->is_proxy && holder->held[what] > (largest ? largest->held[what] : 0))
 			largest = holder;
-	return largest;
-}
-
-/* The connection with which a holder of at least so much gives way; NULL: no holder has it. */
-static struct srv_lease *of_largest(struct srv_reaper *reaper, uint64_t least)
-{
-	const struct srv_holder *holder = largest_holder(reaper, SRV_HELD_CONNECTIONS);
-	return holder && holder->held[SRV_HELD_CONNECTIONS] >= least
-		? first_to_go(reaper, holder, SRV_WAIT_WORK, UINT64_MAX) : NULL;
+	return largest && largest->held[what] >= least ? first_to_go(reaper, what, largest, SRV_WAIT_WORK, UINT64_MAX)
+		: NULL;
 }
 
 /* The connection that gives way to one more of the newcomer; NULL: none does. */
@@ -332,8 +330,9 @@ static struct srv_lease *who_gives_way(struct srv_reaper *reaper, const struct s
 {
 	uint64_t same = newcomer->held[SRV_HELD_CONNECTIONS];
 	bool is_near = !newcomer->is_proxy && srv_address_is_loopback(&newcomer->address);
-	struct srv_lease *way = first_to_go(reaper, NULL, SRV_WAIT_REQUEST, srv_clock_us() - IDLE_US);
-	way = way ? way : of_largest(reaper, same + (is_near ? 1 : 2));
+	struct srv_lease *way = first_to_go(reaper, SRV_HELD_CONNECTIONS, NULL, SRV_WAIT_REQUEST,
+		srv_clock_us() - IDLE_US);
+	way = way ? way : of_largest(reaper, SRV_HELD_CONNECTIONS, same + (is_near ? 1 : 2));
 	way = way ? way : longest_idle(reaper, newcomer);
 	return way || same ? way : longest_idle(reaper, NULL);
 }
@@ -354,25 +353,13 @@ static const char *make_way(struct srv_reaper *reaper, const struct srv_holder *
 		"second";
 }
 
-/* The request of the holder that has most bytes, if they are more than the other's would be, gives way. */
-static struct srv_lease *heaviest(struct srv_reaper *reaper, enum srv_held what, uint64_t others)
-{
-	struct srv_lease *heaviest = NULL;
-	const struct srv_holder *holder = largest_holder(reaper, what);
-	if (!holder || holder->held[what] <= others)
-		return NULL;
-	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
-		if (lease->payer == holder && lease->held[what] > (heaviest ? heaviest->held[what] : 0))
-			heaviest = lease;
-	return heaviest;
-}
-
+/* Requests of holders that have more than this one would have give way. */
 static bool free_bytes(struct srv_reaper *reaper, const struct srv_lease *lease, enum srv_held what,
 	uint64_t more)
 {
 	uint64_t most = reaper->most[what];
 	while (more > most || reaper->held[what] > most - more) {
-		struct srv_lease *way = heaviest(reaper, what, lease->payer->held[what] + more);
+		struct srv_lease *way = of_largest(reaper, what, lease->payer->held[what] + more + 1);
 		if (!way)
 			return false;
 		shut(reaper, way, what == SRV_HELD_BODIES ? "gives way with its body" : "gives way with its answer");
@@ -452,7 +439,7 @@ void srv_reaper_make_room(struct srv_reaper *reaper)
 {
 	pthread_mutex_lock(&reaper->mutex);
 	struct srv_lease *way = longest_idle(reaper, NULL);
-	way = way ? way : of_largest(reaper, 2);
+	way = way ? way : of_largest(reaper, SRV_HELD_CONNECTIONS, 2);
 	if (way)
 		shut(reaper, way, "gives its descriptor back");
 	pthread_mutex_unlock(&reaper->mutex);

@@ -28,7 +28,7 @@
 
 #include "ecofiles/base/status.h"
 #include "server/request/address.h"
-#include "server/request/gate.h"
+#include "server/request/framing.h"
 
 struct srv_reaper;
 struct srv_exchange;

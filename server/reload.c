@@ -1,4 +1,4 @@
-#include "server/reload.h"
+#include "server/store.h"
 
 #include <dirent.h>
 #include <errno.h>

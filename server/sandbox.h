@@ -17,7 +17,7 @@
 #include <sys/types.h>
 
 #include "server/log.h"
-#include "server/reload.h"
+#include "server/store.h"
 
 #define SRV_USER_DEFAULT "nobody"
 

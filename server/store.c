@@ -244,21 +244,19 @@ struct srv_scene *srv_store_find(const struct srv_store *store, const char *name
 	return NULL;
 }
 
+struct id_key { const struct eco_chunk *chunks; const struct eco_chunk_id *id; };
+
+static int compare_id(const void *key, const void *chunk)
+{
+	const struct id_key *k = key;
+	return memcmp(k->id->bytes, k->chunks[*(const uint32_t *)chunk].id.bytes, sizeof k->id->bytes);
+}
+
 uint32_t srv_scene_chunk(const struct srv_scene *scene, const struct eco_chunk_id *id)
 {
-	const struct eco_chunk *chunks = scene->pack->scene.chunks;
-	uint32_t low = 0, high = scene->pack->scene.chunk_count;
-	while (low < high) {                     /* the first chunk whose id is not below */
-		uint32_t middle = low + (high - low) / 2;
-		if (memcmp(chunks[scene->by_id[middle]].id.bytes, id->bytes, sizeof id->bytes) < 0)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	if (low == scene->pack->scene.chunk_count)
-		return ECO_NONE;
-	uint32_t chunk = scene->by_id[low];
-	return memcmp(chunks[chunk].id.bytes, id->bytes, sizeof id->bytes) == 0 ? chunk : ECO_NONE;
+	const struct id_key key = { scene->pack->scene.chunks, id };
+	const uint32_t *chunk = bsearch(&key, scene->by_id, scene->pack->scene.chunk_count, sizeof *chunk, compare_id);
+	return chunk ? *chunk : ECO_NONE;
 }
 
 enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, const uint8_t **bytes,
@@ -355,18 +353,10 @@ enum eco_code srv_catalog_replace(struct srv_catalog *catalog, const struct srv_
 	return ECO_OK;
 }
 
-static bool is_over(const struct srv_edition *edition, uint64_t now_us)
-{
-	for (uint32_t i = 0; i < edition->retired_count; i++)
-		if (edition->retired[i].until_us <= now_us)
-			return true;
-	return false;
-}
-
 enum eco_code srv_catalog_retire(struct srv_catalog *catalog, uint64_t now_us, struct eco_error *error)
 {
 	struct srv_edition *before = srv_catalog_hold(catalog);
-	enum eco_code code = is_over(before, now_us)
+	enum eco_code code = before->retired_count
 		? srv_catalog_replace(catalog, &before->store, now_us, now_us, error) : ECO_OK;
 	srv_edition_release(before);
 	return code;

@@ -28,7 +28,6 @@
 
 #include "ecofiles/format/pack.h"
 #include "lod/plan/planner.h"
-#include "server/outlook.h"
 
 #define SRV_NAME_BYTES 64
 #define SRV_SCENES_MAX 1024u
@@ -36,6 +35,11 @@
 
 /* The identity of a file. */
 struct srv_file { char *path; uint64_t device, number, size_bytes; int64_t modified_s, modified_ns; };
+
+/* The first view of a scene: a box in metres, in the scene's coordinates. A picture of all trees of a city is a
+ * haze of dots, and its middle may be a river; therefore the first view of a wide scene is a place with many
+ * plants. */
+struct srv_outlook { double low[3], high[3]; };
 
 struct srv_scene {
 	_Atomic(uint32_t) holders;
@@ -117,5 +121,39 @@ struct srv_scene *srv_edition_find(const struct srv_edition *edition, const char
 /* The chunk's scene of this name, which may be a retired one, and its index there; NULL: there is none. */
 struct srv_scene *srv_edition_chunk(const struct srv_edition *edition, const char *name,
 	const struct eco_chunk_id *id, uint32_t *chunk);
+
+/* All of a scene that is at most SRV_OUTLOOK_WHOLE_M wide. In a wider one, the plants of a square of 200 m:
+ * the one that holds the most, or half as many nearer to the scene's middle. All 0 without tiles. Looks at
+ * some hundred thousand plants of an eco file at most, evenly. */
+#define SRV_OUTLOOK_WHOLE_M 1000.0
+enum eco_code srv_outlook_find(const struct eco_scene *scene, struct srv_outlook *out,
+	struct eco_error *error);
+
+/* ---- Sources ---- */
+
+/* The scenes that arguments name, opened at start and at each reload: "[NAME=]OUT.eco" is a pack, "FOLDER"
+ * all packs OUT.eco in it. A reload shares unchanged packs with the store before. If a pack cannot be read,
+ * or is not well, the scene that was made of its file before stays, and the report says so. */
+struct srv_sources {
+	char *const *arguments; uint32_t count;
+	const char *copies;              /* as struct srv_store */
+	const atomic_bool *cancelled;
+};
+
+struct srv_reload {
+	uint32_t opened, same, gone;     /* scenes */
+	uint32_t bad;                    /* packs that are not well */
+	char why[2048]; /* what was not well, with "; " between; as many as there is room for */
+};
+
+/* The file or folder of an argument; *name: SRV_NAME_BYTES + 1 bytes, "" where it names no scene. */
+const char *srv_source_path(const char *argument, char name[SRV_NAME_BYTES + 1]);
+/* Whether an argument gives a scene this name, so that no other pack may have it. */
+bool srv_sources_name(const struct srv_sources *sources, const char *scene);
+
+/* Fills `store`, which the caller frees whatever comes. `before` NULL: the first time, when names that cannot
+ * be are an error, too. Without any scene it fails as the first of its packs did. */
+enum eco_code srv_sources_load(const struct srv_sources *sources, const struct srv_store *before,
+	struct srv_store *store, struct srv_reload *report, struct eco_error *error);
 
 #endif

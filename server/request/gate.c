@@ -1,4 +1,4 @@
-#include "server/request/gate.h"
+#include "server/request/framing.h"
 
 #include <errno.h>
 #include <microhttpd.h>

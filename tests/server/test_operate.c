@@ -6,7 +6,6 @@
 
 #include "server/access.h"
 #include "server/log.h"
-#include "server/reload.h"
 #include "server/stream.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"

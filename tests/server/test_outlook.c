@@ -2,7 +2,7 @@
  * placed in it. */
 #include <math.h>
 
-#include "server/outlook.h"
+#include "server/store.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/unit_test.h"
 

@@ -1,5 +1,4 @@
 #include "tests/support/serve/serve_daemon.h"
-#include "server/reload.h"
 #include "tests/support/files.h"
 
 struct srv_store store;
