@@ -277,11 +277,3 @@ struct srv_most srv_caps_of(const struct srv_access *access, const char *scene)
 {
 	return (struct srv_most){ most_of(&access->vertices, scene), most_of(&access->bytes, scene) };
 }
-
-void srv_caps_apply(const struct srv_most *most, struct eco_request *request)
-{
-	if (request->vertices > most->vertices)
-		request->vertices = most->vertices;
-	if (request->bytes > most->bytes)
-		request->bytes = most->bytes;
-}

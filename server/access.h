@@ -46,7 +46,6 @@ enum eco_code srv_cap_add_bytes(const char *argument, void *list, struct eco_err
 /* Caps of a scene's answers; UINT64_MAX: no cap. */
 struct srv_most { uint64_t vertices, bytes; };
 struct srv_most srv_caps_of(const struct srv_access *access, const char *scene);
-void srv_caps_apply(const struct srv_most *most, struct eco_request *request);
 
 struct srv_sources;
 /* ECO_BAD_USAGE names a scene that has a token or a cap, but is neither there nor named by an argument:

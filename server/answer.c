@@ -9,7 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "server/access.h"
 
 #define LARGE_BYTES (128u << 10)         /* chunks of so many are sent from their file */
 #define BLOCK_BYTES (128u << 10)

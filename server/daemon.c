@@ -15,7 +15,6 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include "server/access.h"
 #include "server/exchange.h"
 
 #define CHORES_MAX 4             /* that wait */
@@ -216,16 +215,6 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	return code;
 }
 
-uint16_t srv_daemon_port(const struct srv_daemon *daemon)
-{
-	return daemon->endpoint.port;
-}
-
-const char *srv_daemon_url(const struct srv_daemon *daemon)
-{
-	return daemon->endpoint.url;
-}
-
 /* ---- Reloading ---- */
 
 enum eco_code srv_daemon_reload_now(struct srv_daemon *daemon, struct srv_reload *report, struct eco_error *error)
@@ -272,16 +261,11 @@ static void reload(void *argument)
 	srv_daemon_reload_now(daemon, &report, &error);
 }
 
-static void do_nothing(void *argument)
-{
-	(void)argument;
-}
-
 /* If the queue has no place for it, one of the reloads in it begins later than now. */
 void srv_daemon_reload(struct srv_daemon *daemon)
 {
-	srv_work_submit(daemon->chores, &(struct srv_job){ .run = reload, .finish = do_nothing,
-		.displaced = do_nothing, .argument = daemon, .cancelled = &daemon->reload_cancelled });
+	srv_work_submit(daemon->chores, &(struct srv_job){ .run = reload, .argument = daemon,
+		.cancelled = &daemon->reload_cancelled });
 }
 
 /* Without memory, or while scenes are read, it is tried again. */

@@ -10,7 +10,7 @@
  *   srv_store_free(&store);
  *
  * Threads: one accepts; a pool polls, reads requests and sends answers; work threads plan; one
- * watches deadlines. The library's parser only splits heads that are known to be well: see gate.h, framing.h
+ * watches deadlines. The library's parser only splits heads that are known to be well: see framing.h
  * and target.h. */
 #ifndef SRV_DAEMON_H
 #define SRV_DAEMON_H
@@ -87,9 +87,6 @@ struct srv_daemon;
 /* Shares the store's scenes. Errors say what was wrong with the address, or who may hold the port. */
 enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_config *config,
 	const struct srv_store *store, struct eco_error *error);
-uint16_t srv_daemon_port(const struct srv_daemon *daemon);
-/* "http://127.0.0.1:8080": with the port that was bound. Valid as long as the daemon. */
-const char *srv_daemon_url(const struct srv_daemon *daemon);
 /* Opens the scenes again that config.sources name, on a thread, without failing a request; logs what became
  * of them. Quiescing ends it. */
 void srv_daemon_reload(struct srv_daemon *daemon);

@@ -1,4 +1,4 @@
-#include "server/describe.h"
+#include "server/exchange.h"
 
 #include <jansson.h>
 
@@ -6,7 +6,6 @@
 #include "ecofiles/format/inventory.h"
 #include "ecofiles/format/wire.h"
 #include "lod/eye.h"
-#include "server/request/query.h"
 
 static const char *const kind_names[] = {
 	[ECO_LIST_TRIANGLES] = "triangles", [ECO_LIST_LINES] = "lines", [ECO_LIST_POINTS] = "points",
@@ -15,13 +14,9 @@ static const char *const kind_names[] = {
 	[ECO_LIST_IMPOSTOR] = "impostor", [ECO_LIST_INVENTORY] = "inventory",
 };
 
-static const struct { uint32_t bit; const char *name; } need_names[] = {
-	{ ECO_NEED_POINTS, "points" }, { ECO_NEED_LINES, "lines" }, { ECO_NEED_TRIANGLES, "triangles" },
-	{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_CUTOUTS, "cutouts" }, { ECO_NEED_GROUND, "ground" },
-	{ ECO_NEED_CELLS, "cells" }, { ECO_NEED_SUMMARIES, "summaries" },
-	{ ECO_NEED_PLACEMENTS, "placements" }, { ECO_NEED_SPLATS, "splats" },
-	{ ECO_NEED_IMPOSTORS, "impostors" }, { ECO_NEED_GROUND_IMAGE, "ground_image" },
-};
+/* by their bits, from the lowest on */
+static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground", "cells",
+	"summaries", "placements", "splats", "impostors", "ground_image" };
 
 struct id_text { char hex[SRV_ID_TEXT_BYTES]; };
 
@@ -63,8 +58,8 @@ static void describe_needs(struct srv_json *json, uint32_t needs)
 {
 	srv_json_add(json, "needs:[");
 	for (size_t i = 0; i < sizeof need_names / sizeof *need_names; i++)
-		if (needs & need_names[i].bit)
-			srv_json_add(json, "%s", need_names[i].name);
+		if (needs >> i & 1)
+			srv_json_add(json, "%s", need_names[i]);
 	srv_json_add(json, "]");
 }
 

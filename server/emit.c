@@ -102,15 +102,6 @@ static void put(uint8_t *at, uint64_t value, int count)
 		at[i] = (uint8_t)(value >> 8 * i);
 }
 
-static bool keep_payload(struct srv_emit *emit, const uint8_t *bytes, size_t size)
-{
-	if (!eco_array_grow(&emit->payloads, &emit->payload_capacity, emit->payload_count, sizeof
-			*emit->payloads))
-		return false;
-	emit->payloads[emit->payload_count++] = (struct srv_payload){ 0, bytes, size };
-	return true;
-}
-
 /* As eco_frame_end, for a bundle, whose payloads lie in the mapped pack and follow all that is written: what
  * wire.h says of length and hash, over all its parts. */
 static void seal(struct srv_emit *emit, struct eco_frame_mark mark)
@@ -181,9 +172,13 @@ static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t o
 		return ECO_OK;
 	const uint8_t *bytes;
 	enum eco_code code = srv_scene_payload(emit->scene, chunk, &bytes, &size, error);
-	if (!code && !keep_payload(emit, bytes, size))
+	if (code)
+		return code;
+	if (eco_array_grow(&emit->payloads, &emit->payload_capacity, emit->payload_count, sizeof *emit->payloads))
+		emit->payloads[emit->payload_count++] = (struct srv_payload){ 0, bytes, size };
+	else
 		emit->frames.failed = true;
-	return code;
+	return ECO_OK;
 }
 
 static void emit_plant(struct srv_emit *emit, uint32_t plant)

@@ -8,7 +8,6 @@
 #include <strings.h>
 
 #include "ecofiles/base/random.h"
-#include "server/access.h"
 #include "server/log.h"
 #define FORWARDED "X-Forwarded-For"
 #define BODY_STAKE_BYTES (4u << 10)     /* what a body is given before any of it is there */
@@ -481,26 +480,19 @@ static void log_request(const struct srv_exchange *exchange, bool is_slow)
 	(exchange->daemon->config.log_form == SRV_LOG_JSON ? log_json : log_text)(exchange, client, target, ms, trace);
 }
 
-/* The trace ends with a 0. */
-static bool is_slow(struct srv_exchange *exchange)
-{
-	uint64_t slow_ms = exchange->daemon->config.slow_ms;
-	if (!slow_ms || exchange->plan_us < slow_ms * 1000)
-		return false;
-	eco_write_u8(&exchange->trace, 0);
-	srv_count(&exchange->daemon->metrics, SRV_COUNT_SLOW, 1);
-	return true;
-}
-
-/* A request that was given up before its head was whole counts nowhere. */
+/* A request that was given up before its head was whole counts nowhere. The trace ends with a 0. */
 static void count_and_log(struct srv_exchange *exchange)
 {
-	bool slow = is_slow(exchange);
+	struct srv_daemon *daemon = exchange->daemon;
+	bool slow = daemon->config.slow_ms && exchange->plan_us >= daemon->config.slow_ms * 1000;
+	if (slow)
+		eco_write_u8(&exchange->trace, 0);
+	srv_count(&daemon->metrics, SRV_COUNT_SLOW, slow);
 	if (exchange->counted) {
-		srv_count_request(&exchange->daemon->metrics, exchange->route, exchange->answer.status);
-		srv_count(&exchange->daemon->metrics, SRV_COUNT_BODY_BYTES, sent_bytes(exchange));
+		srv_count_request(&daemon->metrics, exchange->route, exchange->answer.status);
+		srv_count(&daemon->metrics, SRV_COUNT_BODY_BYTES, sent_bytes(exchange));
 	}
-	if (slow || exchange->daemon->config.log)
+	if (slow || daemon->config.log)
 		log_request(exchange, slow);
 }
 

@@ -11,9 +11,9 @@
 
 #include <pthread.h>
 
+#include "server/access.h"
 #include "server/daemon.h"
 #include "server/log.h"
-#include "server/plan_cache.h"
 #include "server/reaper.h"
 #include "server/request/condition.h"
 #include "server/request/json.h"
@@ -24,6 +24,8 @@
 struct MHD_Connection;
 struct MHD_Daemon;
 struct MHD_Response;
+struct srv_kept_body;
+struct srv_plan_cache;
 
 struct srv_daemon {
 	struct srv_config config;            /* defaults filled in */
@@ -164,5 +166,48 @@ void srv_answer_free(struct srv_exchange *exchange);
 /* Sets the validators of an answer from this scene, without a tag. */
 void srv_answer_validate(struct srv_exchange *exchange, const struct srv_scene *scene);
 void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id);
+
+/* ---- Scenes, plans and plants as JSON; the fields are specified in openapi.yaml ---- */
+
+/* Those that `may_see` (NULL: all). */
+void srv_describe_scenes(struct srv_json *json, const struct srv_store *store,
+	bool (*may_see)(const struct srv_scene *scene, const void *ctx), const void *ctx);
+void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, const struct srv_most *most);
+/* With its explanation, if that was asked for. */
+void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream);
+
+/* The scene's list of plants that a path names; ECO_NONE: it has none of that number. */
+uint32_t srv_plants_list(const struct srv_scene *scene, const char *text);
+/* Inventory rows of a tile's plants; reads at most two blocks. ECO_BAD_INPUT: the list ends before
+ * query->first; ECO_DAMAGED: a block is. */
+enum eco_code srv_describe_plants(struct srv_json *json, const struct srv_scene *scene, uint32_t list,
+	const struct srv_plants_query *query, struct eco_error *error);
+/* Species that each plant stands for, by the pack's META; a plant without any stands for the species of its name. */
+void srv_describe_species(struct srv_json *json, const struct srv_scene *scene);
+
+/* ---- Kept answers ---- */
+
+/* Answers to plan and stream requests, by their ETag: the same request to the same pack gives the same bytes,
+ * so that a HEAD, a 304 and a repeated GET cost no plan. Status and size are kept of each, the body if it is
+ * small. The least recently used goes first. Any thread; a body lives as long as someone holds it. */
+#define SRV_KEPT_BODY_MAX (256u << 10)
+
+struct srv_kept_body { _Atomic(uint32_t) holders; size_t size; uint8_t bytes[]; };
+struct srv_kept_answer { unsigned status; uint64_t size_bytes; struct srv_kept_body *body; /* or NULL */ };
+
+/* A body of `size` bytes, which the caller fills and holds; NULL: no memory, or larger than SRV_KEPT_BODY_MAX. */
+struct srv_kept_body *srv_kept_body_make(uint64_t size);
+void srv_kept_body_hold(struct srv_kept_body *body);
+void srv_kept_body_release(struct srv_kept_body *body);          /* NULL is fine */
+
+/* NULL if there is no memory. */
+struct srv_plan_cache *srv_plan_cache_new(uint64_t bytes_max);
+void srv_plan_cache_free(struct srv_plan_cache *cache);          /* NULL is fine */
+/* Holds the body, too. `etag`: short; "": nothing is kept, as without memory. */
+void srv_plan_cache_put(struct srv_plan_cache *cache, const char *etag, const struct srv_kept_answer *kept);
+/* The caller holds the body then, if there is one. */
+bool srv_plan_cache_get(struct srv_plan_cache *cache, const char *etag, struct srv_kept_answer *kept);
+/* Memory of all that is kept. */
+uint64_t srv_plan_cache_bytes(struct srv_plan_cache *cache);
 
 #endif

@@ -12,8 +12,6 @@
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/wire.h"
-#include "server/access.h"
-#include "server/describe.h"
 #include "server/site.h"
 
 static void tag_bytes(struct srv_exchange *exchange, const void *bytes, size_t size)
@@ -195,56 +193,52 @@ void srv_exchange_reload(void *argument)
 
 void srv_exchange_answer_direct(struct srv_exchange *exchange)
 {
+	const int resource = (int)(exchange->route - srv_routes);
 	struct srv_most most;
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
-	if (exchange->route == &srv_routes[SRV_PLANTS]) {
-		answer_plants(exchange);
-		return;
-	}
-	if (srv_query_none(&exchange->target, &error)) {
+	if (resource != SRV_PLANTS && srv_query_none(&exchange->target, &error)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "%s", error.text);
 		return;
 	}
-	switch (exchange->route - srv_routes) {
+	switch (resource) {
 	case SRV_HEALTH:
 		srv_json_add(&json, "{status:%s scenes:%u}", "ok", exchange->edition->store.count);
-		answer_described(exchange, false, &json);
-		break;
-	case SRV_READY:
-		answer_ready(exchange);
-		break;
-	case SRV_METRICS:
-		answer_metrics(exchange);
 		break;
 	case SRV_SCENES:
 		srv_describe_scenes(&json, &exchange->edition->store, may_see, exchange);
-		answer_described(exchange, true, &json);
 		break;
 	case SRV_SCENE:
 		most = srv_caps_of(exchange->daemon->config.access, exchange->scene->name);
 		srv_describe_scene(&json, exchange->scene, &most);
-		answer_described(exchange, true, &json);
 		break;
 	case SRV_SPECIES:
 		srv_describe_species(&json, exchange->scene);
-		answer_described(exchange, true, &json);
 		break;
+	case SRV_READY:
+		answer_ready(exchange);
+		return;
+	case SRV_METRICS:
+		answer_metrics(exchange);
+		return;
+	case SRV_PLANTS:
+		answer_plants(exchange);
+		return;
 	case SRV_INDEX:
-		answer_viewer(exchange, NULL, SRV_SITE_INDEX);
-		break;
 	case SRV_ICON:
-		answer_viewer(exchange, NULL, SRV_SITE_ICON);
-		break;
+		answer_viewer(exchange, NULL, resource == SRV_INDEX ? SRV_SITE_INDEX : SRV_SITE_ICON);
+		return;
 	case SRV_VIEWER:
 		answer_viewer(exchange, NULL, exchange->variables[0]);
-		break;
+		return;
 	case SRV_VIEWER_FILE:
 		answer_viewer(exchange, exchange->variables[0], exchange->variables[1]);
-		break;
+		return;
 	default:
 		answer_chunk(exchange);
+		return;
 	}
+	answer_described(exchange, resource != SRV_HEALTH, &json);
 }
 
 /* ---- Plans and streams: from the parameters to an answer, which a work thread makes or the cache has ---- */
@@ -416,7 +410,9 @@ bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "%s", error.text);
 		return false;
 	}
-	srv_caps_apply(&most, &exchange->query.request);
+	struct eco_request *request = &exchange->query.request;
+	request->vertices = request->vertices < most.vertices ? request->vertices : most.vertices;
+	request->bytes = request->bytes < most.bytes ? request->bytes : most.bytes;
 	if (exchange->query.explain && exchange->route != &srv_routes[SRV_PLAN]) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER,
 			"parameter 'explain': a stream explains nothing; ask .../plan with the same parameters");

@@ -56,7 +56,8 @@ void srv_log_end(struct eco_writer *out)
 	eco_writer_free(out);
 }
 
-void srv_log_line(const char *text, size_t size)
+/* A line without its end. */
+static void log_line(const char *text, size_t size)
 {
 	struct eco_writer out = { 0 };
 	for (const char *at = text, *end = text + size; at < end;) {
@@ -107,7 +108,7 @@ void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...
 	va_end(arguments);
 	if (form == SRV_LOG_TEXT) {
 		char line[sizeof text + 16];
-		srv_log_line(line, (size_t)snprintf(line, sizeof line, "ecoserve: %s", text));
+		log_line(line, (size_t)snprintf(line, sizeof line, "ecoserve: %s", text));
 		return;
 	}
 	srv_log_begin(&json, problem ? "problem" : "daemon");

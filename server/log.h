@@ -21,8 +21,6 @@ enum srv_log_form { SRV_LOG_TEXT, SRV_LOG_JSON };
 /* Before a sandbox: lets so many bytes wait in a pipe that is stderr. */
 void srv_log_start(void);
 uint64_t srv_log_dropped(void);          /* lines so far */
-/* A line without its end. */
-void srv_log_line(const char *text, size_t size);
 /* An object of JSON with its time and event, which the caller goes on with. */
 struct srv_json;
 void srv_log_begin(struct srv_json *json, const char *event);

@@ -38,11 +38,6 @@ static struct {
 	bool in_place, only_check, without_sandbox, require_sandbox;
 } given;
 
-static enum eco_code read_networks(const char *text, void *networks, struct eco_error *error)
-{
-	return srv_networks_parse(networks, text, error);
-}
-
 /* A descriptor a connection, and some for packs and threads: as many as this process may have. */
 static void raise_descriptors(uint64_t connections)
 {
@@ -111,7 +106,7 @@ static const struct eco_option options[] = {
 	{ "kept-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
 		.help = "memory for answers that are kept for repeated requests. Default: 64 MiB" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
-		.read = read_networks,
+		.read = srv_networks_parse,
 		.help = "proxies that may open any number of connections, and whose X-Forwarded-For names "
 			"the client" },
 	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer,
@@ -279,7 +274,7 @@ static enum eco_code serve_scenes(struct srv_store *store, const struct srv_user
 	code = code ? code : srv_daemon_start(&daemon, &given.config, store, error);
 	if (code)
 		return code;
-	snprintf(what, sizeof what, "ready on %s", srv_daemon_url(daemon));
+	snprintf(what, sizeof what, "ready on %s", endpoint.url);
 	code = announce(what, store, srv_site_find(given.config.site, SRV_SITE_INDEX) ? ""
 		: "; the viewer is missing, `make web` builds it", error);
 	srv_store_free(store);

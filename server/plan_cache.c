@@ -1,6 +1,6 @@
 /* A tree by tag, and a ring from the latest asked for to the one to go first. The mutex guards both; no body is
  * copied under it. */
-#include "server/plan_cache.h"
+#include "server/exchange.h"
 
 #include <pthread.h>
 #include <search.h>

@@ -196,13 +196,6 @@ static void unlink_lease(struct srv_reaper *reaper, struct srv_lease *lease)
 	lease->next->before = lease->before;
 }
 
-static void end_lingering(struct srv_reaper *reaper, struct srv_lease *lease)
-{
-	close(lease->fd);
-	unlink_lease(reaper, lease);
-	free(lease);
-}
-
 /* Returns when to look again, in milliseconds. */
 static uint64_t shut_overdue(struct srv_reaper *reaper)
 {
@@ -211,8 +204,11 @@ static uint64_t shut_overdue(struct srv_reaper *reaper)
 		next = lease->next;
 		if (lease->lingers) {
 			again = LINGER_ROUND_MS;
-			if (!drop_rest(lease, now))
-				end_lingering(reaper, lease);
+			if (!drop_rest(lease, now)) {
+				close(lease->fd);
+				unlink_lease(reaper, lease);
+				free(lease);
+			}
 			continue;
 		}
 		tell_gone(reaper, lease, now);

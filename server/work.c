@@ -85,7 +85,8 @@ static void *run(void *argument)
 		if (--next.owner->held == 1)     /* the spare thread may take the other */
 			pthread_cond_broadcast(&work->wake);
 		pthread_mutex_unlock(&work->mutex);
-		next.job.finish(next.job.argument);
+		if (next.job.finish)
+			next.job.finish(next.job.argument);
 		pthread_mutex_lock(&work->mutex);
 	}
 	pthread_mutex_unlock(&work->mutex);

@@ -19,8 +19,8 @@
 struct srv_work;
 struct srv_job {
 	void (*run)(void *argument);
-	void (*finish)(void *argument);  /* after it; may free what the job has, its flag too */
-	void (*displaced)(void *argument);       /* in place of both: an accepted job gave its place away */
+	void (*finish)(void *argument);  /* after it; may free what the job has, its flag too; or NULL */
+	void (*displaced)(void *argument);       /* in place of both: an accepted job gave its place away; or NULL */
 	void *argument;
 	atomic_bool *cancelled;          /* set by srv_work_stop, or by any other thread */
 	struct srv_address owner;

@@ -50,20 +50,14 @@ void srv_address_format(char text[SRV_ADDRESS_TEXT_BYTES], const struct srv_addr
 
 bool srv_address_is_loopback(const struct srv_address *address)
 {
-	static const uint8_t v4[12] = { [10] = 0xff, [11] = 0xff }, v6[16] = { [15] = 1 };
-	return (memcmp(address->bytes, v4, sizeof v4) == 0 && address->bytes[12] == 127)
-		|| memcmp(address->bytes, v6, sizeof v6) == 0;
+	static const uint8_t v6[16] = { [15] = 1 };
+	return (is_mapped(address) && address->bytes[12] == 127) || memcmp(address->bytes, v6, sizeof v6) == 0;
 }
 
 /* ":PORT", or nothing. */
 static bool is_port(const char *text, size_t size)
 {
-	char digits[6] = "";
-	uint64_t port;
-	if (size < 2 || size > sizeof digits || text[0] != ':')
-		return size == 0;
-	memcpy(digits, text + 1, size - 1);
-	return srv_parse_count(digits, &port) && port <= 65535;
+	return size == 0 || srv_port_valid(text, size);
 }
 
 bool srv_address_parse_port(struct srv_address *address, const char *text, size_t size)
@@ -96,27 +90,23 @@ bool srv_address_same(const struct srv_address *a, const struct srv_address *b)
 
 static bool parse_network(struct srv_network *network, const char *text, size_t size)
 {
+	char digits[SRV_ADDRESS_TEXT_BYTES];
 	const char *slash = memchr(text, '/', size);
-	char digits[4] = "";
-	size_t address_size = slash ? (size_t)(slash - text) : size, digit_count = size - address_size;
+	size_t before = slash ? (size_t)(slash - text) : size;
 	uint64_t bits;
-	if (!srv_address_parse(&network->address, text, address_size))
+	if (!srv_address_parse(&network->address, text, before) || size - before >= sizeof digits)
 		return false;
 	uint32_t most = is_mapped(&network->address) ? 32 : 128;
-	network->bits = 128;
-	if (!slash)
-		return true;
-	if (--digit_count >= sizeof digits)
-		return false;
-	memcpy(digits, slash + 1, digit_count);
-	if (!srv_parse_count(digits, &bits) || bits > most)
+	snprintf(digits, sizeof digits, "%.*s", slash ? (int)(size - before - 1) : 0, text + before + 1);
+	if (slash ? !srv_parse_count(digits, &bits) || bits > most : !(bits = most))
 		return false;
 	network->bits = 128 - most + (uint32_t)bits;
 	return true;
 }
 
-enum eco_code srv_networks_parse(struct srv_networks *networks, const char *text, struct eco_error *error)
+enum eco_code srv_networks_parse(const char *text, void *to, struct eco_error *error)
 {
+	struct srv_networks *networks = to;
 	networks->count = 0;
 	for (;; text++) {
 		size_t size = strcspn(text, ",");

@@ -1,6 +1,7 @@
 #include "server/request/condition.h"
 
 #include <string.h>
+#include <strings.h>
 #include <time.h>
 
 /* Digits at *text, saturating: a position beyond 2^64 is simply beyond the end. */
@@ -16,20 +17,11 @@ static bool take_count(const char **text, uint64_t *value)
 	return *text != first;
 }
 
-static bool unit_is_bytes(const char *value)
-{
-	static const char unit[] = "bytes=";
-	for (size_t i = 0; unit[i]; i++)                 /* range units are case-insensitive */
-		if ((value[i] >= 'A' && value[i] <= 'Z' ? value[i] - 'A' + 'a' : value[i]) != unit[i])
-			return false;
-	return true;
-}
-
 struct srv_range srv_range_parse(const char *value, uint64_t size)
 {
 	struct srv_range range = { SRV_RANGE_ALL, 0, size };
 	uint64_t first = 0, last = UINT64_MAX;
-	if (!value || !unit_is_bytes(value))
+	if (!value || strncasecmp(value, "bytes=", 6) != 0)     /* units have no case */
 		return range;
 	const char *at = value + 6;
 	bool has_first = take_count(&at, &first);

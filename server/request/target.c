@@ -47,19 +47,21 @@ static size_t bracket_bytes(const char *text, size_t size)
 	return at > 2 && at < size && at <= HOST_BYTES_MAX && text[at] == ']' ? at + 1 : 0;
 }
 
-bool srv_authority_valid(const char *text, size_t size)
+bool srv_port_valid(const char *text, size_t size)
 {
-	size_t at = size && text[0] == '[' ? bracket_bytes(text, size) : name_bytes(text, size),
-	       first = at + 1;
-	if (at == 0 || (at < size && text[at] != ':') || size - at > 6)
-		return false;
 	unsigned port = 0;
-	for (at = first; at < size; at++) {
+	for (size_t at = 1; at < size; at++) {
 		if (text[at] < '0' || text[at] > '9')
 			return false;
 		port = port * 10 + (unsigned)(text[at] - '0');
 	}
-	return port <= 65535;
+	return size > 1 && size <= 6 && text[0] == ':' && port <= 65535;
+}
+
+bool srv_authority_valid(const char *text, size_t size)
+{
+	size_t at = size && text[0] == '[' ? bracket_bytes(text, size) : name_bytes(text, size);
+	return at > 0 && (at == size || (at + 1 == size && text[at] == ':') || srv_port_valid(text + at, size - at));
 }
 
 /* Absolute-form names the server too; only what follows the authority matters here. */

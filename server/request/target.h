@@ -31,6 +31,8 @@ struct srv_target {
 enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_t size,
 	struct eco_error *error);
 
+/* ":PORT", a number up to 65535 in at most five digits. */
+bool srv_port_valid(const char *text, size_t size);
 /* Is it a host name or address (IPv6 in brackets), with or without ":port"? No userinfo, no empty name. */
 bool srv_authority_valid(const char *text, size_t size);
 

@@ -199,24 +199,30 @@ UNIT_TEST(what_is_fetched_by_name_is_what_a_stream_carries)
 	}
 }
 
+/* Asks for a view by names, with this outcome (NULL: good, and what a stream carries), and so many requests (0: any). */
+static void ask_named(const char *says, uint32_t requests)
+{
+	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	struct client named = client_new(FROM_HOST), carried = client_new(CARRIED);
+	struct eco_error error = { 0 };
+	enum eco_code code = look(&named, &request, &error);
+	if (says ? !code || !strstr(error.text, says) : code != ECO_OK)
+		fail_msg("'%s', not '%s'", error.text, says ? says : "");
+	assert_good(look(&carried, &request, &cause));
+	if (!code)
+		assert_string_equal(named.digest, carried.digest);
+	assert_true(!requests || named.result.requests == requests);
+	client_free(&named);
+	client_free(&carried);
+}
+
 /* As buckets and CDNs do; not for ever, and not to files of this machine. */
 UNIT_TEST(hosts_may_keep_chunks_elsewhere)
 {
-	static const struct { const char *moved, *says; } cases[] = { { "/moved/", NULL },
-		{ "/", "redirects" }, { "file:///etc/", "rotocol" } };
-	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	static const char *const cases[][2] = { { "/moved/", NULL }, { "/", "redirects" }, { "file:///etc/", "rotocol" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct client named = client_new(FROM_HOST), carried = client_new(CARRIED);
-		struct eco_error error = { 0 };
-		host.moved = cases[i].moved;
-		enum eco_code code = look(&named, &request, &error);
-		if (cases[i].says ? !code || !strstr(error.text, cases[i].says) : code != ECO_OK)
-			fail_msg("%s: '%s'", cases[i].moved, error.text);
-		assert_ok(look(&carried, &request, &error), error);
-		if (!code)
-			assert_string_equal(named.digest, carried.digest);
-		client_free(&named);
-		client_free(&carried);
+		host.moved = cases[i][0];
+		ask_named(cases[i][1], 0);
 	}
 	host.moved = NULL;
 }
@@ -245,61 +251,35 @@ static void spoil(int more)
 
 UNIT_TEST(hosts_that_lack_chunks_or_have_others_are_told)
 {
-	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
 	static const struct { int more; const char *says; } cases[] = {
 		{ 0, ": its bytes do not have the hash that names it; remove it there" },
 		{ -1, "it has not the" }, { 1, "it has not the" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct client named = client_new(FROM_HOST);
-		struct eco_error error = { 0 };
 		spoil(cases[i].more);
-		assert_int_not_equal(look(&named, &request, &error), ECO_OK);
-		if (!strstr(error.text, cases[i].says))
-			fail_msg("%s", error.text);
-		client_free(&named);
+		ask_named(cases[i].says, 0);
 	}
 	folder_empty(host.folder);
-	struct client named = client_new(FROM_HOST);
-	struct eco_error error = { 0 };
-	assert_int_not_equal(look(&named, &request, &error), ECO_OK);
-	assert_non_null(strstr(error.text, "the host answered 404; it needs what `ecopack export` made"));
-	assert_int_equal(named.result.requests, 1);
-	client_free(&named);
+	ask_named("the host answered 404; it needs what `ecopack export` made", 1);
 }
 
 /* The rest of the stream is asked for again, when the host says; what came of it is held. */
 UNIT_TEST(hosts_that_fail_or_are_asked_too_much_get_time)
 {
-	static const struct { const char *refusal; bool good; } cases[] = {
-		{ NULL, true }, { "429 Too Many Requests\r\nRetry-After: 1", true },
-		{ "503 Slow Down\r\nRetry-After: 1", true }, { "429 Too Many Requests", false },
-		{ "408 Request Timeout", false } };
-	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	static const struct { const char *refusal, *says; } cases[] = {
+		{ NULL, NULL }, { "429 Too Many Requests\r\nRetry-After: 1", NULL },
+		{ "503 Slow Down\r\nRetry-After: 1", NULL }, { "429 Too Many Requests", "the host answered 429" },
+		{ "408 Request Timeout", "the host answered 408" } };
 	assert_int_equal(run_export("300"), 0);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct client named = client_new(FROM_HOST), carried = client_new(CARRIED);
-		struct eco_error error = { 0 };
-		uint32_t asked = host.asked;
+		bool good = !cases[i].says;
 		double begun_ms = view_clock_ms();
 		host.refusal = cases[i].refusal;
-		host.refuses = cases[i].good ? 1 : UINT32_MAX;
+		host.refuses = good ? 1 : UINT32_MAX;
 		host.allows = 1000;
-		host.allowed = host.allows - (cases[i].good ? 10 : 0);
+		host.allowed = host.allows - (good ? 10 : 0);
 		host.refused = 0;
-		enum eco_code code = look(&named, &request, &error);
-		if (code != (cases[i].good ? ECO_OK : ECO_IO))
-			fail_msg("%s: '%s'", cases[i].refusal, error.text);
-		if (!cases[i].good && (!strstr(error.text, "the host answered 4") || strstr(error.text, "export")))
-			fail_msg("%s: '%s'", cases[i].refusal, error.text);
-		assert_int_equal(named.result.requests, 2);
-		assert_ok(look(&carried, &request, &error), error);
-		if (cases[i].good) {
-			assert_string_equal(named.digest, carried.digest);
-			assert_true(host.asked - asked < 2 * named.result.named);
-			assert_true(!cases[i].refusal || view_clock_ms() - begun_ms > 1000);
-		}
-		client_free(&named);
-		client_free(&carried);
+		ask_named(cases[i].says, 2);
+		assert_true(!good || !cases[i].refusal || view_clock_ms() - begun_ms > 1000);
 	}
 	host.refuses = 0;
 }

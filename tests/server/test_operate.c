@@ -558,7 +558,7 @@ UNIT_TEST(requests_have_ids)
 {
 	struct srv_config config = { 0 };
 	char ids[3][100];
-	assert_good(srv_networks_parse(&config.trusted, "127.0.0.1", &cause));
+	assert_good(srv_networks_parse("127.0.0.1", &config.trusted, &cause));
 	for (int trusted = 0; trusted < 2; trusted++) {
 		start(trusted ? config : (struct srv_config){ 0 });
 		static const char *const sent[] = { "", "X-Request-Id: abc-1.2_X\r\n",

@@ -42,19 +42,12 @@ static void add_stand(uint32_t tile, int x, int y, int side, int apart)
 			0, 2 << 16 });
 }
 
-static struct srv_outlook look(void)
+static void assert_look(const double low[3], const double high[3])
 {
 	struct srv_outlook found;
 	assert_good(srv_outlook_find(&scene.scene, &found, &cause));
-	return found;
-}
-
-static void assert_box(const struct srv_outlook *box, const double low[3], const double high[3])
-{
-	for (int k = 0; k < 3; k++) {
-		assert_true(fabs(box->low[k] - low[k]) < 1e-6);
-		assert_true(fabs(box->high[k] - high[k]) < 1e-6);
-	}
+	for (int k = 0; k < 3; k++)
+		assert_true(fabs(found.low[k] - low[k]) < 1e-6 && fabs(found.high[k] - high[k]) < 1e-6);
 }
 
 OUTLOOK_TEST(a_small_scene_is_looked_at_as_a_whole)
@@ -62,17 +55,14 @@ OUTLOOK_TEST(a_small_scene_is_looked_at_as_a_whole)
 	uint32_t tile = add_tile(-400, 100, 1000, 104);
 	add_stand(tile, -400, 100, 2, 999);
 	add_stand(tile, 0, 300, 10, 5);
-	struct srv_outlook found = look();
-	assert_box(&found, (const double[]){ -400, 100, 0 }, (const double[]){ 600, 1100, 9 });
+	assert_look((const double[]){ -400, 100, 0 }, (const double[]){ 600, 1100, 9 });
 }
 
 OUTLOOK_TEST(a_scene_without_plants_has_a_look)
 {
-	struct srv_outlook found = look();
-	assert_box(&found, (const double[]){ 0, 0, 0 }, (const double[]){ 0, 0, 0 });
+	assert_look((const double[]){ 0, 0, 0 }, (const double[]){ 0, 0, 0 });
 	add_tile(0, 0, 5000, 0);
-	found = look();
-	assert_box(&found, (const double[]){ 0, 0, 0 }, (const double[]){ 5000, 5000, 9 });
+	assert_look((const double[]){ 0, 0, 0 }, (const double[]){ 5000, 5000, 9 });
 }
 
 /* Single trees all over, and two stands: the smaller one is more than half of the other, and nearer to the
@@ -87,16 +77,14 @@ OUTLOOK_TEST(a_wide_scene_is_looked_at_where_many_plants_stand)
 	add_stand(one, 3010, 3010, 6, 10);
 	add_stand(other, 5210, 5210, 10, 10);
 	add_stand(other, 2410, 2820, 9, 20);
-	struct srv_outlook found = look();
-	assert_box(&found, (const double[]){ 2410, 2820, 3 },
+	assert_look((const double[]){ 2410, 2820, 3 },
 		(const double[]){ 2410 + 8 * 20, 2820 + 8 * 20, 3 + 2 * HEIGHT_M });
 }
 
 OUTLOOK_TEST(plants_that_are_alone_are_not_looked_at_from_too_near)
 {
 	add_stand(add_tile(0, 0, 3000, 1), 1490, 1490, 1, 1);
-	struct srv_outlook found = look();
-	assert_box(&found, (const double[]){ 1470, 1470, 3 }, (const double[]){ 1510, 1510, 15 });
+	assert_look((const double[]){ 1470, 1470, 3 }, (const double[]){ 1510, 1510, 15 });
 }
 
 /* A wood that is empty but for a stand is placed twice, turned by a right angle and half as large. */
@@ -112,7 +100,6 @@ OUTLOOK_TEST(a_stand_is_found_within_what_is_placed)
 	add_stand(quarter, 1010, 2010, 7, 20);
 	add_stand(quarter, 3800, 100, 1, 1);
 	add_stand(quarter, 100, 100, 1, 1);
-	struct srv_outlook found = look();
-	assert_box(&found, (const double[]){ 5000 - 2130 / 2.0, 4000 + 1010 / 2.0, 21.5 },
+	assert_look((const double[]){ 5000 - 2130 / 2.0, 4000 + 1010 / 2.0, 21.5 },
 		(const double[]){ 5000 - 2010 / 2.0, 4000 + 1130 / 2.0, 21.5 + HEIGHT_M });
 }

@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "server/describe.h"
+#include "server/exchange.h"
 #include "server/stream.h"
 #include "tests/support/serve/random_request.h"
 #include "tests/support/serve/serve_daemon.h"
@@ -127,30 +127,17 @@ static double q_within(struct eco_request request, uint64_t bytes)
 }
 
 /* A level is too dear if more passes are expected of a search of prices than it takes: then a budget that is
- * never reached made plans coarser. */
-UNIT_TEST(bytes_that_do_not_bind_change_little)
+ * never reached made plans coarser. A large answer shows something soon, even if its plan has no work left. */
+UNIT_TEST(answers_use_bytes_and_come_in_steps)
 {
-	uint32_t asked = 0, worse = 0;
+	uint32_t asked = 0, worse = 0, large = 0;
 	for (uint32_t i = 0; i < REQUESTS; i++) {
+		struct srv_stream stream;
 		struct eco_request request;
 		if (!random_request(&request, &sample->pack->scene, 11, i))
 			continue;
 		asked++;
 		worse += q_within(request, (uint64_t)1 << 40) < q_within(request, ECO_BYTES_UNBOUNDED) - 0.005;
-	}
-	print_message("          worse: %u of %u\n", worse, asked);
-	assert_true(asked > REQUESTS / 2 && 50 * worse <= asked);
-}
-
-/* A large answer shows something soon, even if its plan has no work left. */
-UNIT_TEST(what_is_cut_short_comes_in_steps)
-{
-	uint32_t large = 0;
-	for (uint32_t i = 0; i < REQUESTS; i++) {
-		struct srv_stream stream;
-		struct eco_request request;
-		if (!random_request(&request, &sample->pack->scene, 10, i))
-			continue;
 		if (request.view.width < 100 || request.view.height < 100)
 			continue;        /* where nothing is seen of most plants */
 		request.bytes = ECO_BYTES_UNBOUNDED;
@@ -163,8 +150,8 @@ UNIT_TEST(what_is_cut_short_comes_in_steps)
 		}
 		srv_stream_free(&stream);
 	}
-	print_message("          %u large answers\n", large);
-	assert_true(large > 10);
+	print_message("          worse: %u of %u; %u large answers\n", worse, asked, large);
+	assert_true(asked > REQUESTS / 2 && 50 * worse <= asked && large > 10);
 }
 
 UNIT_MAIN(serve_start, serve_stop)

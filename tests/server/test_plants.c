@@ -1,7 +1,7 @@
 /* The inventory rows of plants, as the server gives them. */
 #include <string.h>
 
-#include "server/describe.h"
+#include "server/exchange.h"
 #include "server/request/json.h"
 #include "tests/support/files.h"
 #include "tests/support/serve/serve_daemon.h"

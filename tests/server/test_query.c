@@ -352,7 +352,7 @@ UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_networks trusted;
 		char text[SRV_ADDRESS_TEXT_BYTES];
-		assert_good(srv_networks_parse(&trusted, rows[i].trusted, &cause));
+		assert_good(srv_networks_parse(rows[i].trusted, &trusted, &cause));
 		struct srv_address peer = address(rows[i].peer), client = srv_networks_client(&trusted, &peer,
 			rows[i].forwarded);
 		srv_address_format(text, &client);
@@ -362,7 +362,7 @@ UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 		"10.0.0.1,", "10.0.0.1/-1", "10.0.0.0.1" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		struct srv_networks trusted;
-		assert_code(srv_networks_parse(&trusted, bad[i], &cause), ECO_BAD_USAGE, "");
+		assert_code(srv_networks_parse(bad[i], &trusted, &cause), ECO_BAD_USAGE, "");
 	}
 }
 

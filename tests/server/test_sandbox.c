@@ -386,17 +386,10 @@ UNIT_TEST(a_socket_that_is_handed_over_is_served)
 
 static struct { bool allowed[CALLS_MAX]; bool inet, inet6, others; } unit;
 
-static FILE *names_of(const char *set)
-{
-	char command[128];
-	snprintf(command, sizeof command, "systemd-analyze syscall-filter '%.40s' 2>/dev/null", set);
-	return popen(command, "r");
-}
-
 /* A name of a call, or of a set of them; false: systemd knows no such set. */
 static bool set_calls(const char *name, bool to)
 {
-	char line[256], word[64];
+	char line[256], word[64], command[128];
 	unsigned count = 0;
 	if (*name != '@') {
 		int number = seccomp_syscall_resolve_name(name);
@@ -404,7 +397,8 @@ static bool set_calls(const char *name, bool to)
 			unit.allowed[number] = to;
 		return true;
 	}
-	FILE *lines = names_of(name);
+	snprintf(command, sizeof command, "systemd-analyze syscall-filter '%.40s' 2>/dev/null", name);
+	FILE *lines = popen(command, "r");
 	bool known = lines;
 	while (known && fgets(line, sizeof line, lines))
 		if (sscanf(line, "%63s", word) == 1 && word[0] != '#' && strcmp(word, name) != 0) {

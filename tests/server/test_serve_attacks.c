@@ -6,8 +6,6 @@
 #include <malloc.h>
 #include <sys/resource.h>
 
-#include "server/exchange.h"
-
 static uint64_t connections(const struct srv_daemon *daemon)
 {
 	return srv_reaper_held(daemon->reaper, SRV_HELD_CONNECTIONS);
@@ -116,7 +114,7 @@ UNIT_TEST(a_trusted_proxy_has_no_share_of_its_own)
 		.connections_per_address = 2,
 		.connections_max = 30 };
 	int fds[40];
-	assert_good(srv_networks_parse(&config.trusted, "10.0.0.0/8,127.0.0.1", &cause));
+	assert_good(srv_networks_parse("10.0.0.0/8,127.0.0.1", &config.trusted, &cause));
 	struct srv_daemon *daemon = serve_another(&config);
 	open_idle(daemon, fds, 20);
 	assert_served(daemon);

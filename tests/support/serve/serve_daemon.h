@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "server/daemon.h"
+#include "server/exchange.h"
 #include "server/request/query.h"
 #include "server/site.h"
 #include "tests/support/serve/http_client.h"
@@ -38,6 +38,7 @@ void chunk_target(char target[128], const struct eco_scene *tables, uint32_t chu
 /* Another daemon, of the same store, with these members of its configuration. */
 #define SERVE_ANOTHER(...) serve_another(&(struct srv_config){ .listen = "127.0.0.1:0", ##__VA_ARGS__ })
 struct srv_daemon *serve_another(const struct srv_config *config);
+static inline uint16_t srv_daemon_port(const struct srv_daemon *daemon) { return daemon->endpoint.port; }
 /* GET of JSON, with status 200; a number of an object. */
 json_t *json_get(const char *target);
 int64_t count_in(const json_t *json, const char *key);
