@@ -205,6 +205,7 @@ static void ask_named(const char *says, uint32_t requests)
 	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
 	struct client named = client_new(FROM_HOST), carried = client_new(CARRIED);
 	struct eco_error error = { 0 };
+	uint32_t asked = host.asked;
 	enum eco_code code = look(&named, &request, &error);
 	if (says ? !code || !strstr(error.text, says) : code != ECO_OK)
 		fail_msg("'%s', not '%s'", error.text, says ? says : "");
@@ -212,6 +213,7 @@ static void ask_named(const char *says, uint32_t requests)
 	if (!code)
 		assert_string_equal(named.digest, carried.digest);
 	assert_true(!requests || named.result.requests == requests);
+	assert_true(!requests || code || host.asked - asked < 2 * named.result.named);
 	client_free(&named);
 	client_free(&carried);
 }
