@@ -1,5 +1,5 @@
 /* State shared by the files of the planner. A rule makes entries: planner_optimal.c with allocation.c and
- * fill_budget.c, or planner_deussen.c with planner_fill.c. planner_emit.c turns entries into cuts. */
+ * fill_budget.c, or planner_deussen.c. planner_emit.c turns entries into cuts. */
 #ifndef LOD_PLANNER_STATE_H
 #define LOD_PLANNER_STATE_H
 

@@ -23,7 +23,7 @@
  *             shapes. A placed element has its shape's number, its turn, its lengths, the step to its first
  *             corner along the curve, and its extra values. Any other element has its corners, each one
  *             either a corner that was there before or the miss of a prediction, and texture coordinates.
- *             shape.h and chunk_corners.h define the values.
+ *             shape.h and chunk_shapes.h define the values.
  * Packed rows, the only stream of a payload: a chunk of KD, or of few rows of ELEMENTS, FORM or ROWS, has
  * this form where it is smaller (leaves as ELEMENTS do not):
  *   0   u8   3      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
