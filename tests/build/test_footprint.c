@@ -29,7 +29,7 @@ static struct eco_image holed(void)
 static uint64_t differing(const struct lod_foliage *f, float scale, uint64_t *covered)
 {
 	struct lod_sights sights;
-	struct lod_raster raster;
+	FREED(lod_raster) raster;
 	double directions[VIEWS][3];
 	uint64_t differ = 0;
 	lod_directions_spread(directions, VIEWS, 7);
@@ -55,7 +55,6 @@ static uint64_t differing(const struct lod_foliage *f, float scale, uint64_t *co
 				*covered += bits_of(drawn[w]);
 			}
 		}
-	lod_raster_free(&raster);
 	return differ;
 }
 

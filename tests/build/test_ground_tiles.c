@@ -143,7 +143,7 @@ static void check_tree(struct world *w, const char *name)
 static void check_samples(const struct world *w, uint32_t tile)
 {
 	const struct eco_ground_tile *t = &w->tree.tiles[tile];
-	struct eco_elements e = ground_elements(&w->ground, t, w->tree.shifts[tile]);
+	FREED(eco_elements) e = ground_elements(&w->ground, t, w->tree.shifts[tile]);
 	struct eco_ground_tile found;
 	for (int changed = 0; changed < 2; changed++) {
 		assert_int_equal(eco_ground_tile_of(&found, &w->lists[tile], &e, w->ground.columns,
@@ -152,7 +152,6 @@ static void check_samples(const struct world *w, uint32_t tile)
 			&& found.row == t->row));
 		e.position[3 * (bits() % e.element_count) + tile % 2] += tile % 3 ? 1 : -1;
 	}
-	eco_elements_free(&e);
 }
 
 /* The simple twin: interpolates in the tile's own samples, at random places between them too. */
@@ -177,7 +176,7 @@ static double surface(const struct world *w, const struct eco_ground_tile *tile,
 UNIT_TEST(errors_hold_everywhere_and_are_met_somewhere_and_samples_name_their_tile)
 {
 	for (size_t k = 0; k < TERRAINS; k++) {
-		struct world w;
+		FREED(world) w;
 		noise_state = k;
 		world_make(&w, &terrains[k], 0);
 		for (uint32_t i = 0; i < w.tree.count; i++) {
@@ -212,7 +211,6 @@ UNIT_TEST(errors_hold_everywhere_and_are_met_somewhere_and_samples_name_their_ti
 				assert_true(most > 0.05 * (double)t->error_m);
 			check_samples(&w, i);
 		}
-		world_free(&w);
 	}
 }
 
@@ -245,16 +243,14 @@ static bool covers(const struct world *w, const struct eco_ground_tile *t, doubl
 /* Tiles that touch share samples between their corners. */
 static void assert_close(const struct world *w, const struct lod_ground_choice *choice)
 {
-	struct eco_ground_tile *tiles = malloc((choice->count + 1) * sizeof *tiles);
-	struct lod_ground_seam *seams = malloc((choice->count + 1) * sizeof *seams);
+	FREED_MEMORY struct eco_ground_tile *tiles = malloc((choice->count + 1) * sizeof *tiles);
+	FREED_MEMORY struct lod_ground_seam *seams = malloc((choice->count + 1) * sizeof *seams);
 	for (uint32_t i = 0; i < choice->count; i++)
 		tiles[i] = w->tree.tiles[choice->tiles[i]];
 	assert_true(lod_ground_seams(seams, tiles, choice->count));
 	for (uint32_t i = 0; i < choice->count; i++)
 		for (int side = 0; side < 4; side++)
 			assert_true(seams[i].coarser[side] <= ECO_GROUND_APART_MAX);
-	free(seams);
-	free(tiles);
 }
 
 UNIT_TEST(trees_are_sound_and_what_is_in_view_is_covered_once_and_fine_enough)
@@ -311,7 +307,7 @@ UNIT_TEST(trees_are_sound_and_what_is_in_view_is_covered_once_and_fine_enough)
 
 UNIT_TEST(a_bound_on_tiles_is_kept_and_spent_where_it_shows)
 {
-	struct world w;
+	FREED(world) w;
 	struct eco_view view = { { 300, 300, 80 }, { 1200, 900, 0 }, { 0, 0, 1 }, 60, 640, 480 };
 	struct lod_eye eye;
 	double last = INFINITY;
@@ -326,7 +322,6 @@ UNIT_TEST(a_bound_on_tiles_is_kept_and_spent_where_it_shows)
 		free(choice.tiles);
 	}
 	assert_true(last < 50);
-	world_free(&w);
 	/* a scene without ground has none, and asks for nothing */
 	struct lod_ground_choice none;
 	struct lod_ground_limits limits = { .tolerance_px = 1 };
@@ -342,7 +337,7 @@ static void draw_tiles(struct lod_raster *raster, const struct world *w, const s
 {
 	static const uint32_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 	static float out[ECO_GROUND_CELLS * ECO_GROUND_CELLS * 18];
-	struct lod_ground_seam *seams = malloc(count * sizeof *seams);
+	FREED_MEMORY struct lod_ground_seam *seams = malloc(count * sizeof *seams);
 	struct lod_place place = { .cosine = 1, .scale = 1 };
 	assert_true(lod_ground_seams(seams, tiles, count));
 	lod_raster_object(raster, &place);
@@ -365,7 +360,6 @@ static void draw_tiles(struct lod_raster *raster, const struct world *w, const s
 			.position = out };
 		lod_raster_triangles(raster, &batch);
 	}
-	free(seams);
 }
 
 /* Tiles of random levels that cover all: every other tile that could be refined is. */
@@ -391,12 +385,12 @@ static uint32_t random_cover(const struct world *w, struct eco_ground_tile *out,
 UNIT_TEST(the_picture_is_that_of_the_full_detail)
 {
 	static const double tolerances[] = { 0.5, 1, 3 };
-	struct world w;
+	FREED(world) w;
 	noise_state = 300;
 	world_make(&w, &terrains[0], 0);
-	struct eco_ground_tile *tiles = malloc(w.tree.count * sizeof *tiles);
+	FREED_MEMORY struct eco_ground_tile *tiles = malloc(w.tree.count * sizeof *tiles);
 	struct lod_raster_options options = { .width = 320, .height = 240 };
-	struct lod_raster whole, parts;
+	FREED(lod_raster) whole, parts;
 	lod_raster_init(&whole, &options);
 	lod_raster_init(&parts, &options);
 	for (int n = 0; n < 12; n++) {
@@ -431,10 +425,6 @@ UNIT_TEST(the_picture_is_that_of_the_full_detail)
 				wrong);
 		free(choice.tiles);
 	}
-	lod_raster_free(&whole);
-	lod_raster_free(&parts);
-	free(tiles);
-	world_free(&w);
 }
 
 /* At borders, which tiles of other levels share, exactly; inside as the error deserves. And so coded, in
@@ -443,7 +433,7 @@ UNIT_TEST(coarse_heights_are_rounded_inside_only)
 {
 	size_t exact_bytes = 0, rounded_bytes = 0;
 	uint32_t rounded = 0;
-	struct world w;
+	FREED(world) w;
 	world_make(&w, &terrains[0], 0);
 	for (uint32_t i = 0; i < w.tree.count; i++) {
 		const struct eco_ground_tile *t = &w.tree.tiles[i];
@@ -466,7 +456,7 @@ UNIT_TEST(coarse_heights_are_rounded_inside_only)
 				e.element_count, 0 };
 			struct eco_chunk chunk = { .primitive_count = e.element_count,
 				.element_count = e.element_count };
-			uint8_t *bytes;
+			FREED_MEMORY uint8_t *bytes;
 			size_t size;
 			assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 			*(pass ? &rounded_bytes : &exact_bytes) += t->level > 0 ? size : 0;
@@ -476,11 +466,9 @@ UNIT_TEST(coarse_heights_are_rounded_inside_only)
 			assert_memory_equal(back.position, input.elements->position,
 				12 * (size_t)e.element_count);
 			eco_elements_free(&back);
-			free(bytes);
 		}
 		eco_elements_free(&e);
 		eco_elements_free(&exact);
 	}
 	assert_true(rounded > 5 && rounded_bytes < exact_bytes * 4 / 5);
-	world_free(&w);
 }

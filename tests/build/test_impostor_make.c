@@ -23,7 +23,7 @@ static bool stop(void *ctx, double share)
 
 UNIT_TEST(it_stops_when_asked)
 {
-	struct soup soup;
+	FREED(soup) soup;
 	struct lod_impostors impostors;
 	int calls = 0;
 	soup_tree(&soup, 20, 0, false);
@@ -31,7 +31,6 @@ UNIT_TEST(it_stops_when_asked)
 		&(struct lod_impostors_options){ .progress = stop, .ctx = &calls }, &cause), ECO_INTERRUPTED,
 		"");
 	assert_int_equal(impostors.level_count, 0);
-	soup_free(&soup);
 }
 
 UNIT_TEST(plants_without_extent_have_impostors_too)
@@ -49,13 +48,12 @@ UNIT_TEST(plants_without_extent_have_impostors_too)
 		make(&impostors, &soup.model, &(struct lod_impostors_options){ .levels = 2 });
 		assert_int_equal(impostors.level_count, 2);
 		assert_true(eco_impostor_body_good(&impostors.body));
-		struct eco_writer w = { 0 };
+		FREED(eco_writer) w = { 0 };
 		write_all(&w, &impostors);
 		struct eco_impostor_level back;
 		struct eco_impostor_body body;
 		assert_code(eco_impostor_level_read(&back, &body,
 			w.bytes + ECO_IMPOSTOR_BODY_BYTES, w.size, &cause), ECO_DAMAGED, "");
-		eco_writer_free(&w);
 		lod_impostors_free(&impostors);
 		soup_free(&soup);
 	}

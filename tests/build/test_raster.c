@@ -128,7 +128,7 @@ UNIT_TEST(covers_what_the_exact_twin_covers)
 			{ 9, 20, 128 }, { 20, 30, 1 },
 		{ 40, 10, 256 }, { 300, 100, 1 }, { 7000, 500, 1 },
 	};
-	struct lod_raster raster;
+	FREED(lod_raster) raster;
 	rnd_seed = 1;
 	raster_start(&raster, 45, 38, NULL);
 	for (size_t s = 0; s < sizeof shapes / sizeof shapes[0]; s++) {
@@ -140,7 +140,6 @@ UNIT_TEST(covers_what_the_exact_twin_covers)
 			assert_int_equal(twin_differences(&raster, p), 0);
 		}
 	}
-	lod_raster_free(&raster);
 }
 
 static struct lod_eye turned_eye(uint32_t width, uint32_t height)
@@ -153,7 +152,7 @@ static struct lod_eye turned_eye(uint32_t width, uint32_t height)
 
 UNIT_TEST(covers_what_the_twin_covers_in_perspective)
 {
-	struct lod_raster raster;
+	FREED(lod_raster) raster;
 	struct lod_eye eye = turned_eye(64, 48);
 	rnd_seed = 2;
 	raster_start(&raster, 64, 48, &eye);
@@ -171,7 +170,6 @@ UNIT_TEST(covers_what_the_twin_covers_in_perspective)
 		drawn += raster_covered(&raster);
 	}
 	assert_true(drawn > 10000);
-	lod_raster_free(&raster);
 }
 
 /* A plane below the eye, from behind it to far beyond: what is in front of the near plane covers, the rest
@@ -214,7 +212,7 @@ UNIT_TEST(what_is_no_number_or_behind_draws_nothing)
 		{ 3e38f, 3e38f, 3e38f, -3e38f, 3e38f, 0, 0, 3e38f, 3e38f },
 		{ 0, 1, 0, 0, 1, 0, 0, 1, 0 },
 	};
-	struct lod_raster raster;
+	FREED(lod_raster) raster;
 	raster_start(&raster, 32, 32, NULL);
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
 		float width = 3;
@@ -230,7 +228,6 @@ UNIT_TEST(what_is_no_number_or_behind_draws_nothing)
 			assert_int_equal(raster_covered(&raster), 0);
 		lod_raster_clear(&raster);
 	}
-	lod_raster_free(&raster);
 }
 
 static bool same_picture(const struct lod_raster *a, const struct lod_raster *b)
@@ -293,7 +290,7 @@ UNIT_TEST(nearer_wins_and_of_equals_the_smaller_owner)
 	static const double corner[3][2] = { { -4096, -4096 }, { 16384, -4096 }, { -4096, 16384 } };
 	for (int owners = 0; owners < 2; owners++) {
 		for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
-			struct lod_raster raster;
+			FREED(lod_raster) raster;
 			struct lod_raster_options options = { .width = 16, .height = 16, .owner = owners };
 			struct lod_eye eye = flat_eye(16, 16);
 			lod_raster_init(&raster, &options);
@@ -307,7 +304,6 @@ UNIT_TEST(nearer_wins_and_of_equals_the_smaller_owner)
 			}
 			assert_int_equal(raster_covered(&raster), rows[r].wins ? 256 : 0);
 			assert_true(!owners || raster.owner[77] == rows[r].wins);
-			lod_raster_free(&raster);
 		}
 	}
 }
@@ -340,7 +336,7 @@ UNIT_TEST(a_silhouette_covers_what_a_picture_covers)
 	const struct eco_image image = { 8, 8, texels };
 	struct lod_eye eye = wide_eye();
 	for (uint32_t round = 0; round < 60; round++) {
-		struct lod_raster whole, mask;
+		FREED(lod_raster) whole, mask;
 		uint32_t width = 1 + round * 3, height = 1 + round * 2;
 		lod_raster_init(&whole, &(struct lod_raster_options){ .width = width, .height = height });
 		lod_raster_init(&mask,
@@ -356,8 +352,6 @@ UNIT_TEST(a_silhouette_covers_what_a_picture_covers)
 			}
 			assert_memory_equal(whole.cover, mask.cover, (size_t)width * height);
 		}
-		lod_raster_free(&whole);
-		lod_raster_free(&mask);
 	}
 }
 
@@ -365,7 +359,7 @@ UNIT_TEST(a_silhouette_covers_what_a_picture_covers)
 UNIT_TEST(windows_make_up_the_picture)
 {
 	enum { WIDTH = 150, HEIGHT = 110, PART_X = 47, PART_Y = 60 };
-	struct lod_raster whole, part;
+	FREED(lod_raster) whole, part;
 	struct lod_eye eye = wide_eye();
 	uint32_t differ = 0;
 	raster_start(&whole, WIDTH, HEIGHT, &eye);
@@ -386,15 +380,13 @@ UNIT_TEST(windows_make_up_the_picture)
 		}
 	assert_true(raster_covered(&whole) > 5000 && raster_covered(&whole) < WIDTH * HEIGHT - 500);
 	assert_true(differ <= WIDTH * HEIGHT / 2000);
-	lod_raster_free(&whole);
-	lod_raster_free(&part);
 }
 
 UNIT_TEST(order_and_split_do_not_change_a_picture)
 {
 	struct lod_eye eye = wide_eye();
 	rnd_seed = 5;
-	struct crowd crowd = crowd_make(300, 20, 2);
+	FREED(crowd) crowd = crowd_make(300, 20, 2);
 	for (uint32_t twin = 0; twin < 300; twin += 7)        /* equal depths, far apart in the order */
 		memcpy(crowd.position + 9 * 20 * (size_t)twin, crowd.position + 9 * 20 * (size_t)(299 - twin),
 			9 * 20 * sizeof(float));
@@ -414,7 +406,6 @@ UNIT_TEST(order_and_split_do_not_change_a_picture)
 		lod_raster_merge(&parts[1], &parts[round % 3 == 0 ? 0 : 2]);
 		assert_true(same_picture(&whole, &parts[1]));
 	}
-	crowd_free(&crowd);
 	lod_raster_free(&whole);
 	for (int i = 0; i < 3; i++)
 		lod_raster_free(&parts[i]);
@@ -441,8 +432,8 @@ UNIT_TEST(skipping_what_is_hidden_changes_no_pixel)
 	struct lod_eye eye = wide_eye();
 	for (int round = 0; round < 6; round++) {
 		rnd_seed = 6 + (uint64_t)round;
-		struct crowd crowd = crowd_make(1500, 12, round % 2 ? 9 : 1);
-		struct lod_raster all, few;
+		FREED(crowd) crowd = crowd_make(1500, 12, round % 2 ? 9 : 1);
+		FREED(lod_raster) all, few;
 		raster_start(&all, 190, 133, &eye);
 		raster_start(&few, 190, 133, &eye);
 		lod_raster_camera(&all, &eye, 18);
@@ -459,9 +450,6 @@ UNIT_TEST(skipping_what_is_hidden_changes_no_pixel)
 		}
 		assert_true(same_picture(&all, &few));
 		assert_true(skipped > (round % 2 ? 300 : 30));
-		crowd_free(&crowd);
-		lod_raster_free(&all);
-		lod_raster_free(&few);
 	}
 }
 
@@ -472,7 +460,7 @@ UNIT_TEST(cutouts_are_sampled_in_perspective_and_wrap)
 	enum { TW = 7, TH = 5 };
 	uint8_t texels[TW * TH * 4] = { 0 };
 	struct eco_image image = { TW, TH, texels };
-	struct lod_raster raster;
+	FREED(lod_raster) raster;
 	struct lod_eye eye = wide_eye();
 	rnd_seed = 9;
 	for (int i = 0; i < TW * TH; i++)
@@ -501,7 +489,6 @@ UNIT_TEST(cutouts_are_sampled_in_perspective_and_wrap)
 	}
 	assert_true(inside > 8000);
 	assert_true(wrong < inside / 100);
-	lod_raster_free(&raster);
 }
 
 /* ---- Bits ---- */
@@ -520,14 +507,14 @@ static uint64_t digest(const struct lod_raster *raster)
 
 UNIT_TEST(every_build_paints_the_same_bits)
 {
-	struct lod_raster raster;
+	FREED(lod_raster) raster;
 	struct lod_eye eye = wide_eye();
 	rnd_seed = 12;
 	raster_start(&raster, 320, 200, &eye);
 	lod_raster_object(&raster, &(struct lod_place){ { 1, 4, 2 }, 0.28, 0.96, 0.5 });
-	struct crowd crowd = crowd_make(200, 40, 3);
+	FREED(crowd) crowd = crowd_make(200, 40, 3);
 	crowd_draw(&raster, &crowd, 0, 200);
-	float *width = malloc(2000 * sizeof *width);
+	FREED_MEMORY float *width = malloc(2000 * sizeof *width);
 	for (int i = 0; i < 2000; i++)
 		width[i] = (float)uniform(0.05, 0.3);
 	struct lod_raster_batch lines = { .count = 2000, .position = crowd.position + 31, .width = width,
@@ -535,7 +522,4 @@ UNIT_TEST(every_build_paints_the_same_bits)
 	lod_raster_lines(&raster, &lines);
 	assert_true(raster_covered(&raster) > 20000);
 	assert_true(digest(&raster) == 0xf124b9c5252285c6u);
-	free(width);
-	crowd_free(&crowd);
-	lod_raster_free(&raster);
 }

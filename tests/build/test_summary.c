@@ -186,7 +186,7 @@ UNIT_TEST(nested_summaries_stand_for_their_files)
 UNIT_TEST(list_holds_the_points)
 {
 	struct eco_list list;
-	struct eco_elements e;
+	FREED(eco_elements) e;
 	make_world();
 	struct lod_summary s = summary_of(2, 256);
 	lod_summary_list(&s, &w.b.scene, 2, 40, &list, &e);
@@ -202,7 +202,6 @@ UNIT_TEST(list_holds_the_points)
 		assert_int_equal(e.extra[3 * i + 1], s.points[i].plant);
 		assert_int_equal(e.extra[3 * i + 2], s.points[i].key);
 	}
-	eco_elements_free(&e);
 	free(s.points);
 }
 

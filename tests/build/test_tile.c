@@ -67,9 +67,9 @@ static void check_inner(const struct lod_tiles *tiles, uint32_t id)
 
 static void check(uint32_t count, uint32_t most, enum layout layout)
 {
-	struct lod_tile_item *items = calloc(count + 1u, sizeof *items);
+	FREED_MEMORY struct lod_tile_item *items = calloc(count + 1u, sizeof *items);
 	uint32_t *seen = calloc(count + 1u, sizeof *seen), reached = 1;
-	struct lod_tiles tiles;
+	FREED(lod_tiles) tiles;
 	lay_out(items, count, layout);
 	lod_tiles_build(&tiles, items, count, most);
 	assert_int_equal(tiles.nodes[0].item_count, count);
@@ -85,8 +85,6 @@ static void check(uint32_t count, uint32_t most, enum layout layout)
 		assert_int_equal(seen[i], 1);
 	if (layout == SCATTERED && count > 4 * most)
 		assert_true(tiles.node_count > count / most);
-	lod_tiles_free(&tiles);
-	free(items);
 	free(seen);
 }
 
@@ -104,7 +102,7 @@ UNIT_TEST(test_leaves_are_not_nearly_empty)
 {
 	static struct lod_tile_item items[10000];
 	for (uint32_t count = 129; count <= 10000; count += count / 8) {
-		struct lod_tiles tiles;
+		FREED(lod_tiles) tiles;
 		uint32_t leaves = 0;
 		lay_out(items, count, SCATTERED);
 		for (uint32_t i = 0; i < count; i++)
@@ -113,6 +111,5 @@ UNIT_TEST(test_leaves_are_not_nearly_empty)
 		for (uint32_t n = 0; n < tiles.node_count; n++)
 			leaves += tiles.nodes[n].child_count == 0;
 		assert_true(leaves * 50 <= count);
-		lod_tiles_free(&tiles);
 	}
 }

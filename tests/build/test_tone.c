@@ -71,8 +71,8 @@ UNIT_TEST(one_colour_and_nothing_seen_change_nothing)
 
 UNIT_TEST(a_leaf_in_a_box_is_not_seen)
 {
-	struct soup soup;
-	struct lod_arena arena = { 0 };
+	FREED(soup) soup;
+	FREED(lod_arena) arena = { 0 };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	struct lod_elements elements;
@@ -107,6 +107,4 @@ UNIT_TEST(a_leaf_in_a_box_is_not_seen)
 	}
 	assert_int_equal(hidden, 1);
 	assert_true(all > 1000);
-	lod_arena_free(&arena);
-	soup_free(&soup);
 }

@@ -11,14 +11,13 @@
 
 static struct view_picture drawn(double share, double *ceiling)
 {
-	struct scene_held d = scene_hold_view(&grove, scene_view(), share);
+	AT_END(scene_release) struct scene_held d = scene_hold_view(&grove, scene_view(), share);
 	scene_select(&d);
 	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, NULL, VIEW_TINT_NONE };
 	struct view_picture p = scene_draw(&d, false, VIEW_TINT_NONE);
 	assert_int_equal(view_measure_soft(&job, &p, NULL), ECO_OK);
 	if (ceiling)
 		assert_int_equal(view_measure_ceiling(&job, &p, ceiling, NULL), ECO_OK);
-	scene_release(&d);
 	return p;
 }
 
@@ -26,18 +25,16 @@ UNIT_TEST(the_same_is_perfect_and_less_is_worse_by_every_measure)
 {
 	struct view_measures m[3];
 	double ceiling = NAN;
-	struct view_picture full = drawn(1, &ceiling);
+	FREED(view_picture) full = drawn(1, &ceiling);
 	static const double shares[] = { 1, 0.5, 0.1 };
 	for (int i = 0; i < 3; i++) {
-		struct view_picture p = drawn(shares[i], NULL);
+		FREED(view_picture) p = drawn(shares[i], NULL);
 		view_measure_pair(&p, &full, NULL, &m[i]);
-		view_picture_free(&p);
 	}
 	assert_true(m[0].score.q == 1 && m[0].score.owner_q == 1 && m[0].soft_q == 1 && m[0].picture_error == 0);
 	assert_true(ceiling > 0.8 && ceiling <= 1);
 	assert_true(m[1].soft_q < 1 && m[2].soft_q < m[1].soft_q);
 	assert_true(m[1].picture_error > 0 && m[2].picture_error > m[1].picture_error);
-	view_picture_free(&full);
 }
 
 static const uint8_t *at(const struct eco_image *image, uint32_t x, uint32_t y)
@@ -60,7 +57,7 @@ UNIT_TEST(file_has_three_pictures_and_their_words)
 	struct view_picture pictures[2];
 	static float error_map[WIDTH * HEIGHT];
 	uint32_t size[2];
-	uint8_t *rgb;
+	FREED_MEMORY uint8_t *rgb;
 	for (int i = 0; i < 2; i++) {
 		assert_int_equal(view_picture_init(&pictures[i], WIDTH, HEIGHT, NULL), ECO_OK);
 		memset(pictures[i].rgb, 40 + 100 * i, 3 * WIDTH * HEIGHT);
@@ -72,7 +69,7 @@ UNIT_TEST(file_has_three_pictures_and_their_words)
 	assert_int_equal(eco_png_write(&(struct eco_pixels){ size[0], size[1], 3, rgb },
 		"build/tmp/compare.png",
 		NULL), ECO_OK);
-	struct eco_image image;
+	FREED(eco_image) image;
 	assert_int_equal(eco_image_read(&image, "build/tmp/compare.png", NULL), ECO_OK);
 	assert_true(image.width == 3 * WIDTH && image.height > HEIGHT);
 	assert_int_equal(at(&image, WIDTH - 1, HEIGHT - 1)[0], 40);
@@ -83,8 +80,6 @@ UNIT_TEST(file_has_three_pictures_and_their_words)
 	assert_int_equal(lit_dots(&image, 0, WIDTH, HEIGHT), 0);
 	assert_int_equal(lit_dots(&image, WIDTH, 2 * WIDTH, HEIGHT), 4 * 16);
 	assert_true(lit_dots(&image, 2 * WIDTH, 3 * WIDTH, HEIGHT) > 4 * 30);
-	eco_image_free(&image);
-	free(rgb);
 	view_picture_free(&pictures[0]);
 	view_picture_free(&pictures[1]);
 }
@@ -93,17 +88,15 @@ UNIT_TEST(file_has_three_pictures_and_their_words)
 UNIT_TEST(narrow_pictures_break_their_words)
 {
 	for (uint32_t width = 1; width < 40; width += 3) {
-		struct view_picture p;
+		FREED(view_picture) p;
 		static const float error_map[40 * 2];
 		uint32_t size[2];
-		uint8_t *rgb;
+		FREED_MEMORY uint8_t *rgb;
 		assert_int_equal(view_picture_init(&p, width, 2, NULL), ECO_OK);
 		struct view_compare compare = { &p, &p, error_map, { "many words of all lengths\n\n0.1",
 			"", "x" } };
 		assert_int_equal(view_compare_draw(&compare, &rgb, size, NULL), ECO_OK);
 		assert_true(size[0] == 3 * width && size[1] > 2 + 10 * 3 && size[1] < 2 + 10 * 40);
-		free(rgb);
-		view_picture_free(&p);
 	}
 }
 

@@ -47,7 +47,7 @@ UNIT_TEST(empty_store_draws_an_empty_picture)
 {
 	if (!scene_gl)
 		skip();
-	struct view_store *store = empty_store();
+	OWNED(view_store) *store = empty_store();
 	struct view_picture p = draw(store, VIEW_TINT_NONE);
 	assert_int_equal(covered(&p), 0);
 	assert_true(p.vertices == 0);
@@ -58,7 +58,6 @@ UNIT_TEST(empty_store_draws_an_empty_picture)
 	assert_int_equal(view_picture_init(&p, 7, 5, NULL), ECO_OK);
 	assert_int_not_equal(view_gl_draw(scene_gl, &job, &p, NULL), ECO_OK);
 	view_picture_free(&p);
-	view_store_free(store);
 }
 
 /* Lists that no store holds any more go from the GPU, and come again where they are drawn. */
@@ -66,9 +65,10 @@ UNIT_TEST(gpu_keeps_what_some_store_holds)
 {
 	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&grove), part = scene_hold_view(&grove, scene_view(), 0.2);
-	struct view_store *empty = empty_store();
-	struct view_picture first = draw(h.store, VIEW_TINT_NONE);
+	AT_END(scene_release) struct scene_held h = scene_hold(&grove),
+		part = scene_hold_view(&grove, scene_view(), 0.2);
+	OWNED(view_store) *empty = empty_store();
+	FREED(view_picture) first = draw(h.store, VIEW_TINT_NONE);
 	uint64_t bytes = view_gl_bytes(scene_gl);
 	view_gl_keep(scene_gl, (const struct view_store *[]){ empty, h.store }, 2);
 	assert_true(bytes > 0 && view_gl_bytes(scene_gl) == bytes);
@@ -77,17 +77,12 @@ UNIT_TEST(gpu_keeps_what_some_store_holds)
 	uint64_t rest = view_gl_bytes(scene_gl);
 	assert_true(rest > 0 && rest < bytes);
 	for (int i = 0; i < 2; i++) {
-		struct view_picture again = draw(h.store, VIEW_TINT_NONE);
+		FREED(view_picture) again = draw(h.store, VIEW_TINT_NONE);
 		assert_same(&first, &again);
 		assert_true(view_gl_bytes(scene_gl) <= bytes);
-		view_picture_free(&again);
 		view_gl_keep(scene_gl, (const struct view_store *[]){ empty }, 1);
 		assert_true(view_gl_bytes(scene_gl) == 0);
 	}
-	view_picture_free(&first);
-	view_store_free(empty);
-	scene_release(&part);
-	scene_release(&h);
 }
 
 /* The hue tells the representation: green triangles, red lines, blue points, yellow to orange blends. */
@@ -125,33 +120,26 @@ UNIT_TEST(uploads_in_parts_draw_the_same)
 		skip();
 	struct eco_view view = scene_view();
 	struct view_gl_options options = { view.width, view.height };
-	struct eco_plan small, large;
-	struct eco_writer w;
+	FREED(eco_plan) small, large;
+	FREED(eco_writer) w;
 	struct view_gl *usual = scene_gl;
 	uint32_t held[L_COUNT];
 	scene_plan(&grove, &view, 0.1, &small);
 	scene_plan(&grove, &view, 1, &large);
 	assert_int_equal(view_gl_open(&scene_gl, &options, NULL), ECO_OK);
-	struct view_store *store = scene_store(&grove, &small, NULL);
-	struct view_picture first = draw(store, VIEW_TINT_NONE);
+	OWNED(view_store) *store = scene_store(&grove, &small, NULL);
+	FREED(view_picture) first = draw(store, VIEW_TINT_NONE);
 	scene_holdings(store, held);
 	scene_stream(&grove, &large, held, &w);
 	assert_int_equal(scene_feed(store, &w, NULL), ECO_OK);
-	struct view_picture grown = draw(store, VIEW_TINT_NONE);
+	FREED(view_picture) grown = draw(store, VIEW_TINT_NONE);
 	view_gl_close(scene_gl);
 	assert_int_equal(view_gl_open(&scene_gl, &options, NULL), ECO_OK);
-	struct view_picture whole = draw(store, VIEW_TINT_NONE);
+	FREED(view_picture) whole = draw(store, VIEW_TINT_NONE);
 	assert_same(&grown, &whole);
 	assert_true(covered(&first) < covered(&whole));
 	view_gl_close(scene_gl);
 	scene_gl = usual;
-	view_picture_free(&first);
-	view_picture_free(&grown);
-	view_picture_free(&whole);
-	eco_writer_free(&w);
-	view_store_free(store);
-	eco_plan_free(&small);
-	eco_plan_free(&large);
 }
 
 /* A plan that draws only the first points of each tree, and the store that holds its stream. */
@@ -183,16 +171,14 @@ UNIT_TEST(points_of_all_sizes_are_those_of_software)
 		struct eco_view view = scene_view();
 		for (int k = 0; k < 3; k++)
 			view.eye[k] = view.target[k] + (view.eye[k] - view.target[k]) * views[i].near;
-		struct scene_held h = hold_points(&view, views[i].count, views[i].scale);
-		struct view_picture soft = scene_draw(&h, false, VIEW_TINT_NONE),
+		AT_END(scene_release) struct scene_held h = hold_points(&view, views[i].count,
+			views[i].scale);
+		FREED(view_picture) soft = scene_draw(&h, false, VIEW_TINT_NONE),
 			hard = scene_draw(&h, true, VIEW_TINT_NONE);
 		struct picture_difference apart = picture_compare(&soft, &hard);
 		print_message("at %g times the distance: %.4f %% covered, %.4f %% of other owners\n", views[i].near,
 			100 * apart.covered, 100 * apart.owners);
 		assert_true(covered(&soft) > 100 && apart.owners * 200 <= apart.covered);
-		view_picture_free(&soft);
-		view_picture_free(&hard);
-		scene_release(&h);
 	}
 }
 
@@ -200,8 +186,8 @@ UNIT_TEST(own_colours_are_those_that_were_recorded)
 {
 	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&grove);
-	struct view_picture own = draw(h.store, VIEW_TINT_OWN), recorded;
+	AT_END(scene_release) struct scene_held h = scene_hold(&grove);
+	FREED(view_picture) own = draw(h.store, VIEW_TINT_OWN), recorded;
 	assert_int_equal(view_picture_init(&recorded, own.width, own.height, NULL), ECO_OK);
 	assert_int_equal(view_gl_read(scene_gl, &recorded, NULL), ECO_OK);
 	uint32_t ground = 0, plants = 0;
@@ -213,23 +199,19 @@ UNIT_TEST(own_colours_are_those_that_were_recorded)
 			assert_int_equal(seen[k], own.owner[i] ? is[k] : own.depth[i] > 0 ? VIEW_OWN_GROUND : 0);
 	}
 	assert_true(plants && ground);
-	view_picture_free(&own);
-	view_picture_free(&recorded);
-	scene_release(&h);
 }
 
 UNIT_TEST(programs_are_compiled_before_something_is_drawn_by_them)
 {
 	const uint32_t wanted = 1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY;
 	struct view_gl_options options = { 16, 16 };
-	struct view_gl *fresh;
+	OWNED(view_gl) *fresh;
 	if (!scene_gl)
 		skip();
 	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
 	assert_int_equal(view_gl_programs(fresh), 0);
 	assert_int_equal(view_gl_prepare(fresh, wanted, NULL), ECO_OK);
 	assert_int_equal(view_gl_programs(fresh), wanted);
-	view_gl_close(fresh);
 }
 
 UNIT_MAIN(scene_open_gl, scene_close)

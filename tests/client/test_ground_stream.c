@@ -79,7 +79,7 @@ static struct view_store *receive(struct view_store *into, const struct srv_stre
 UNIT_TEST(ground_comes_coarse_to_fine)
 {
 	struct eco_request request = request_of(900, 120, 300000);
-	struct srv_stream stream;
+	FREED(srv_stream) stream;
 	request.ground_px = 0.1;
 	plan(&stream, &request, NULL);
 	assert_true(stream.step_count >= 2);
@@ -94,7 +94,6 @@ UNIT_TEST(ground_comes_coarse_to_fine)
 	assert_true(scene->pack->scene.ground_count > 300 && stream.steps[0].end_bytes
 		< stream.body_bytes / 4);
 	view_store_free(receive(NULL, &stream));
-	srv_stream_free(&stream);
 }
 
 /* ---- Bytes ---- */
@@ -138,18 +137,18 @@ UNIT_TEST(ground_gives_way_before_plants)
 UNIT_TEST(opengl_and_software_draw_the_same_ground)
 {
 	static const double views[][2] = { { 300, 60 }, { 40, 3 }, { 900, 500 }, { 30, 900 } };
-	struct view_gl *gl = NULL;
+	OWNED(view_gl) *gl = NULL;
 	uint32_t seams = 0;
 	if (view_gl_open(&gl, &(struct view_gl_options){ 480, 320 }, NULL))
 		skip();
 	for (int i = 0; i < 4; i++) {
 		struct eco_request request = request_of(views[i][0], views[i][1], 20000);
-		struct srv_stream stream;
-		struct view_selection selection;
-		struct view_picture a, b;
+		FREED(srv_stream) stream;
+		AT_END(view_select_free) struct view_selection selection;
+		FREED(view_picture) a, b;
 		struct lod_eye eye;
 		plan(&stream, &request, NULL);
-		struct view_store *held = receive(NULL, &stream);
+		OWNED(view_store) *held = receive(NULL, &stream);
 		lod_eye_make(&eye, &request.view);
 		assert_int_equal(view_select_make(&selection, held, &eye, NULL), ECO_OK);
 		assert_int_equal(selection.ground.count, ground_tiles(&stream.steps[stream.step_count - 1]));
@@ -165,14 +164,8 @@ UNIT_TEST(opengl_and_software_draw_the_same_ground)
 			0.05, 2, NULL, VIEW_TINT_NONE }, &b, NULL), ECO_OK);
 		struct picture_difference apart = picture_compare(&a, &b);
 		assert_true(apart.seen < 0.01 && apart.masks < 1 / 2000.0 && apart.owners < 1 / 1000.0);
-		view_picture_free(&a);
-		view_picture_free(&b);
-		view_select_free(&selection);
-		view_store_free(held);
-		srv_stream_free(&stream);
 	}
 	assert_true(seams > 20);
-	view_gl_close(gl);
 }
 
 UNIT_MAIN(open_all, close_all)

@@ -38,10 +38,10 @@ static struct eco_plan plan_levels(uint32_t first, uint32_t end)
 /* A plan of one level needs those before it, too; what is held already is not sent again. */
 UNIT_TEST(levels_are_held_as_a_prefix_and_extended)
 {
-	struct eco_plan small = plan_levels(0, 1), large = plan_levels(LEVELS - 1, LEVELS);
+	FREED(eco_plan) small = plan_levels(0, 1), large = plan_levels(LEVELS - 1, LEVELS);
 	struct eco_error error = { 0 };
-	struct eco_writer w;
-	struct view_store *store = scene_store(&grove, &small, &error);
+	FREED(eco_writer) w;
+	OWNED(view_store) *store = scene_store(&grove, &small, &error);
 	assert_string_equal(error.text, "");
 	const struct view_list *list = view_store_list(store, L_IMPOSTOR);
 	assert_int_equal(list->chunk_count, 1);
@@ -59,10 +59,6 @@ UNIT_TEST(levels_are_held_as_a_prefix_and_extended)
 		more += i ? sizeof *list->impostors + lod_impostor_bytes(&list->impostors[i]) : 0;
 	}
 	assert_true(view_store_stats(store).memory_bytes == before + more);
-	eco_writer_free(&w);
-	view_store_free(store);
-	eco_plan_free(&small);
-	eco_plan_free(&large);
 }
 
 /* ---- What is refused ---- */
@@ -116,7 +112,7 @@ static struct eco_writer stream_of(enum fault fault)
 	struct eco_list *list = &grove.lists[L_IMPOSTOR], kept = *list;
 	struct eco_chunk *chunks = grove.chunks + list->chunk_first, sound[2] = { chunks[0], chunks[1] };
 	uint8_t **payloads = grove.payloads + list->chunk_first, *whole[2] = { payloads[0], payloads[1] };
-	struct eco_plan plan = plan_levels(fault == NOT_HELD ? 2 : fault != BOTH_LEVELS,
+	FREED(eco_plan) plan = plan_levels(fault == NOT_HELD ? 2 : fault != BOTH_LEVELS,
 		fault == NOT_HELD ? 3 : 2);
 	struct eco_writer w = { 0 };
 	uint32_t number = 0;
@@ -130,7 +126,6 @@ static struct eco_writer stream_of(enum fault fault)
 		scene_frame(&w, &grove, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, i);
 	wire_put_plan(&w, &number, &plan);
 	wire_put_end(&w, &number, 0, 0);
-	eco_plan_free(&plan);
 	*list = kept;
 	for (int i = 0; i < 2; i++) {
 		free(payloads[i]);
@@ -144,14 +139,12 @@ UNIT_TEST(wrong_levels_are_refused_by_list_and_chunk)
 {
 	for (int fault = 0; fault < FAULTS; fault++) {
 		struct eco_error error = { 0 };
-		struct view_store *store;
-		struct eco_writer w = stream_of((enum fault)fault);
+		OWNED(view_store) *store;
+		FREED(eco_writer) w = stream_of((enum fault)fault);
 		assert_int_equal(view_store_new(&store, &(struct view_store_options){ 0 }, NULL), ECO_OK);
 		enum eco_code code = scene_feed(store, &w, &error);
 		if (code != faults[fault].code || !strstr(error.text, faults[fault].says))
 			fail_msg("fault %d: code %d, '%s'", fault, code, error.text);
-		view_store_free(store);
-		eco_writer_free(&w);
 	}
 }
 

@@ -11,7 +11,7 @@
 static void light_leaf(const struct scene_held *h, const float sun[3], const float normal[3], uint8_t rgb[3])
 {
 	static const uint8_t green[3] = { 70, 120, 40 };
-	struct view_picture one;
+	FREED(view_picture) one;
 	const struct view_instance *plant = h->selection.instances;
 	struct view_selection s = h->selection;
 	s.ground.count = 0;
@@ -31,12 +31,11 @@ static void light_leaf(const struct scene_held *h, const float sun[3], const flo
 	struct view_light_job job = { h->store, &s, &h->eye, VIEW_TINT_UNSHADED, 1 };
 	assert_good(view_light_picture(&job, &one, &cause));
 	memcpy(rgb, one.rgb, 3);
-	view_picture_free(&one);
 }
 
 UNIT_TEST(leaves_have_two_sides_and_let_light_through)
 {
-	struct scene_held h = scene_hold(&grove);
+	AT_END(scene_release) struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	const double *f = h.eye.forward;
 	const float normal[3] = { -(float)f[0], -(float)f[1], -(float)f[2] }, back[3] = { (float)f[0],
@@ -57,7 +56,6 @@ UNIT_TEST(leaves_have_two_sides_and_let_light_through)
 	/* it glows, in a yellower green than in light from the front */
 	assert_true(through[1] > grazed[1] + 10 && through[1] < front[1]);
 	assert_true(through[1] * front[2] > front[1] * through[2]);
-	scene_release(&h);
 }
 
 /* ---- Pictures ---- */
@@ -88,9 +86,9 @@ static double mean_of(const struct view_picture *p, int channel, bool ground)
 
 UNIT_TEST(nearer_haze_hides_more)
 {
-	struct scene_held h = scene_hold(&grove);
+	AT_END(scene_release) struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
-	struct view_picture usual, same, near;
+	FREED(view_picture) usual, same, near;
 	usual = draw(&h, &(struct view_sky){ .haze_m = 0 });
 	same = draw(&h, &(struct view_sky){ .haze_m = 5200 });
 	near = draw(&h, &(struct view_sky){ .haze_m = 30 });
@@ -99,10 +97,6 @@ UNIT_TEST(nearer_haze_hides_more)
 		mean_of(&near, 2, true), mean_of(&near, 2, false));
 	assert_true(mean_of(&near, 2, true) > mean_of(&usual, 2, true) + 20);
 	assert_true(fabs(mean_of(&near, 2, false) - mean_of(&usual, 2, false)) < 1e-9);
-	view_picture_free(&usual);
-	view_picture_free(&same);
-	view_picture_free(&near);
-	scene_release(&h);
 }
 
 /* Around a low sun the sky is red, away from it less so, and around a high one not at all. */
@@ -110,7 +104,7 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 {
 	struct eco_view level = scene_view();
 	level.target[2] = level.eye[2] + 3;
-	struct scene_held h = scene_hold_view(&grove, level, 1);
+	AT_END(scene_release) struct scene_held h = scene_hold_view(&grove, level, 1);
 	scene_select(&h);
 	const double *f = h.eye.forward;
 	const struct view_sky low = { .sun = { (float)f[0], (float)f[1], 0.08f } }, away = { .sun = {
@@ -118,15 +112,13 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 	const struct view_sky *skies[] = { &low, &away, &high };
 	double red[3];
 	for (int i = 0; i < 3; i++) {
-		struct view_picture p;
+		FREED(view_picture) p;
 		p = draw(&h, skies[i]);
 		red[i] = mean_of(&p, 0, false) / mean_of(&p, 2, false);
-		view_picture_free(&p);
 	}
 	print_message("red over blue: %.3f towards a low sun, %.3f away from it, %.3f below a high one\n", red[0],
 		red[1], red[2]);
 	assert_true(red[0] > 1.1 * red[1] && red[1] > 1.05 * red[2]);
-	scene_release(&h);
 }
 
 UNIT_MAIN(scene_open, scene_close)

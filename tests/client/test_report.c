@@ -22,7 +22,7 @@ UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 	char score[VIEW_SCORE_BYTES];
 	assert_string_equal(view_report_score(score, NAN), "-");
 	assert_string_equal(view_report_score(score, 0.12345), "0.1235");
-	char *text = NULL;
+	FREED_MEMORY char *text = NULL;
 	size_t size;
 	struct view_frame f = view_frame_empty(7, 3.5, &request);
 	f.vertices = 999;
@@ -33,7 +33,6 @@ UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 	fclose(out);
 	assert_string_equal(text, "frame 0007  vertices 999 of 1000  bytes 1234  P -  R -  Q 0.2500  skill "
 		"-  owner_q -  soft_q -  ceiling -  picture_error -\n");
-	free(text);
 }
 
 static json_t *written(const struct view_report *report)
@@ -56,7 +55,7 @@ UNIT_TEST(report_has_every_figure)
 		"first_byte_ms", "stream_ms", "decode_ms",
 		"draw_ms", "shadow_ms", "shadow_texels_per_pixel", "reference_ms",
 		"reference_summaries" };
-	struct view_report report = { .scene = "park", .renderer = "software", .width = 800, .height = 600,
+	FREED(view_report) report = { .scene = "park", .renderer = "software", .width = 800, .height = 600,
 		.complete = true };
 	struct view_measures measures = { .score = { .precision = 0.5, .recall = 0.75, .q = 0.4, .skill = NAN,
 		.owner_q = 0.3 }, .soft_q = 0.6, .picture_error = 0.1 };
@@ -98,7 +97,6 @@ UNIT_TEST(report_has_every_figure)
 	assert_true(json_is_null(json_object_get(root, "reference"))
 		&& json_is_true(json_object_get(root, "complete")));
 	json_decref(root);
-	view_report_free(&report);
 }
 
 UNIT_TEST(memory_is_spoken_of_where_something_had_to_go)
@@ -109,13 +107,12 @@ UNIT_TEST(memory_is_spoken_of_where_something_had_to_go)
 		struct view_frame frames[2] = { { .fetched = { .bytes = 600, .requests = 1 } },
 			{ .fetched = { .bytes = 400, .requests = 3 }, .evictions = 7 * i, .again_bytes = 50 } };
 		struct view_report report = { .frames = { frames, 2, 2 }, .memory_peak_bytes = 3 << 19 };
-		char *text = NULL;
+		FREED_MEMORY char *text = NULL;
 		size_t size;
 		FILE *out = open_memstream(&text, &size);
 		view_report_memory_line(&report, out);
 		fclose(out);
 		assert_string_equal(text, says[i]);
-		free(text);
 	}
 }
 

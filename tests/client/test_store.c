@@ -12,7 +12,7 @@
 /* Keys that share a slot stay found when others before them go: the twin is an array. */
 UNIT_TEST(table_forgets_what_was_removed)
 {
-	struct view_table table = { 0 };
+	FREED(view_table) table = { 0 };
 	uint32_t twin[600], count = 0, random = 1;
 	memset(twin, 0xff, sizeof twin);
 	view_table_remove(&table, 5);
@@ -32,7 +32,6 @@ UNIT_TEST(table_forgets_what_was_removed)
 		for (uint32_t k = step % 7; k < 600; k += 7)
 			assert_int_equal(view_table_get(&table, k), twin[k]);
 	}
-	view_table_free(&table);
 }
 
 UNIT_TEST(stream_fills_the_store)
@@ -137,11 +136,11 @@ UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 		"a tile of ground", "palette" };
 	struct eco_view view = scene_view();
 	for (int fault = 0; fault < FAULTS; fault++) {
-		struct view_store *store;
+		OWNED(view_store) *store;
 		struct view_store_options options = { 0 };
 		struct eco_error error = { 0 };
-		struct eco_writer w;
-		struct eco_plan plan;
+		FREED(eco_writer) w;
+		FREED(eco_plan) plan;
 		scene_plan(&grove, &view, 1, &plan);
 		assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
 		write_fault((enum fault)fault, &plan, &w);
@@ -150,9 +149,6 @@ UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 			print_message("fault %d: code %d, '%s'\n", fault, code, error.text);
 		assert_int_not_equal(code, ECO_OK);
 		assert_non_null(strstr(error.text, reasons[fault]));
-		view_store_free(store);
-		eco_writer_free(&w);
-		eco_plan_free(&plan);
 	}
 }
 
@@ -164,7 +160,7 @@ UNIT_TEST(selection_draws_what_the_plan_says)
 		struct eco_view view = scene_view();
 		view.eye[0] += 5 * step;
 		view.eye[1] += step;
-		struct scene_held h = scene_hold_view(&grove, view, 0.5 + step / 24.0);
+		AT_END(scene_release) struct scene_held h = scene_hold_view(&grove, view, 0.5 + step / 24.0);
 		scene_select(&h);
 		const struct view_selection s = h.selection;
 		assert_true(s.vertices == h.plan.vertices && s.visible_plants == h.plan.visible_plants);
@@ -177,31 +173,28 @@ UNIT_TEST(selection_draws_what_the_plan_says)
 				assert_int_equal(found, 1);
 			}
 		assert_int_equal(pairs, s.cut_first[s.instance_count]);
-		scene_release(&h);
 	}
 }
 
 UNIT_TEST(selection_refuses_a_plan_that_miscounts)
 {
 	struct eco_view view = scene_view();
-	struct eco_plan plan;
+	FREED(eco_plan) plan;
 	struct lod_eye eye;
 	struct view_selection s;
 	struct eco_error error = { 0 };
 	scene_plan(&grove, &view, 1, &plan);
 	plan.vertices++;
 	lod_eye_make(&eye, &view);
-	struct view_store *store = scene_store(&grove, &plan, NULL);
+	OWNED(view_store) *store = scene_store(&grove, &plan, NULL);
 	assert_int_equal(view_select_make(&s, store, &eye, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "disagree"));
 	assert_null(s.instances);
-	view_store_free(store);
-	eco_plan_free(&plan);
 }
 
 UNIT_TEST(blends_are_recognised)
 {
-	struct scene_held h = scene_hold(&grove);
+	AT_END(scene_release) struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	const struct view_selection s = h.selection;
 	for (uint32_t c = 0; c < s.cut_count; c++) {
@@ -213,15 +206,14 @@ UNIT_TEST(blends_are_recognised)
 				[L_BUSH] = VIEW_ROLE_TRIANGLES, [L_SUMMARY] = VIEW_ROLE_SUMMARY };
 		assert_int_equal(s.roles[c], roles[view_store_plan(h.store)->cuts[c].list]);
 	}
-	scene_release(&h);
 }
 
 /* The shader adds a placement's path to a record's owner; that must be what the library says. */
 UNIT_TEST(summary_records_carry_owners)
 {
-	struct scene_held h = scene_hold(&grove);
+	AT_END(scene_release) struct scene_held h = scene_hold(&grove);
 	const struct view_list *list = view_store_list(h.store, L_SUMMARY);
-	uint32_t *words = malloc((size_t)list->elements.primitive_count * 8 * 4);
+	FREED_MEMORY uint32_t *words = malloc((size_t)list->elements.primitive_count * 8 * 4);
 	assert_int_equal(view_record_texels(&list->list), 2);
 	assert_int_equal(view_record_write(list, 0, list->chunk_count, words, NULL), ECO_OK);
 	for (uint32_t i = 0; i < list->elements.primitive_count; i++)
@@ -231,8 +223,6 @@ UNIT_TEST(summary_records_carry_owners)
 				high = (t[1] & ~t[2]) | ((t[1] + view_record_path(key)) & t[2]);
 			assert_true((t[0] | (uint64_t)high << 32) == view_summary_owner(list, i, key));
 		}
-	free(words);
-	scene_release(&h);
 }
 
 UNIT_MAIN(scene_open, scene_close)

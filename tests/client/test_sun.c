@@ -69,7 +69,7 @@ UNIT_TEST(times_are_read_as_they_are_written)
 /* The sum of sunlight taken, and its mean place, from the only plant. */
 static double shadow_of(const struct scene_held *h, const struct view_selection *selection, double mean[2])
 {
-	struct view_shade shade;
+	FREED(view_shade) shade;
 	const double *at = selection->instances[0].place.at;
 	double sum = 0;
 	mean[0] = mean[1] = 0;
@@ -82,7 +82,6 @@ static double shadow_of(const struct scene_held *h, const struct view_selection 
 			mean[0] += taken * (shade.low[0] + (i + 0.5) * texel - at[0]);
 			mean[1] += taken * (shade.low[1] + (j + 0.5) * texel - at[1]);
 		}
-	view_shade_free(&shade);
 	return sum;
 }
 
@@ -91,7 +90,7 @@ UNIT_TEST(shadows_fall_away_from_the_sun)
 	static const float suns[][3] = { { 0.6f, 0, 0.8f }, { -0.6f, 0, 0.8f }, { 0, 0.6f, 0.8f },
 		{ 0.4f, -0.5f, 0.768f } };
 	scene_open(NULL);
-	struct scene_held h = scene_hold(&grove);
+	AT_END(scene_release) struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	uint32_t tree = 0;
 	while (h.selection.instances[tree].plant != 0)
@@ -109,6 +108,5 @@ UNIT_TEST(shadows_fall_away_from_the_sun)
 	assert_true(shadow_of(&h, &alone, mean) > 0 && mean[0] > 0 && mean[1] > 0);
 	memcpy(alone.sky.sun, (const float[3]){ 0.9f, 0.3f, -0.3f }, sizeof alone.sky.sun);
 	assert_true(shadow_of(&h, &alone, mean) == 0);
-	scene_release(&h);
 	scene_close(NULL);
 }

@@ -107,10 +107,9 @@ UNIT_TEST(a_small_tile_far_from_the_others_is_as_sharp)
 
 static enum eco_code code_of(const struct made *m, uint32_t count)
 {
-	struct view_image image;
+	FREED(view_image) image;
 	struct eco_error error = { 0 };
 	enum eco_code code = view_image_of(&image, m->tiles, count, &error);
-	view_image_free(&image);
 	return code;
 }
 

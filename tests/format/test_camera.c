@@ -12,6 +12,8 @@
 	"\"fov_y_deg\": 45}"
 #define SCRIPT(fps, keys) "{\"fps\": " fps ", \"keyframes\": [" keys "]}"
 
+OWNABLE(eco_camera, eco_camera_free)
+
 static struct eco_camera *camera_of(const char *json)
 {
 	struct eco_camera *camera;
@@ -33,18 +35,17 @@ UNIT_TEST(frames_run_to_the_last_keyframe)
 		{ SCRIPT("1000", KEY("0", "1") "," KEY("999.999", "2")), 1000000, 999.999 },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct eco_camera *camera = camera_of(rows[i].json);
+		OWNED(eco_camera) *camera = camera_of(rows[i].json);
 		struct eco_view view = { .width = 640, .height = 480 };
 		assert_int_equal(eco_camera_frame_count(camera), rows[i].frames);
 		assert_true(eco_camera_frame(camera, rows[i].frames - 1, &view) == rows[i].last_s);
 		assert_true(view.width == 640 && view.height == 480);
-		eco_camera_free(camera);
 	}
 }
 
 UNIT_TEST(a_request_may_be_given_the_view_ahead)
 {
-	struct eco_camera *camera = camera_of(SCRIPT("2", KEY("0", "1") "," KEY("3", "2")));
+	OWNED(eco_camera) *camera = camera_of(SCRIPT("2", KEY("0", "1") "," KEY("3", "2")));
 	static const struct { uint32_t frame; double seconds; uint32_t then; } rows[] = { { 0, 1, 2 },
 		{ 0, 0.9, 2 }, { 0, 0.1, 1 }, { 4, 1, 6 }, { 4, 100, 6 }, { 6, 1, 6 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -56,7 +57,6 @@ UNIT_TEST(a_request_may_be_given_the_view_ahead)
 		assert_memory_equal(request.next.eye, view.eye, sizeof view.eye);
 		assert_memory_equal(request.next.target, view.target, sizeof view.target);
 	}
-	eco_camera_free(camera);
 }
 
 /* Else what is told of the next view parts the requests of clients that are nearly at one place. */
@@ -83,9 +83,8 @@ UNIT_TEST(scripts_say_what_heights_count_from)
 		{ "{\"fps\": 1, \"above_ground\": true, \"keyframes\": [" KEY("0", "1") "]}", true },
 		{ "{\"fps\": 1, \"above_ground\": false, \"keyframes\": [" KEY("0", "1") "]}", false } };
 	for (size_t i = 0; i < 3; i++) {
-		struct eco_camera *camera = camera_of(rows[i].json);
+		OWNED(eco_camera) *camera = camera_of(rows[i].json);
 		assert_int_equal(eco_camera_above_ground(camera), rows[i].above);
-		eco_camera_free(camera);
 	}
 }
 
@@ -103,7 +102,7 @@ UNIT_TEST(between_keyframes_lies_a_catmull_rom_spline)
 	static const double t[] = { 0, 1, 1.5, 4 }, x[] = { 3, 10, -2, 5 };
 	double slope[4] = { (x[1] - x[0]) / (t[1] - t[0]), (x[2] - x[0]) / (t[2] - t[0]),
 		(x[3] - x[1]) / (t[3] - t[1]), (x[3] - x[2]) / (t[3] - t[2]) };
-	struct eco_camera *camera =
+	OWNED(eco_camera) *camera =
 		camera_of(SCRIPT("50", KEY("0", "3") "," KEY("1", "10") "," KEY("1.5", "-2") "," KEY("4",
 		"5")));
 	struct eco_view view;
@@ -116,7 +115,6 @@ UNIT_TEST(between_keyframes_lies_a_catmull_rom_spline)
 		assert_true(view.eye[0] <= fmax(x[k], x[k + 1]) + bound && view.eye[0] >= fmin(x[k], x[k + 1])
 			- bound);
 	}
-	eco_camera_free(camera);
 }
 
 UNIT_TEST(impossible_scripts_are_refused_by_name)

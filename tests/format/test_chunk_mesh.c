@@ -33,10 +33,10 @@ UNIT_TEST(connected_wood_is_small_and_keeps_its_texture)
 	const struct kind k = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3,
 		3, 0, 0, 0, SCATTERED };
 	const struct eco_list list = kind_list(&k);
-	struct eco_elements in = make_bark(40), out;
+	FREED(eco_elements) in = make_bark(40), out;
 	const struct eco_chunk_input input = { &list, &in, 0, in.element_count, 2 };
 	struct eco_chunk chunk;
-	uint8_t *bytes;
+	FREED_MEMORY uint8_t *bytes;
 	size_t size;
 	assert_good(eco_chunk_encode(&input, &bytes, &size, NULL, &cause));
 	assert_int_equal(bytes[1], ECO_CODER_MESH);
@@ -45,9 +45,6 @@ UNIT_TEST(connected_wood_is_small_and_keeps_its_texture)
 	chunk = kind_chunk(&in, 0, in.element_count, size);
 	assert_good(eco_chunk_decode(&list, &chunk, 2, bytes, size, &out, &cause));
 	assert_same_elements(&k, &in, 0, in.element_count, &out, NULL);
-	free(bytes);
-	eco_elements_free(&in);
-	eco_elements_free(&out);
 }
 
 /* Edgebreaker alone loses duplicates and tangles; the chunk must not. */
@@ -72,7 +69,7 @@ UNIT_TEST(no_wood_triangle_is_lost)
 		struct eco_elements in = { 4, 12, 4, 1, threes, position, NULL, color, NULL }, out;
 		const struct eco_chunk_input input = { &list, &in, 0, 4, 0 };
 		struct eco_chunk chunk;
-		uint8_t *bytes;
+		FREED_MEMORY uint8_t *bytes;
 		size_t size;
 		for (int c = 0; c < 12; c++)
 			memcpy(position + 3 * c, corners[cases[i][c / 3][c % 3]], 12);
@@ -80,7 +77,6 @@ UNIT_TEST(no_wood_triangle_is_lost)
 		chunk = kind_chunk(&in, 0, 4, size);
 		assert_good(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &cause));
 		assert_same_elements(&k, &in, 0, 4, &out, NULL);
-		free(bytes);
 		eco_elements_free(&out);
 	}
 }

@@ -50,7 +50,7 @@ static const uint8_t webp[] = {
 UNIT_TEST(colours_are_not_multiplied_by_alpha)
 {
 	static const uint8_t wanted[] = { 200, 0, 0, 128, 0, 255, 0, 255, 0, 0, 0, 0, 90, 180, 40, 64 };
-	struct eco_image image;
+	FREED(eco_image) image;
 	assert_good(eco_image_read_memory(&image, webp, sizeof webp, "a.webp", &cause));
 	assert_int_equal(image.width, 4);
 	/* one way through the reader's own multiplication loses up to 2 at alpha 64 */
@@ -58,7 +58,6 @@ UNIT_TEST(colours_are_not_multiplied_by_alpha)
 		if (i / 4 != 2)
 			assert_in_range(image.rgba[i], wanted[i] > 2 ? wanted[i] - 2 : 0, wanted[i] + 2);
 	assert_int_equal(image.rgba[11], 0);
-	eco_image_free(&image);
 }
 
 /* "DDS ", its head, and two pixels of blue, green, red, alpha. */

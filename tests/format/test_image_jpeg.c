@@ -64,13 +64,11 @@ UNIT_TEST(no_module_is_needed)
 {
 	setenv(ECO_MODULES_VARIABLE, "/no/such/folder", 1);
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-		struct eco_image image;
-		uint8_t *bytes;
+		FREED(eco_image) image;
+		FREED_MEMORY uint8_t *bytes;
 		unsigned long size;
 		write_jpeg(&kinds[i], &bytes, &size);
 		assert_good(eco_image_read_memory(&image, bytes, size, kinds[i].name, &cause));
-		eco_image_free(&image);
-		free(bytes);
 	}
 	unsetenv(ECO_MODULES_VARIABLE);
 }
@@ -80,8 +78,8 @@ UNIT_TEST(texels_are_those_of_openimageio)
 	const struct eco_image_module *module = eco_module(ECO_MODULE_IMAGE, NULL);
 	assert_non_null(module);
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-		struct eco_image ours, theirs;
-		uint8_t *bytes;
+		FREED(eco_image) ours, theirs;
+		FREED_MEMORY uint8_t *bytes;
 		unsigned long size;
 		char text[300] = "";
 		write_jpeg(&kinds[i], &bytes, &size);
@@ -94,9 +92,6 @@ UNIT_TEST(texels_are_those_of_openimageio)
 		assert_int_equal(theirs.width, WIDTH);
 		if (memcmp(ours.rgba, theirs.rgba, WIDTH * HEIGHT * 4) != 0)
 			fail_msg("%s: other texels", kinds[i].name);
-		eco_image_free(&ours);
-		eco_image_free(&theirs);
-		free(bytes);
 	}
 }
 
@@ -106,7 +101,7 @@ UNIT_TEST(what_libjpeg_cannot_read_is_left_to_openimageio)
 	for (int fault = 0; fault < 3; fault++) {
 		uint8_t *bytes, *frame;
 		unsigned long size;
-		struct eco_image image;
+		FREED(eco_image) image;
 		bool cut_off;
 		write_jpeg(fault == 0 ? &inks : &kinds[1], &bytes, &size);
 		frame = memmem(bytes, size, "\xff\xc0", 2);
@@ -120,7 +115,6 @@ UNIT_TEST(what_libjpeg_cannot_read_is_left_to_openimageio)
 		if (fault == 0)
 			assert_good(eco_image_read_memory(&image, bytes, size, "inks.jpg", &cause));
 		assert_int_equal(image.width, fault == 0 ? WIDTH : 0);
-		eco_image_free(&image);
 		free(bytes);
 	}
 }
@@ -128,7 +122,7 @@ UNIT_TEST(what_libjpeg_cannot_read_is_left_to_openimageio)
 /* Never a picture of which a part is gray; without the two bytes that mark its end it is whole. */
 UNIT_TEST(what_is_cut_short_is_refused)
 {
-	uint8_t *bytes;
+	FREED_MEMORY uint8_t *bytes;
 	unsigned long size;
 	struct eco_image whole, image;
 	bool cut_off;
@@ -144,5 +138,4 @@ UNIT_TEST(what_is_cut_short_is_refused)
 		eco_image_free(&image);
 	}
 	eco_image_free(&whole);
-	free(bytes);
 }

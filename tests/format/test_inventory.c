@@ -29,11 +29,10 @@ static size_t assert_comes_back(const struct eco_inventory_row *rows, const stru
 	uint32_t count)
 {
 	struct eco_bytes bytes = eco_inventory_encode(rows, count);
-	struct eco_inventory_block block;
+	AT_END(eco_inventory_free) struct eco_inventory_block block;
 	assert_good(eco_inventory_decode(&block, bytes.at, bytes.size, count, &cause));
 	for (uint32_t i = 0; i < count; i++)
 		assert_same_row(&block.rows[i], &want[i]);
-	eco_inventory_free(&block);
 	free(bytes.at);
 	return bytes.size;
 }
@@ -74,12 +73,11 @@ UNIT_TEST(what_is_cut_or_changed_is_found_or_harmless)
 	struct eco_bytes bytes = eco_inventory_encode(small_pack_rows, SMALL_PACK_PLANTS);
 	struct eco_inventory_block block;
 	for (size_t size = 0; size < bytes.size; size++) {
-		uint8_t *exact = malloc(size + !size);
+		FREED_MEMORY uint8_t *exact = malloc(size + !size);
 		memcpy(exact, bytes.at, size);
 		assert_int_equal(eco_inventory_decode(&block, exact, size, SMALL_PACK_PLANTS, NULL),
 			ECO_DAMAGED);
 		assert_null(block.rows);
-		free(exact);
 	}
 	for (size_t i = 0; i < 8 * bytes.size; i++) {
 		bytes.at[i / 8] ^= (uint8_t)(1 << i % 8);
@@ -96,19 +94,18 @@ UNIT_TEST(what_is_cut_or_changed_is_found_or_harmless)
 
 static uint8_t *small_pack(size_t *size)
 {
-	struct scene_builder b;
+	AT_END(scene_free) struct scene_builder b;
 	folder_make(FOLDER);
 	assert_good(small_pack_write(&b, PATH, NULL, &cause));
-	scene_free(&b);
 	return file_read(PATH, size);
 }
 
 UNIT_TEST(a_pack_says_what_each_place_is)
 {
-	struct eco_pack *pack;
-	struct eco_inventory_block block;
+	OWNED(eco_pack) *pack;
+	AT_END(eco_inventory_free) struct eco_inventory_block block;
 	size_t size;
-	uint8_t *bytes = small_pack(&size);
+	FREED_MEMORY uint8_t *bytes = small_pack(&size);
 	assert_good(eco_pack_open_memory(&pack, bytes, size, &cause));
 	assert_non_null(eco_inventory_list(&pack->scene));
 	assert_good(eco_inventory_read(&block, pack, 5, &cause));
@@ -116,26 +113,22 @@ UNIT_TEST(a_pack_says_what_each_place_is)
 	assert_int_equal(block.count, SMALL_PACK_PLANTS);
 	for (uint32_t i = 0; i < SMALL_PACK_PLANTS; i++)
 		assert_same_row(&block.rows[i], &small_pack_rows[i]);
-	eco_inventory_free(&block);
-	eco_pack_close(pack);
-	free(bytes);
 }
 
 static enum eco_code check_changed(struct eco_scene scene, const struct eco_list *list, uint32_t at)
 {
-	struct scene_builder b;
+	AT_END(scene_free) struct scene_builder b;
 	scene_copy(&b, &scene);
 	b.lists[at] = *list;
 	enum eco_code code = eco_scene_check(&b.scene, NULL);
-	scene_free(&b);
 	return code;
 }
 
 UNIT_TEST(rows_are_the_last_list_with_a_block_for_all_places)
 {
-	struct eco_pack *pack;
+	OWNED(eco_pack) *pack;
 	size_t size;
-	uint8_t *bytes = small_pack(&size);
+	FREED_MEMORY uint8_t *bytes = small_pack(&size);
 	assert_int_equal(eco_pack_open_memory(&pack, bytes, size, NULL), ECO_OK);
 	struct eco_scene scene = pack->scene;
 	uint32_t last = scene.list_count - 1;
@@ -149,6 +142,4 @@ UNIT_TEST(rows_are_the_last_list_with_a_block_for_all_places)
 	list = scene.lists[last - 1];
 	list.kind = ECO_LIST_INVENTORY;
 	assert_int_equal(check_changed(scene, &list, last - 1), ECO_DAMAGED);
-	eco_pack_close(pack);
-	free(bytes);
 }

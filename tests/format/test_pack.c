@@ -41,19 +41,18 @@ static void empty_folder(void)
 /* The small pack as bytes; the caller frees them. */
 static uint8_t *small_pack(size_t *size)
 {
-	struct scene_builder p;
+	AT_END(scene_free) struct scene_builder p;
 	struct eco_error error = { 0 };
 	empty_folder();
 	assert_ok(small_pack_write(&p, PATH, NULL, &error), error);
-	scene_free(&p);
 	return file_read(PATH, size);
 }
 
 /* Opens without a trailing byte to read over. */
 static enum eco_code open_exact(const uint8_t *bytes, size_t size, struct eco_error *error)
 {
-	uint8_t *copy = malloc(size > 0 ? size : 1);
-	struct eco_pack *pack;
+	FREED_MEMORY uint8_t *copy = malloc(size > 0 ? size : 1);
+	OWNED(eco_pack) *pack;
 	enum eco_code code;
 	memcpy(copy, bytes, size);
 	code = eco_pack_open_memory(&pack, copy, size, error);
@@ -62,8 +61,6 @@ static enum eco_code open_exact(const uint8_t *bytes, size_t size, struct eco_er
 		size_t payload_size;
 		code = eco_pack_payload(pack, i, &payload, &payload_size, error);
 	}
-	eco_pack_close(pack);
-	free(copy);
 	return code;
 }
 
@@ -81,9 +78,9 @@ static enum eco_code open_exact(const uint8_t *bytes, size_t size, struct eco_er
 
 UNIT_TEST(all_tables_come_back)
 {
-	struct scene_builder p;
+	AT_END(scene_free) struct scene_builder p;
 	struct eco_error error = { 0 };
-	struct eco_pack *pack = NULL;
+	OWNED(eco_pack) *pack = NULL;
 	const struct eco_scene *got, *want = &p.scene;
 	empty_folder();
 	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK || eco_pack_open(&pack, PATH, &error)
@@ -123,8 +120,6 @@ UNIT_TEST(all_tables_come_back)
 	assert_int_equal(got->place_count, SMALL_PACK_PLANTS);
 	assert_int_equal(pack->meta_size, strlen("{\"name\": \"small\"}"));
 	assert_memory_equal(pack->meta, "{\"name\": \"small\"}", pack->meta_size);
-	eco_pack_close(pack);
-	scene_free(&p);
 }
 
 /* Every payload decodes to what its list says, and the planner's copy of the instances is the coded one. */
@@ -179,28 +174,25 @@ UNIT_TEST(all_payloads_decode)
 UNIT_TEST(the_small_pack_is_the_golden_one)
 {
 	size_t size, golden_size;
-	uint8_t *bytes = small_pack(&size);
+	FREED_MEMORY uint8_t *bytes = small_pack(&size);
 	if (getenv("WRITE_SEEDS"))
 		file_write(GOLDEN_PATH, bytes, size);
-	uint8_t *golden = file_read(GOLDEN_PATH, &golden_size);
+	FREED_MEMORY uint8_t *golden = file_read(GOLDEN_PATH, &golden_size);
 	struct eco_error error = { 0 };
 	assert_ok(open_exact(golden, golden_size, &error), error);
 	assert_int_equal(size, golden_size);
 	assert_memory_equal(bytes, golden, size);
-	free(bytes);
-	free(golden);
 }
 
 UNIT_TEST(every_truncation_is_found)
 {
 	size_t size;
-	uint8_t *bytes = small_pack(&size);
+	FREED_MEMORY uint8_t *bytes = small_pack(&size);
 	assert_int_equal(open_exact(bytes, size, NULL), ECO_OK);
 	for (size_t cut = 0; cut < size; cut++)
 		assert_int_not_equal(open_exact(bytes, cut, NULL), ECO_OK);
 	bytes[size] = 0;
 	assert_int_not_equal(open_exact(bytes, size + 1, NULL), ECO_OK);
-	free(bytes);
 }
 
 /* All single bits, then pairs of bits. No byte of a pack is without a hash or a required value. */
@@ -236,7 +228,7 @@ UNIT_TEST(forged_tables_do_no_harm)
 	uint64_t seed = 7;
 	int accepted = 0;
 	size_t size;
-	uint8_t *bytes = small_pack(&size), *forged = malloc(size);
+	FREED_MEMORY uint8_t *bytes = small_pack(&size), *forged = malloc(size);
 	for (int i = 0; i < 20000; i++) {
 		memcpy(forged, bytes, size);
 		for (int k = 0; k <= i % 3; k++) {
@@ -247,23 +239,21 @@ UNIT_TEST(forged_tables_do_no_harm)
 		accepted += open_exact(forged, size, NULL) == ECO_OK;
 	}
 	assert_true(accepted > 0 && accepted < 20000);
-	free(bytes);
-	free(forged);
 }
 
 UNIT_TEST(equal_payloads_are_stored_once)
 {
 	struct eco_pack_writer *w = NULL;
 	struct eco_error error = { 0 };
-	struct scene_builder p;
-	struct eco_pack *pack;
+	AT_END(scene_free) struct scene_builder p;
+	OWNED(eco_pack) *pack;
 	uint32_t first = 0, last = 0;
 	empty_folder();
 	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
 	struct eco_list list =
 		scene_list(&p, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0, ECO_NONE, 0,
 		0 });
-	struct eco_elements e = small_pack_elements(&list, 9, 4);
+	FREED(eco_elements) e = small_pack_elements(&list, 9, 4);
 	for (int i = 0; i < 300; i++) {
 		last = eco_pack_add_list(w, &list, &e, (const uint32_t[]){ 3, 9 }, 2, NULL);
 		if (i == 0)
@@ -276,15 +266,12 @@ UNIT_TEST(equal_payloads_are_stored_once)
 		== pack->scene.chunks[pack->scene.lists[last].chunk_first].offset);
 	assert_int_equal(pack->meta_size, 0);
 	assert_true(pack->map_size < 64000);
-	eco_pack_close(pack);
-	eco_elements_free(&e);
-	scene_free(&p);
 }
 
 UNIT_TEST(a_failed_pack_leaves_the_old_one)
 {
 	size_t size, size_after;
-	uint8_t *bytes = small_pack(&size), *after;
+	FREED_MEMORY uint8_t *bytes = small_pack(&size), *after;
 	struct eco_error error = { 0 };
 	struct eco_pack_writer *w = NULL;
 	struct scene_builder p;
@@ -302,8 +289,6 @@ UNIT_TEST(a_failed_pack_leaves_the_old_one)
 	after = file_read(PATH, &size_after);
 	assert_int_equal(size, size_after);
 	assert_memory_equal(bytes, after, size);
-	free(bytes);
-	free(after);
 	eco_pack_abort(NULL);
 }
 
@@ -321,7 +306,7 @@ UNIT_TEST(what_a_killed_process_left_goes_with_the_next_pack)
 	static const char *const left[] = { PATH ".tmp-1", PATH ".tmp-99999999" },
 		*const kept[] = { PATH ".tmp-backup", PATH ".tmp-", PATH ".tmp-7.old",
 		FOLDER "/other.eco.tmp-1", PATH ".tmp-3" };
-	struct scene_builder p;
+	AT_END(scene_free) struct scene_builder p;
 	struct eco_error error = { 0 };
 	empty_folder();
 	for (size_t i = 0; i < sizeof left / sizeof *left; i++)
@@ -340,7 +325,6 @@ UNIT_TEST(what_a_killed_process_left_goes_with_the_next_pack)
 	close(running);
 	for (size_t i = 0; i < 5; i++)
 		unlink(kept[i]);
-	scene_free(&p);
 }
 
 UNIT_TEST(a_full_disk_is_reported_and_leaves_nothing)
@@ -352,7 +336,7 @@ UNIT_TEST(a_full_disk_is_reported_and_leaves_nothing)
 	assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
 	for (size_t most = 0; most < size; most += 97) {
 		struct eco_error error = { 0 };
-		struct scene_builder p;
+		AT_END(scene_free) struct scene_builder p;
 		enum eco_code code;
 		empty_folder();
 		limit = old;
@@ -360,7 +344,6 @@ UNIT_TEST(a_full_disk_is_reported_and_leaves_nothing)
 		assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
 		code = small_pack_write(&p, PATH, NULL, &error);
 		assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
-		scene_free(&p);
 		assert_int_equal(code, ECO_IO);
 		assert_non_null(strstr(error.text, "free some space"));
 		assert_int_equal(count_files(), 0);
@@ -396,7 +379,7 @@ UNIT_TEST(only_packs_and_empty_files_are_replaced)
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		struct eco_error error = { 0 };
 		struct eco_pack_writer *w = NULL;
-		uint8_t *bytes;
+		FREED_MEMORY uint8_t *bytes;
 		size_t size;
 		empty_folder();
 		file_write_text(PATH, rows[i].content);
@@ -406,7 +389,6 @@ UNIT_TEST(only_packs_and_empty_files_are_replaced)
 		assert_int_equal(size, strlen(rows[i].content));
 		assert_memory_equal(bytes, rows[i].content, size);
 		assert_int_equal(count_files(), 1);
-		free(bytes);
 	}
 }
 
@@ -432,10 +414,9 @@ UNIT_TEST(the_described_version_is_the_constant)
 	static const char *const headers[] = { "ecofiles/format/pack.h", "ecofiles/format/wire.h" };
 	for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
 		size_t size;
-		char *text = (char *)file_read(headers[i], &size);
+		FREED_MEMORY char *text = (char *)file_read(headers[i], &size);
 		const char *version = strstr(text, "u32 version = ");
 		assert_non_null(version);
 		assert_int_equal(strncmp(version + strlen("u32 version = "), "ECO_", 4), 0);
-		free(text);
 	}
 }

@@ -34,9 +34,9 @@ static struct eco_writer make_seed(enum kind kind, uint32_t number)
 	struct wire_random r = { kind == PLAN ? 10 + number : number + 1 };
 	eco_write_u8(&seed, (uint8_t)kind);
 	if (kind == PLAN) {
-		struct eco_plan plan = wire_random_plan(&r, 2 + 4 * number, WIRE_RANDOM_LISTS, WIRE_RANDOM_PLANTS);
+		FREED(eco_plan) plan = wire_random_plan(&r, 2 + 4 * number, WIRE_RANDOM_LISTS,
+			WIRE_RANDOM_PLANTS);
 		eco_wire_write_plan(&seed, &plan);
-		eco_plan_free(&plan);
 		return seed;
 	}
 	wire_random_stream(&r, &stream, number + 1);
@@ -53,7 +53,7 @@ UNIT_TEST(seeds_are_of_this_version)
 {
 	static const char *const names[] = { "stream", "frames", "plan" };
 	for (uint32_t i = 0; i < 3 * SEEDS; i++) {
-		struct eco_writer seed = make_seed(i % 3, i / 3);
+		FREED(eco_writer) seed = make_seed(i % 3, i / 3);
 		char path[64];
 		size_t size;
 		snprintf(path, sizeof path, FOLDER "/%s-%u", names[i % 3], i / 3);
@@ -64,6 +64,5 @@ UNIT_TEST(seeds_are_of_this_version)
 			fail_msg("%s is of another version of the wire: WRITE_SEEDS=1 build/tests/test_wire_seeds",
 				path);
 		free(bytes);
-		eco_writer_free(&seed);
 	}
 }

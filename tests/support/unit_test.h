@@ -15,6 +15,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -44,6 +45,26 @@ static struct eco_error cause __attribute__((unused));
 			fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code_), cause.text, \
 				eco_code_name(wanted), says); \
 	} while (0)
+
+/* Variables that are freed at the end of their block, after a test that goes well: FREED(type) one = ...; by
+ * type_free, AT_END(function) by that function of the address, FREED_MEMORY char *text = ...; by free.
+ * OWNED(type) *one = ...; by what OWNABLE(type, function) says. */
+#define FREED(type) __attribute__((cleanup(type##_free))) struct type
+#define FREED_MEMORY __attribute__((cleanup(free_at)))
+#define AT_END(function) __attribute__((cleanup(function)))
+#define OWNED(type) __attribute__((cleanup(type##_end))) struct type
+#define OWNABLE(type, function) static inline void type##_end(struct type **owned) { function(*owned); }
+
+static inline void free_at(void *pointer)
+{
+	void *memory;
+	memcpy(&memory, pointer, sizeof memory);
+	free(memory);
+}
+
+struct eco_pack;
+void eco_pack_close(struct eco_pack *pack);
+OWNABLE(eco_pack, eco_pack_close)
 
 #define UNIT_TEST(name) UNIT_TEST_BETWEEN(name, NULL, NULL)
 /* With what is done before and after it, or NULL. */

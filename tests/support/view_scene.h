@@ -17,6 +17,7 @@
 #include "client-min/view_select.h"
 #include "ecofiles/format/wire.h"
 #include "tests/support/scene_builder.h"
+#include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
 
 enum { L_WOOD, L_LINES, L_LEAVES, L_POINTS, L_LOW, L_LOW_POINTS, L_HIGH, L_HIGH_POINTS, L_BUSH, L_IMAGE,
@@ -80,6 +81,8 @@ void picture_save(const char *name, const struct view_picture *picture);
 void scene_holdings(const struct view_store *store, uint32_t held[L_COUNT]);
 
 extern struct scene_builder grove;
+OWNABLE(view_gl, view_gl_close)
+OWNABLE(view_store, view_store_free)
 extern struct view_gl *scene_gl;                 /* NULL: there is no OpenGL here */
 int scene_open(void **state);
 int scene_open_gl(void **state);                 /* with OpenGL for pictures of scene_view */
