@@ -440,7 +440,7 @@ UNIT_TEST(rules_win_over_everything)
 {
 	soup_tree(&soup, 200, 0, false);
 	uint32_t n = soup.model.triangle_count, trunk = 0;
-	uint8_t *organ = malloc(n);
+	FREED_MEMORY uint8_t *organ = malloc(n);
 	memset(organ, ECO_ORGAN_FOUND, n);
 	while (soup.model.material[trunk] == 0 && trunk < 8 * 24 * 2)
 		organ[trunk++] = ECO_ORGAN_FLOWER;
@@ -456,7 +456,6 @@ UNIT_TEST(rules_win_over_everything)
 			: soup.model.material[found.mesh.source[t]] == 0 ? ECO_ORGAN_WOOD
 			: ECO_ORGAN_FOLIAGE);
 	}
-	free(organ);
 	finish();
 }
 

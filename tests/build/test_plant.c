@@ -121,7 +121,7 @@ static uint32_t source_triangles(struct corners *out)
 static void check_triangles(void)
 {
 	uint32_t n = soup.model.triangle_count;
-	struct corners *stored = calloc(n, sizeof *stored), *source = calloc(n, sizeof *source);
+	FREED_MEMORY struct corners *stored = calloc(n, sizeof *stored), *source = calloc(n, sizeof *source);
 	assert_int_equal(plant.triangles_in, n);
 	assert_int_equal(plant.triangles_stored, n);     /* nothing here is too small or hidden */
 	for (int d = 0; d < ECO_DROP_COUNT; d++)
@@ -129,8 +129,6 @@ static void check_triangles(void)
 	assert_int_equal(stored_triangles(stored), n);
 	source_triangles(source);
 	assert_memory_equal(stored, source, n * sizeof *stored);
-	free(stored);
-	free(source);
 }
 
 /* ---- Lists ---- */
@@ -211,11 +209,10 @@ static void check_coded(const struct lod_list_draft *draft)
 	for (uint32_t c = 0; c < draft->end_count && c < 4; c++) {
 		struct eco_chunk_input input =
 			{ &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
-		uint8_t *bytes;
+		FREED_MEMORY uint8_t *bytes;
 		size_t size;
 		assert_good(of == draft ? eco_chunk_encode(&input, &bytes, &size, NULL, &cause)
 			: eco_chunk_encode_form(&input, &draft->list, &draft->elements, &bytes, &size, &cause));
-		free(bytes);
 	}
 }
 
@@ -413,9 +410,8 @@ UNIT_TEST(any_soup_is_stored_completely)
 		for (int d = 0; d < ECO_DROP_COUNT; d++)
 			dropped += plant.dropped[d];
 		assert_int_equal(4 * n, plant.triangles_stored + dropped);
-		struct corners *stored = calloc(8 * n, sizeof *stored);
+		FREED_MEMORY struct corners *stored = calloc(8 * n, sizeof *stored);
 		assert_int_equal(stored_triangles(stored), plant.triangles_stored);
-		free(stored);
 		for (uint32_t l = 0; l < plant.list_count; l++)
 			assert_int_equal(plant.lists[l].ends[plant.lists[l].end_count - 1],
 				plant.lists[l].elements.element_count);
@@ -431,8 +427,9 @@ UNIT_TEST(geometry_of_a_range_is_part_of_the_whole)
 	for (uint32_t l = 0; l < plant.list_count; l++) {
 		const struct lod_list_draft *d = &plant.lists[l];
 		uint32_t n = d->elements.primitive_count, floats = 3 * eco_list_vertices(&d->list);
-		float *all = calloc(n, 36), *part = calloc(n, 36), *uv = calloc(n, 24), *width = calloc(n, 4);
-		int32_t *color = calloc(n, 4);
+		FREED_MEMORY float *all = calloc(n, 36), *part = calloc(n, 36), *uv = calloc(n, 24),
+			*width = calloc(n, 4);
+		FREED_MEMORY int32_t *color = calloc(n, 4);
 		assert_int_equal(lod_list_geometry(&d->list, &d->elements, 0, n, 2,
 			&(struct lod_geometry){ .position = all, .uv = uv, .width = width, .color = color }),
 			n);
@@ -443,11 +440,6 @@ UNIT_TEST(geometry_of_a_range_is_part_of_the_whole)
 			assert_memory_equal(part, all + (size_t)floats * first,
 				4 * (size_t)floats * (end - first));
 		}
-		free(all);
-		free(part);
-		free(uv);
-		free(width);
-		free(color);
 	}
 	finish();
 }

@@ -102,10 +102,10 @@ UNIT_TEST(impossible_parts_are_refused)
 UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 {
 	struct card card;
-	struct lod_texture_levels levels;
+	FREED(lod_texture_levels) levels;
 	struct eco_error error = { 0 };
 	card_make(&card, leaves(SIDE, SIDE / 2, 30), 2);
-	struct lod_texture texture = make(&card);
+	FREED(lod_texture) texture = make(&card);
 	lod_texture_levels_make(&levels, &card.model, 0);
 	double all = covered(card.image.rgba + 3, SIDE * SIDE / 2, 4);
 	assert_int_equal(texture.count, 4);      /* 32, 64, 128, 256 wide */
@@ -113,10 +113,11 @@ UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 	assert_true(fabs((double)texture.texel_area / (2.0 * 2.0 / (SIDE * SIDE / 2)) - 1) < 1e-3);
 	assert_true(levels.texel_area == texture.texel_area);
 	for (uint32_t i = 0; i < texture.count; i++) {
-		struct eco_texture_part cut = read_level(&texture, i, true), seen = read_level(&texture, i, false);
+		FREED(eco_texture_part) cut = read_level(&texture, i, true),
+			seen = read_level(&texture, i, false);
 		const struct eco_texture_part *colors = &levels.levels[i].colors;
 		const struct eco_writer *payload[2] = { &texture.colors[i], &texture.outlines[i] };
-		struct eco_writer w = { 0 };
+		FREED(eco_writer) w = { 0 };
 		size_t count = (32u << i) * (16u << i);
 		double squares = 0;
 		assert_true(cut.width == 32u << i && cut.height == 16u << i);
@@ -143,12 +144,7 @@ UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 			assert_true(eco_texture_texels(payload[outline]->bytes, payload[outline]->size, outline) == count);
 			assert_true(eco_texture_texels(payload[outline]->bytes, 5, outline) == 0);
 		}
-		eco_writer_free(&w);
-		eco_texture_part_free(&cut);
-		eco_texture_part_free(&seen);
 	}
-	lod_texture_levels_free(&levels);
-	lod_texture_free(&texture);
 	free(card.image.rgba);
 }
 
@@ -160,13 +156,11 @@ UNIT_TEST(texels_that_no_view_resolves_are_left_out)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct card card;
 		card_make(&card, leaves(SIDE, SIDE, 20), cases[i].side_m);
-		struct lod_texture texture = make(&card);
-		struct eco_texture_part last = read_level(&texture, texture.count - 1, true);
+		FREED(lod_texture) texture = make(&card);
+		FREED(eco_texture_part) last = read_level(&texture, texture.count - 1, true);
 		assert_int_equal(last.width, cases[i].width);
 		double side = (double)cases[i].side_m / last.width;
 		assert_true(fabs((double)texture.texel_area / (side * side) - 1) < 1e-3);
-		eco_texture_part_free(&last);
-		lod_texture_free(&texture);
 		free(card.image.rgba);
 	}
 }
@@ -184,15 +178,13 @@ UNIT_TEST(any_shape_and_nothing_opaque)
 			for (size_t k = 0; k < count && opaque; k += opaque == 1 ? 3 : 1)
 				image.rgba[4 * k + 3] = 255;
 			card_make(&card, image, 5);
-			struct lod_texture texture = make(&card);
+			FREED(lod_texture) texture = make(&card);
 			assert_true((opaque == 2) == !texture.outlines);
-			struct eco_texture_part first = read_level(&texture, 0, opaque < 2);
+			FREED(eco_texture_part) first = read_level(&texture, 0, opaque < 2);
 			assert_true(first.width <= 32 && first.height <= 32);
 			size_t texels = (size_t)first.width * first.height;
 			double now = opaque < 2 ? covered(first.texels, texels, 1) : 1;
 			assert_true(opaque == 0 ? now == 0 : now > 0.1);
-			eco_texture_part_free(&first);
-			lod_texture_free(&texture);
 			free(image.rgba);
 		}
 }

@@ -70,9 +70,9 @@ UNIT_TEST(opengl_and_software_agree)
 		char name[32];
 		memcpy(view.eye, eyes[i], sizeof view.eye);
 		memcpy(view.target, eyes[i] + 3, sizeof view.target);
-		struct scene_held d = scene_hold_view(&grove, view, 1);
+		AT_END(scene_release) struct scene_held d = scene_hold_view(&grove, view, 1);
 		scene_select(&d);
-		struct view_picture soft = scene_draw(&d, false, VIEW_TINT_NONE),
+		FREED(view_picture) soft = scene_draw(&d, false, VIEW_TINT_NONE),
 		hard = scene_draw(&d, true, VIEW_TINT_NONE);
 		struct picture_difference apart = picture_compare(&soft, &hard);
 		print_message("view %zu: %llu vertices, masks differ in %.4f %%, owners in %.4f %% of "
@@ -85,9 +85,6 @@ UNIT_TEST(opengl_and_software_agree)
 		assert_true(apart.masks <= TOLERANCE && apart.owners <= TOLERANCE && apart.seen <= SEEN
 			&& apart.bytes < 0.1);
 		assert_true(hard.vertices == d.plan.vertices && soft.vertices == d.plan.vertices);
-		view_picture_free(&soft);
-		view_picture_free(&hard);
-		scene_release(&d);
 	}
 }
 
@@ -103,10 +100,10 @@ static uint64_t sum_of(const uint8_t *counts, uint32_t pixels)
 UNIT_TEST(samples_count_what_is_covered)
 {
 	struct eco_view view = scene_view();
-	struct view_picture p;
+	FREED(view_picture) p;
 	uint32_t pixels = view.width * view.height;
 	uint8_t *counts = malloc(2 * (size_t)pixels), *again = counts + pixels;
-	struct scene_held d = scene_hold_view(&grove, view, 1);
+	AT_END(scene_release) struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	draw_software(&d, &view, 2, &p);
 	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE };
@@ -114,7 +111,7 @@ UNIT_TEST(samples_count_what_is_covered)
 	assert_int_equal(view_reference_count(&job, &coverage, NULL), ECO_OK);
 	for (uint32_t i = 0; i < pixels; i++)
 		assert_int_equal(counts[i], p.cover[i] != 0);
-	struct view_picture other;
+	FREED(view_picture) other;
 	draw_software(&d, &view, 5, &other);
 	assert_memory_equal(p.owner, other.owner, pixels * sizeof *p.owner);
 	assert_memory_equal(p.rgb, other.rgb, 3 * pixels);
@@ -122,7 +119,6 @@ UNIT_TEST(samples_count_what_is_covered)
 	job.stop = &stop;
 	assert_int_equal(view_reference_draw(&job, &other, NULL), ECO_INTERRUPTED);
 	job.stop = NULL;
-	view_picture_free(&other);
 	double covered = (double)sum_of(counts, pixels);
 	for (coverage.samples = 4; coverage.samples <= 8; coverage.samples += 4) {
 		coverage.count = counts;
@@ -135,9 +131,7 @@ UNIT_TEST(samples_count_what_is_covered)
 		double samples = (double)sum_of(counts, pixels) / (coverage.samples * coverage.samples);
 		assert_true(samples > 0.99 * covered && samples < 1.01 * covered);
 	}
-	view_picture_free(&p);
 	free(counts);
-	scene_release(&d);
 }
 
 UNIT_MAIN(open_all, close_all)

@@ -74,7 +74,7 @@ static uint64_t left(const struct map *m, const char *reason)
 
 UNIT_TEST(test_plants_are_counted_by_kind_and_rows_left_out_by_reason)
 {
-	struct map m;
+	FREED(map) m;
 	gather(&m, ROOT "/one.json");
 	assert_int_equal(m.total, 4);
 	assert_int_equal(m.points.count, 4);
@@ -92,12 +92,11 @@ UNIT_TEST(test_plants_are_counted_by_kind_and_rows_left_out_by_reason)
 	assert_int_equal(left(&m, "stump"), 2);          /* which ones */
 	assert_int_equal(left(&m, "weed"), 1);
 	assert_int_equal(left(&m, eco_skip_names[ECO_KEPT_NO_HEIGHT]), 1);
-	map_free(&m);
 }
 
 UNIT_TEST(test_nested_plants_are_turned_moved_and_scaled)
 {
-	struct map m;
+	FREED(map) m;
 	bool found = false;
 	gather(&m, ROOT "/nested.json");
 	/* oak at [10, 0], turned to [0, 10], twice as large, at [100, 0] */
@@ -105,12 +104,11 @@ UNIT_TEST(test_nested_plants_are_turned_moved_and_scaled)
 		found |= fabsf(m.points.items[i].x - 100) < 1e-3f && fabsf(m.points.items[i].y - 20) < 1e-3f
 			&& m.points.items[i].height_m == 40;
 	assert_true(found);
-	map_free(&m);
 }
 
 UNIT_TEST(test_scattered_plants_are_shown_with_their_areas)
 {
-	struct map m;
+	FREED(map) m;
 	file_write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": "
 		"\"Feature\", \"properties\": {}, \"geometry\": "
 		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, "
@@ -128,7 +126,6 @@ UNIT_TEST(test_scattered_plants_are_shown_with_their_areas)
 		+ kind(&m, "ash")->count);
 	assert_int_equal(map_write(&m, ROOT "/drawn.png", 300), ECO_OK);
 	assert_int_equal(m.outside, 0);
-	map_free(&m);
 }
 
 /* ---- The part that is shown ---- */
@@ -155,7 +152,7 @@ UNIT_TEST(test_strays_do_not_shrink_the_rest_and_few_plants_have_a_map)
 		{ 3, "4000000,0\n", 5e6, 0 }, { 0, "5,5\n", 5e6, 0 }, { 0, "0,0\n100,0\n", 5e6, 0 },
 		{ 0, "7,1\n7,900\n", 5e6, 0 }, { 0, "1,1\n1,1\n1,1\n", 5e6, 0 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct map m;
+		FREED(map) m;
 		write_rows(ROOT "/stray.csv", cases[i].count, cases[i].more);
 		file_write_text(ROOT "/stray.json", ROWS_SCENE("stray.csv"));
 		gather(&m, ROOT "/stray.json");
@@ -163,7 +160,6 @@ UNIT_TEST(test_strays_do_not_shrink_the_rest_and_few_plants_have_a_map)
 		assert_true(m.view.high[0] - m.view.low[0] <= cases[i].widest);
 		assert_int_equal(m.outside, cases[i].outside);
 		assert_true(m.width >= 90 && m.width <= 400 && m.height >= 90 && m.height <= 400);
-		map_free(&m);
 	}
 }
 
@@ -204,13 +200,11 @@ UNIT_TEST(test_the_same_scene_gives_the_same_picture)
 		char line[300];
 		snprintf(line, sizeof line, "%s -o " ROOT "/a.png --size 300", scenes[i]);
 		assert_ok(run(line, &error), error);
-		uint8_t *first = file_read(ROOT "/a.png", &size);
+		FREED_MEMORY uint8_t *first = file_read(ROOT "/a.png", &size);
 		assert_int_equal(run(line, &error), ECO_OK);
-		uint8_t *second = file_read(ROOT "/a.png", &again);
+		FREED_MEMORY uint8_t *second = file_read(ROOT "/a.png", &again);
 		assert_int_equal(size, again);
 		assert_memory_equal(first, second, size);
-		free(first);
-		free(second);
 	}
 }
 
