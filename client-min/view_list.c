@@ -123,9 +123,7 @@ static enum eco_code decode_image(struct view_piece *piece, const struct view_pi
 	piece->bytes = sizeof piece->part;
 	if (!in->images)
 		return ECO_OK;
-	uint8_t kind = in->list->list.kind;
-	enum eco_code code = (kind == ECO_LIST_IMAGE ? eco_texture_read_colors : kind == ECO_LIST_OUTLINE
-		? eco_texture_read_outline : eco_texture_read_ground)(&piece->part, in->payload,
+	enum eco_code code = eco_texture_read(&piece->part, in->list->list.kind, in->payload,
 		in->chunk->size_bytes, &cause);
 	if (code)
 		return eco_fail(error, code, "list %u, chunk %u: %s", in->list->id, in->ordinal, cause.text);

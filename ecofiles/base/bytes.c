@@ -29,42 +29,6 @@ static uint64_t read_little(struct eco_reader *r, size_t count)
 	return v;
 }
 
-uint8_t eco_read_u8(struct eco_reader *r)
-{
-	return (uint8_t)read_little(r, 1);
-}
-
-uint16_t eco_read_u16(struct eco_reader *r)
-{
-	return (uint16_t)read_little(r, 2);
-}
-
-uint32_t eco_read_u32(struct eco_reader *r)
-{
-	return (uint32_t)read_little(r, 4);
-}
-
-uint64_t eco_read_u64(struct eco_reader *r)
-{
-	return read_little(r, 8);
-}
-
-float eco_read_f32(struct eco_reader *r)
-{
-	uint32_t bits = eco_read_u32(r);
-	float v;
-	memcpy(&v, &bits, sizeof v);
-	return v;
-}
-
-double eco_read_f64(struct eco_reader *r)
-{
-	uint64_t bits = eco_read_u64(r);
-	double v;
-	memcpy(&v, &bits, sizeof v);
-	return v;
-}
-
 uint64_t eco_read_varint(struct eco_reader *r)
 {
 	uint64_t v = 0;
@@ -127,39 +91,29 @@ static void write_little(struct eco_writer *w, uint64_t v, size_t count)
 		p[i] = (uint8_t)(v >> (8 * i));
 }
 
-void eco_write_u8(struct eco_writer *w, uint8_t v)
-{
-	write_little(w, v, 1);
-}
-
-void eco_write_u16(struct eco_writer *w, uint16_t v)
-{
-	write_little(w, v, 2);
-}
-
-void eco_write_u32(struct eco_writer *w, uint32_t v)
-{
-	write_little(w, v, 4);
-}
-
-void eco_write_u64(struct eco_writer *w, uint64_t v)
-{
-	write_little(w, v, 8);
-}
-
-void eco_write_f32(struct eco_writer *w, float v)
-{
-	uint32_t bits;
-	memcpy(&bits, &v, sizeof bits);
-	eco_write_u32(w, bits);
-}
-
-void eco_write_f64(struct eco_writer *w, double v)
-{
-	uint64_t bits;
-	memcpy(&bits, &v, sizeof bits);
-	eco_write_u64(w, bits);
-}
+#define INTEGER(bits) \
+	uint##bits##_t eco_read_u##bits(struct eco_reader *r) { return (uint##bits##_t)read_little(r, bits / 8); } \
+	void eco_write_u##bits(struct eco_writer *w, uint##bits##_t v) { write_little(w, v, bits / 8); }
+#define REAL(type, bits) \
+	type eco_read_f##bits(struct eco_reader *r) \
+	{ \
+		uint##bits##_t code = eco_read_u##bits(r); \
+		type v; \
+		memcpy(&v, &code, sizeof v); \
+		return v; \
+	} \
+	void eco_write_f##bits(struct eco_writer *w, type v) \
+	{ \
+		uint##bits##_t code; \
+		memcpy(&code, &v, sizeof code); \
+		eco_write_u##bits(w, code); \
+	}
+INTEGER(8)
+INTEGER(16)
+INTEGER(32)
+INTEGER(64)
+REAL(float, 32)
+REAL(double, 64)
 
 void eco_write_varint(struct eco_writer *w, uint64_t v)
 {

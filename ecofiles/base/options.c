@@ -28,17 +28,8 @@ static bool is_input(const struct eco_option *o)
 static uint64_t suffix(char letter, enum eco_option_kind kind)
 {
 	const uint64_t step = kind == ECO_OPTION_BYTES ? 1024 : 1000;
-	switch (letter) {
-	case 'k':
-	case 'K':
-		return step;
-	case 'M':
-		return step * step;
-	case 'G':
-		return step * step * step;
-	default:
-		return 1;
-	}
+	return letter == 'k' || letter == 'K' ? step : letter == 'M' ? step * step
+		: letter == 'G' ? step * step * step : 1;
 }
 
 bool eco_count_read(const char *text, enum eco_option_kind kind, uint64_t *value, const char **end)

@@ -1,4 +1,4 @@
-/* One table of codes, so that printed texts, names of problem documents and exit statuses agree. */
+/* One table of names, so that printed texts and problem documents agree. */
 #include "ecofiles/base/status.h"
 #include "ecofiles/base/text.h"
 
@@ -10,21 +10,10 @@
 #include <stdio.h>
 #include <string.h>
 
-
-static const struct {
-	const char *name;
-	int exit_status;
-} codes[ECO_CODE_COUNT] = {
-	[ECO_OK] = { "ok", 0 },
-	[ECO_BAD_USAGE] = { "bad usage", 2 },
-	[ECO_BAD_INPUT] = { "bad input", 1 },
-	[ECO_DAMAGED] = { "damaged", 1 },
-	[ECO_TOO_LARGE] = { "too large", 1 },
-	[ECO_UNSUPPORTED] = { "unsupported", 1 },
-	[ECO_NOT_FOUND] = { "not found", 1 },
-	[ECO_IO] = { "input or output failed", 1 },
-	[ECO_NO_MEMORY] = { "out of memory", 1 },
-	[ECO_INTERRUPTED] = { "interrupted", 1 },
+static const char *const names[ECO_CODE_COUNT] = {
+	[ECO_OK] = "ok", [ECO_BAD_USAGE] = "bad usage", [ECO_BAD_INPUT] = "bad input", [ECO_DAMAGED] = "damaged",
+	[ECO_TOO_LARGE] = "too large", [ECO_UNSUPPORTED] = "unsupported", [ECO_NOT_FOUND] = "not found",
+	[ECO_IO] = "input or output failed", [ECO_NO_MEMORY] = "out of memory", [ECO_INTERRUPTED] = "interrupted",
 };
 
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
@@ -89,10 +78,10 @@ enum eco_code eco_fail_write(struct eco_error *error, const char *path, int reas
 
 const char *eco_code_name(enum eco_code code)
 {
-	return (unsigned)code < ECO_CODE_COUNT ? codes[code].name : "unknown";
+	return (unsigned)code < ECO_CODE_COUNT ? names[code] : "unknown";
 }
 
 int eco_exit_status(enum eco_code code)
 {
-	return (unsigned)code < ECO_CODE_COUNT ? codes[code].exit_status : 1;
+	return code == ECO_OK ? 0 : code == ECO_BAD_USAGE ? 2 : 1;
 }

@@ -105,8 +105,7 @@ static const char *bad_texture(const uint8_t *bytes, size_t size, uint8_t kind, 
 {
 	struct eco_texture_part part;
 	uint32_t side = ECO_GROUND_IMAGE_SIDE >> (ECO_GROUND_IMAGE_LEVELS - 1) << ordinal;
-	if ((kind == ECO_LIST_OUTLINE ? eco_texture_read_outline : kind == ECO_LIST_IMAGE
-			? eco_texture_read_colors : eco_texture_read_ground)(&part, bytes, size, error))
+	if (eco_texture_read(&part, kind, bytes, size, error))
 		return error->text;
 	bool good = kind != ECO_LIST_GROUND_IMAGE || (part.width == side && part.height == side);
 	eco_texture_part_free(&part);

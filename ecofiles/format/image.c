@@ -23,9 +23,11 @@ struct coding {
 	const uint8_t *from; size_t size, at;        /* input */
 	uint8_t *bytes; size_t used, capacity;       /* output */
 	uint8_t *rgba;
-	png_bytep *rows;
 	char text[200];                              /* libpng's message */
 	bool too_large, no_memory;
+	struct eco_image *image;                     /* read */
+	const struct eco_pixels *pixels;             /* written */
+	int filters;
 	jmp_buf back;
 };
 
@@ -51,14 +53,17 @@ static void need(struct coding *c, const void *memory)
 
 static void release(struct coding *c)
 {
-	free(c->rows);
 	free(c->rgba);
 	free(c->bytes);
 }
 
-static bool is_png(const uint8_t *bytes, size_t size_bytes)
+/* False: libpng gave up. */
+static bool attempt(struct coding *c, void (*work)(struct coding *c))
 {
-	return size_bytes >= 4 && memcmp(bytes, "\x89PNG", 4) == 0;
+	if (setjmp(c->back) != 0)
+		return false;
+	work(c);
+	return true;
 }
 
 static void take(png_structp png, png_bytep to, size_t count)
@@ -70,19 +75,21 @@ static void take(png_structp png, png_bytep to, size_t count)
 	c->at += count;
 }
 
-/* Has libpng convert any samples to 8-bit RGBA. */
-static void spread(struct coding *c)
+/* Has libpng convert any samples to 8-bit RGBA; how often the rows come, as a picture is interlaced. */
+static int spread(struct coding *c)
 {
 	png_set_expand(c->png);
 	png_set_scale_16(c->png);
 	png_set_gray_to_rgb(c->png);
 	png_set_add_alpha(c->png, 255, PNG_FILLER_AFTER);
-	png_set_interlace_handling(c->png);
+	int passes = png_set_interlace_handling(c->png);
 	png_read_update_info(c->png, c->info);
+	return passes;
 }
 
-static void read_pixels(struct coding *c, struct eco_image *image)
+static void read_pixels(struct coding *c)
 {
+	struct eco_image *image = c->image;
 	png_set_read_fn(c->png, c, take);
 	png_set_crc_action(c->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
 	png_read_info(c->png, c->info);
@@ -91,25 +98,15 @@ static void read_pixels(struct coding *c, struct eco_image *image)
 	c->too_large = (uint64_t)image->width * image->height > ECO_PIXELS_MAX;
 	if (c->too_large)
 		png_error(c->png, "too large");
-	spread(c);
+	int passes = spread(c);
 	assert(png_get_rowbytes(c->png, c->info) == (size_t)image->width * 4);
 	need(c, c->rgba = malloc((size_t)image->width * image->height * 4));
-	need(c, c->rows = malloc((size_t)image->height * sizeof *c->rows));
-	for (uint32_t y = 0; y < image->height; y++)
-		c->rows[y] = c->rgba + (size_t)y * image->width * 4;
-	png_read_image(c->png, c->rows);
+	while (passes-- > 0)
+		for (uint32_t y = 0; y < image->height; y++)
+			png_read_row(c->png, c->rgba + (size_t)y * image->width * 4, NULL);
 	png_read_end(c->png, NULL);
 	image->rgba = c->rgba;
 	c->rgba = NULL;
-}
-
-/* False: libpng gave up. */
-static bool try_read(struct coding *c, struct eco_image *image)
-{
-	if (setjmp(c->back) != 0)
-		return false;
-	read_pixels(c, image);
-	return true;
 }
 
 /* As eco_image_read_memory: palettes and gray are converted, 16 bits are rounded, interlacing is allowed; gamma and
@@ -117,14 +114,14 @@ static bool try_read(struct coding *c, struct eco_image *image)
 static enum eco_code png_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes,
 	const char *name, struct eco_error *error)
 {
-	struct coding c = { .from = bytes, .size = size_bytes };
+	struct coding c = { .from = bytes, .size = size_bytes, .image = image };
 	enum eco_code code;
 	*image = (struct eco_image){ .rgba = NULL };
 	c.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &c, on_error, on_warning);
 	c.info = c.png ? png_create_info_struct(c.png) : NULL;
 	if (!c.info)
 		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", name);
-	else if (try_read(&c, image))
+	else if (attempt(&c, read_pixels))
 		code = ECO_OK;
 	else if (c.too_large)
 		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %ux%u pixels, at most %u are possible", name,
@@ -160,32 +157,25 @@ static void flush(png_structp png)
 	(void)png;
 }
 
-static void write_pixels(struct coding *c, const struct eco_pixels *pixels, int filters)
+static void write_pixels(struct coding *c)
 {
+	const struct eco_pixels *pixels = c->pixels;
 	int kind = pixels->channels == 1 ? PNG_COLOR_TYPE_GRAY : pixels->channels == 3 ? PNG_COLOR_TYPE_RGB
 		: PNG_COLOR_TYPE_RGB_ALPHA;
 	png_set_write_fn(c->png, c, append, flush);
 	png_set_IHDR(c->png, c->info, pixels->width, pixels->height, 8, kind, PNG_INTERLACE_NONE,
 		PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-	png_set_filter(c->png, PNG_FILTER_TYPE_DEFAULT, filters);
+	png_set_filter(c->png, PNG_FILTER_TYPE_DEFAULT, c->filters);
 	png_write_info(c->png, c->info);
 	for (uint32_t y = 0; y < pixels->height; y++)
 		png_write_row(c->png, pixels->bytes + (size_t)y * pixels->width * pixels->channels);
 	png_write_end(c->png, NULL);
 }
 
-static bool try_write(struct coding *c, const struct eco_pixels *pixels, int filters)
-{
-	if (setjmp(c->back) != 0)
-		return false;
-	write_pixels(c, pixels, filters);
-	return true;
-}
-
 static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_t **bytes, size_t *size_bytes,
 	struct eco_error *error)
 {
-	struct coding c = { .bytes = NULL };
+	struct coding c = { .pixels = pixels, .filters = filters };
 	enum eco_code code = ECO_OK;
 	assert(pixels->channels == 1 || pixels->channels == 3 || pixels->channels == 4);
 	*bytes = NULL;
@@ -196,7 +186,7 @@ static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_
 			pixels->width, pixels->height, ECO_PIXELS_MAX);
 	c.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &c, on_error, on_warning);
 	c.info = c.png ? png_create_info_struct(c.png) : NULL;
-	if (!c.info || !try_write(&c, pixels, filters)) {
+	if (!c.info || !attempt(&c, write_pixels)) {
 		code = eco_fail(error, ECO_NO_MEMORY, "a picture of %u x %u pixels cannot be written: %s",
 			pixels->width, pixels->height, !c.info ? "out of memory" : c.text);
 	} else {
@@ -229,18 +219,12 @@ enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, s
 	return ECO_OK;
 }
 
-/* Several times faster than eco_png_encode, and larger: for files. */
-static enum eco_code encode_fast(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes,
-	struct eco_error *error)
-{
-	return encode(pixels, PNG_FILTER_NONE, bytes, size_bytes, error);
-}
-
 enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error)
 {
 	uint8_t *bytes;
 	size_t size;
-	enum eco_code code = encode_fast(pixels, &bytes, &size, error);
+	/* several times faster than eco_png_encode, and larger */
+	enum eco_code code = encode(pixels, PNG_FILTER_NONE, &bytes, &size, error);
 	if (code)
 		return code;
 	code = eco_file_write(path, bytes, size, error);
@@ -270,11 +254,6 @@ static void on_message(j_common_ptr jpeg, int level)
 	if (level < 0 && r->errors.msg_code != JWRN_JPEG_EOF)
 		give_up(jpeg);
 	r->ended |= level < 0;
-}
-
-static bool is_jpeg(const uint8_t *bytes, size_t size_bytes)
-{
-	return size_bytes >= 3 && memcmp(bytes, "\xff\xd8\xff", 3) == 0;
 }
 
 static bool has_colours(const struct jpeg_decompress_struct *jpeg)
@@ -347,39 +326,34 @@ static enum eco_code decode(struct eco_image *image, const char *name, const voi
 
 /* ---- Formats by their first bytes ---- */
 
-/* A name whose extension suits the content, so that the right reader is tried first; NULL: the content
- * does not tell. */
-static const char *name_for(const uint8_t *bytes, size_t size)
-{
-	static const struct { const char *magic, *name; size_t at, count; } kinds[] = {
-		{ "\xff\xd8\xff", "memory.jpg", 0, 3 }, { "WEBP", "memory.webp", 8, 4 },
-		{ "GIF8", "memory.gif", 0, 4 }, { "BM", "memory.bmp", 0, 2 },
-	};
+/* `name` has an extension that suits the content, so that OpenImageIO tries the right reader first. */
+struct format {
+	enum { UNKNOWN, PNG, JPEG, KTX, OTHER } kind;
+	const char *magic, *name;
+	size_t at, count;
+};
 
-	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-		if (size >= kinds[i].at + kinds[i].count
-				&& memcmp(bytes + kinds[i].at, kinds[i].magic, kinds[i].count) == 0)
-			return kinds[i].name;
-	return NULL;
+static const struct format *format_of(const uint8_t *bytes, size_t size)
+{
+	/* the last has nothing to compare: the content does not tell */
+	static const struct format formats[] = {
+		{ PNG, "\x89PNG", NULL, 0, 4 }, { JPEG, "\xff\xd8\xff", "memory.jpg", 0, 3 },
+		{ KTX, "\xabKTX", NULL, 0, 4 }, { OTHER, "WEBP", "memory.webp", 8, 4 },
+		{ OTHER, "GIF8", "memory.gif", 0, 4 }, { OTHER, "BM", "memory.bmp", 0, 2 }, { UNKNOWN, "", NULL, 0, 0 },
+	};
+	const struct format *f = formats;
+	while (f->count && (size < f->at + f->count || memcmp(bytes + f->at, f->magic, f->count) != 0))
+		f++;
+	return f;
 }
 
 /* ---- Reading ---- */
-
-static bool is_ktx(const uint8_t *bytes, size_t size)
-{
-	return size >= 4 && memcmp(bytes, "\xabKTX", 4) == 0;
-}
-
-static enum eco_code refuse_ktx(const char *name, struct eco_error *error)
-{
-	return eco_fail(error, ECO_UNSUPPORTED, "%s: KTX is not read: save it as PNG, JPEG or WebP", name);
-}
 
 enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes,
 	const char *name, struct eco_error *error)
 {
 	struct eco_error inner = { .code = ECO_OK };
-	const char *kind = name_for(bytes, size_bytes);
+	const struct format *format = format_of(bytes, size_bytes);
 	bool cut_off = false;
 	*image = (struct eco_image){ .rgba = NULL };
 	if (size_bytes == 0)
@@ -387,15 +361,15 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 	if (size_bytes > ECO_IMAGE_FILE_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible", name,
 			size_bytes, ECO_IMAGE_FILE_MAX);
-	if (is_png(bytes, size_bytes))
+	if (format->kind == PNG)
 		return png_decode(image, bytes, size_bytes, name, error);
-	if (is_jpeg(bytes, size_bytes) && eco_jpeg_decode(image, bytes, size_bytes, &cut_off))
+	if (format->kind == JPEG && eco_jpeg_decode(image, bytes, size_bytes, &cut_off))
 		return ECO_OK;
 	if (cut_off)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: a JPEG that is cut off: it ends too early", name);
-	if (is_ktx(bytes, size_bytes))
-		return refuse_ktx(name, error);
-	enum eco_code code = decode(image, kind ? kind : name, bytes, size_bytes, &inner);
+	if (format->kind == KTX)
+		return eco_fail(error, ECO_UNSUPPORTED, "%s: KTX is not read: save it as PNG, JPEG or WebP", name);
+	enum eco_code code = decode(image, format->name ? format->name : name, bytes, size_bytes, &inner);
 	return code == ECO_OK ? code : eco_fail(error, code, "%.120s: %.380s", name, inner.text);
 }
 
@@ -407,7 +381,7 @@ enum eco_code eco_image_read(struct eco_image *image, const char *path, struct e
 	enum eco_code code = eco_file_read(path, ECO_IMAGE_FILE_MAX, &bytes, &size, error);
 	if (code)
 		return code;
-	if (is_png(bytes, size) || is_ktx(bytes, size) || name_for(bytes, size) || size == 0)
+	if (format_of(bytes, size)->kind != UNKNOWN || size == 0)
 		code = eco_image_read_memory(image, bytes, size, path, error);
 	else
 		/* some rarer formats are read from files only; OpenImageIO 2.4 refuses DDS elsewhere */

@@ -34,19 +34,17 @@ static void write_names(struct eco_writer *w, const struct eco_string_pool *name
 	}
 }
 
-/* Each name with a 0 behind it; starts[i]: where it begins. */
-static bool read_names(struct eco_reader *r, char *names, uint32_t *starts, uint32_t count)
+/* Each name with a 0 behind it in `text`; items[i]: where it begins. */
+static bool read_names(struct eco_reader *r, char *text, const char **items, uint32_t count)
 {
-	size_t used = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		uint8_t size = eco_read_u8(r);
 		const uint8_t *bytes = eco_read_bytes(r, size);
 		if (!bytes || size < 1 || !eco_utf8_valid((const char *)bytes, size))
 			return false;
-		starts[i] = (uint32_t)used;
-		memcpy(names + used, bytes, size);
-		used += size;
-		names[used++] = 0;
+		items[i] = memcpy(text, bytes, size);
+		text[size] = 0;
+		text += size + 1;
 	}
 	return true;
 }
@@ -150,22 +148,18 @@ enum eco_code eco_inventory_decode(struct eco_inventory_block *block, const uint
 	uint64_t name_count = eco_read_varint(&r);
 	uint32_t few = name_count <= NAMES_MAX ? (uint32_t)name_count : 0;
 	struct names names = { .items = calloc(few + 1u, sizeof *names.items), .count = few };
-	uint32_t *starts = calloc(few + 1u, sizeof *starts);
 	int32_t *values = calloc(COLUMNS * (size_t)count, sizeof *values);
 	*block = (struct eco_inventory_block){ .count = count,
 		.rows = calloc(count, sizeof *block->rows),
 		.names = malloc(size + 1) }; /* a size goes for each 0 that comes */
 	enum eco_code code = ECO_OK;
-	if (!names.items || !starts || !values || !block->rows || !block->names)
+	if (!names.items || !values || !block->rows || !block->names)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
-	else if (r.failed || few != name_count || !read_names(&r, block->names, starts, few))
+	else if (r.failed || few != name_count || !read_names(&r, block->names, names.items, few))
 		code = eco_fail(error, ECO_DAMAGED, "rows of plants: their names are cut short or no UTF-8");
-	for (uint32_t i = 0; i < few && !code; i++)
-		names.items[i] = block->names + starts[i];
 	if (!code && !take_rows(block, &r, &names, values))
 		code = eco_fail(error, ECO_DAMAGED, "rows of plants: they are cut short or impossible");
 	free(values);
-	free(starts);
 	free(names.items);
 	if (code)
 		eco_inventory_free(block);

@@ -15,18 +15,13 @@
 
 #include <xxhash.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/files.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
 /* ---- Files ---- */
-
-/* Finds chunks by their id, to store equal payloads once: open addressing over chunk indices + 1. */
-struct id_table {
-	uint32_t *slots;
-	uint32_t size;               /* power of two, more than twice the chunks */
-};
 
 struct eco_pack_writer {
 	char *path, *temporary, *folder;
@@ -36,7 +31,10 @@ struct eco_pack_writer {
 	uint32_t list_count, list_capacity;
 	struct eco_chunk *chunks;    /* offsets relative to the spool until commit */
 	uint32_t chunk_count, chunk_capacity;
-	struct id_table ids;
+	/* by id and size, so that equal payloads are stored once; where in the spool each is */
+	struct eco_string_pool payloads;
+	uint64_t *offsets;
+	uint32_t offset_capacity;
 };
 
 /* Says what could not be done, and why (errno). */
@@ -158,52 +156,37 @@ void eco_pack_abort(struct eco_pack_writer *w)
 	free(w->folder);
 	free(w->lists);
 	free(w->chunks);
-	free(w->ids.slots);
+	eco_string_pool_free(&w->payloads);
+	free(w->offsets);
 	free(w);
 }
 
 /* ---- Chunks and lists ---- */
 
-static uint32_t id_slot(const struct eco_pack_writer *w, const struct eco_chunk *chunk)
+/* Of a payload among those that differ. */
+static uint32_t payload_number(struct eco_pack_writer *w, const struct eco_chunk *chunk)
 {
-	uint32_t slot;
-	memcpy(&slot, chunk->id.bytes, sizeof slot);
-	for (;; slot++) {
-		uint32_t found = w->ids.slots[slot & (w->ids.size - 1)];
-		if (found == 0
-				|| (memcmp(w->chunks[found - 1].id.bytes, chunk->id.bytes,
-				sizeof chunk->id.bytes) == 0
-		    && w->chunks[found - 1].size_bytes == chunk->size_bytes))
-			return slot & (w->ids.size - 1);
-	}
-}
-
-static void grow_ids(struct eco_pack_writer *w)
-{
-	if (w->ids.size / 2 > w->chunk_count)
-		return;
-	free(w->ids.slots);
-	w->ids.size = w->ids.size == 0 ? 256 : 2 * w->ids.size;
-	w->ids.slots = eco_alloc(w->ids.size, sizeof *w->ids.slots);
-	for (uint32_t i = w->chunk_count; i-- > 0;)
-		w->ids.slots[id_slot(w, &w->chunks[i])] = i + 1;
+	char key[2 * sizeof chunk->id.bytes + 12];
+	for (size_t i = 0; i < sizeof chunk->id.bytes; i++)
+		snprintf(key + 2 * i, 3, "%02x", chunk->id.bytes[i]);
+	snprintf(key + 2 * sizeof chunk->id.bytes, 12, "-%u", chunk->size_bytes);
+	return eco_string_number(&w->payloads, key);
 }
 
 static void add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, size_t size, uint32_t elements,
 	uint32_t primitives)
 {
-	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled,
-		.size_bytes = (uint32_t)size, .element_count = elements, .primitive_count = primitives };
-	eco_grow(&w->chunks, &w->chunk_capacity, w->chunk_count, sizeof *w->chunks);
-	grow_ids(w);
-	uint32_t slot = id_slot(w, &chunk);
-	if (w->ids.slots[slot] != 0) {
-		chunk.offset = w->chunks[w->ids.slots[slot] - 1].offset;
-	} else {
+	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .size_bytes = (uint32_t)size,
+		.element_count = elements, .primitive_count = primitives };
+	uint32_t before = w->payloads.count, number = payload_number(w, &chunk);
+	if (number == before) {
 		write_all(w, w->spool, bytes, size);
+		eco_grow(&w->offsets, &w->offset_capacity, number, sizeof *w->offsets);
+		w->offsets[number] = w->spooled;
 		w->spooled += size;
-		w->ids.slots[slot] = w->chunk_count + 1;
 	}
+	chunk.offset = w->offsets[number];
+	eco_grow(&w->chunks, &w->chunk_capacity, w->chunk_count, sizeof *w->chunks);
 	w->chunks[w->chunk_count++] = chunk;
 }
 

@@ -185,18 +185,17 @@ enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *erro
 
 /* ---- Holdings ---- */
 
+static int holding_order(const void *a, const void *b)
+{
+	uint32_t x = ((const struct eco_holding *)a)->list, y = ((const struct eco_holding *)b)->list;
+	return (x > y) - (x < y);
+}
+
 uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list)
 {
-	uint32_t low = 0, high = holdings ? holdings->count : 0;
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2;
-		if (holdings->items[middle].list < list)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return holdings && low < holdings->count && holdings->items[low].list == list
-		? holdings->items[low].chunks : 0;
+	const struct eco_holding *found = holdings && holdings->count ? bsearch(&(struct eco_holding){ .list = list },
+		holdings->items, holdings->count, sizeof *holdings->items, holding_order) : NULL;
+	return found ? found->chunks : 0;
 }
 
 /* ---- Owners ---- */

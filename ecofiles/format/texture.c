@@ -90,7 +90,7 @@ static bool sides_fit(uint64_t width, uint64_t height)
 		&& width * height <= ECO_PIXELS_MAX;
 }
 
-static enum eco_code try_outline(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
+static enum eco_code read_outline(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
 	struct eco_error *error)
 {
 	struct eco_reader r = { .bytes = bytes, .size = size };
@@ -145,7 +145,7 @@ enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_te
 		"no memory to write %u x %u texels as WebP", part->width, part->height);
 }
 
-static enum eco_code try_colors(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
+static enum eco_code read_colors(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
 	bool may_fade, struct eco_error *error)
 {
 	WebPBitstreamFeatures features;
@@ -175,32 +175,15 @@ uint64_t eco_texture_texels(const uint8_t *bytes, size_t size, bool outline)
 	return r.failed ? 0 : texels;
 }
 
-static enum eco_code or_nothing(enum eco_code code, struct eco_texture_part *part)
+enum eco_code eco_texture_read(struct eco_texture_part *part, enum eco_list_kind kind, const uint8_t *bytes,
+	size_t size, struct eco_error *error)
 {
+	*part = (struct eco_texture_part){ 0 };
+	enum eco_code code = kind == ECO_LIST_OUTLINE ? read_outline(part, bytes, size, error)
+		: read_colors(part, bytes, size, kind == ECO_LIST_GROUND_IMAGE, error);
 	if (code)
 		eco_texture_part_free(part);
 	return code;
-}
-
-enum eco_code eco_texture_read_outline(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
-	struct eco_error *error)
-{
-	*part = (struct eco_texture_part){ 0 };
-	return or_nothing(try_outline(part, bytes, size, error), part);
-}
-
-enum eco_code eco_texture_read_colors(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
-	struct eco_error *error)
-{
-	*part = (struct eco_texture_part){ 0 };
-	return or_nothing(try_colors(part, bytes, size, false, error), part);
-}
-
-enum eco_code eco_texture_read_ground(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
-	struct eco_error *error)
-{
-	*part = (struct eco_texture_part){ 0 };
-	return or_nothing(try_colors(part, bytes, size, true, error), part);
 }
 
 /* ---- Together ---- */

@@ -19,6 +19,7 @@
 #include <stdbool.h>
 
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/format/list.h"
 #include "ecofiles/format/model.h"
 
 #define ECO_TEXTURE_LEVELS_MAX 16u
@@ -37,14 +38,10 @@ enum eco_code eco_texture_write_outline(struct eco_writer *w, const struct eco_t
 enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_texture_part *part,
 	double quality, struct eco_error *error);
 
-/* Decodes the payload of a chunk; part->texels is malloc'ed. ECO_DAMAGED: *part is empty. */
-enum eco_code eco_texture_read_outline(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
-	struct eco_error *error);
-enum eco_code eco_texture_read_colors(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
-	struct eco_error *error);
-/* The same of the ground's image: with alpha where it has some. */
-enum eco_code eco_texture_read_ground(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
-	struct eco_error *error);
+/* Decodes the payload of a chunk of a list of kind OUTLINE, IMAGE or GROUND_IMAGE, which alone may have alpha;
+ * part->texels is malloc'ed. ECO_DAMAGED: *part is empty. */
+enum eco_code eco_texture_read(struct eco_texture_part *part, enum eco_list_kind kind, const uint8_t *bytes,
+	size_t size, struct eco_error *error);
 
 /* Texels that a payload says it has; 0 where it cannot be read. */
 uint64_t eco_texture_texels(const uint8_t *bytes, size_t size, bool outline);

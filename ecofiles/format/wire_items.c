@@ -147,53 +147,36 @@ static uint32_t relative(uint32_t to, uint32_t id)
 
 static uint32_t absolute(uint32_t code, uint32_t id) { return code ? id + eco_unzigzag(code - 1) : ECO_NONE; }
 
-static void fields_of(const struct eco_list *l, uint32_t id, uint32_t f[ECO_FIELDS])
+static void code_fields(struct eco_range *r, struct eco_wire_items *s, uint32_t kind, uint32_t id,
+	struct eco_list *l)
 {
-	f[ECO_FIELD_OWNER] = l->owner;
-	f[ECO_FIELD_PALETTE_FIRST] = l->palette_first;
-	f[ECO_FIELD_PALETTE_COUNT] = l->palette_count;
-	f[ECO_FIELD_LEVEL] = l->level;
-	f[ECO_FIELD_GROUPS] = l->group_count;
-	f[ECO_FIELD_IMAGE] = relative(l->image, id);
-	f[ECO_FIELD_PARTNER] = relative(l->partner, id);
-	f[ECO_FIELD_COLUMNS] = l->columns;
-	f[ECO_FIELD_CHUNKS] = l->chunk_count;
-	f[ECO_FIELD_ELEMENTS] = l->element_count;
-	f[ECO_FIELD_MORE] = l->primitive_count - l->element_count;
-}
-
-static void fields_into(struct eco_list *l, uint32_t id, const uint32_t f[ECO_FIELDS])
-{
-	l->owner = f[ECO_FIELD_OWNER];
-	l->palette_first = f[ECO_FIELD_PALETTE_FIRST];
-	l->palette_count = f[ECO_FIELD_PALETTE_COUNT];
-	l->level = (uint8_t)f[ECO_FIELD_LEVEL];
-	l->group_count = f[ECO_FIELD_GROUPS];
-	l->image = absolute(f[ECO_FIELD_IMAGE], id);
-	l->partner = absolute(f[ECO_FIELD_PARTNER], id);
-	l->columns = f[ECO_FIELD_COLUMNS];
-	l->chunk_count = f[ECO_FIELD_CHUNKS];
-	l->element_count = f[ECO_FIELD_ELEMENTS];
-	l->primitive_count = f[ECO_FIELD_MORE] + l->element_count;
-}
-
-static void code_fields(struct eco_range *r, struct eco_wire_items *s, uint32_t kind, uint32_t f[ECO_FIELDS])
-{
+	uint32_t level = l->level, image = relative(l->image, id), partner = relative(l->partner, id),
+		more = l->primitive_count - l->element_count;
+	uint32_t *const fields[ECO_FIELDS] = { [ECO_FIELD_OWNER] = &l->owner,
+		[ECO_FIELD_PALETTE_FIRST] = &l->palette_first, [ECO_FIELD_PALETTE_COUNT] = &l->palette_count,
+		[ECO_FIELD_LEVEL] = &level, [ECO_FIELD_GROUPS] = &l->group_count, [ECO_FIELD_IMAGE] = &image,
+		[ECO_FIELD_PARTNER] = &partner, [ECO_FIELD_COLUMNS] = &l->columns,
+		[ECO_FIELD_CHUNKS] = &l->chunk_count, [ECO_FIELD_ELEMENTS] = &l->element_count,
+		[ECO_FIELD_MORE] = &more };
 	for (int i = 0; i < ECO_FIELDS && !s->bad; i++) {
-		uint32_t before = s->field[kind][i];
+		uint32_t before = s->field[kind][i], *f = fields[i];
 		bool steps = i == ECO_FIELD_OWNER || i == ECO_FIELD_PALETTE_FIRST;
 		if (i == ECO_FIELD_ELEMENTS)
-			f[i] = code_count(r, s, &s->fields[kind][i], f[i]);
-		else if (!eco_range_bit(r, &s->same[kind][i], f[i] != before))
-			f[i] = before;
+			*f = code_count(r, s, &s->fields[kind][i], *f);
+		else if (!eco_range_bit(r, &s->same[kind][i], *f != before))
+			*f = before;
 		else {
-			f[i] = steps ? code_step(r, s, &s->fields[kind][i], before, f[i])
-				: code_number(r, s, &s->fields[kind][i], f[i]);
-			s->bad |= f[i] == before;
+			*f = steps ? code_step(r, s, &s->fields[kind][i], before, *f)
+				: code_number(r, s, &s->fields[kind][i], *f);
+			s->bad |= *f == before;
 		}
-		s->field[kind][i] = f[i];
+		s->field[kind][i] = *f;
 	}
-	s->bad |= f[ECO_FIELD_LEVEL] > UINT8_MAX;
+	s->bad |= level > UINT8_MAX;
+	l->level = (uint8_t)level;
+	l->image = absolute(image, id);
+	l->partner = absolute(partner, id);
+	l->primitive_count = l->element_count + more;
 }
 
 enum grid_form { GRID_OF_KIND, GRID_OF_LAST, GRID_SENT };
@@ -236,16 +219,12 @@ static void code_reals(struct eco_range *r, struct eco_wire_items *s, uint32_t k
 static void code_list(struct eco_range *r, struct eco_wire_items *s, struct eco_wire_item *item)
 {
 	struct eco_list *l = &item->list;
-	uint32_t f[ECO_FIELDS] = { 0 };
 	s->list = s->described = item->id = code_step(r, s, &s->list_step, s->list + 1, item->id);
 	uint32_t kind = eco_range_tree(r, s->list_kind[s->list_kind_last], 4, l->kind);
 	l->kind = (uint8_t)kind;
 	l->coder = (uint8_t)eco_range_tree(r, s->coder[kind], 3, l->coder);
 	l->attributes = (uint8_t)eco_range_tree(r, s->attributes[kind], 8, l->attributes);
-	if (r->writer)
-		fields_of(l, item->id, f);
-	code_fields(r, s, kind, f);
-	fields_into(l, item->id, f);
+	code_fields(r, s, kind, item->id, l);
 	code_reals(r, s, kind, l);
 	s->list_kind_last = (uint8_t)kind;
 	s->chunk_list = ECO_NONE;

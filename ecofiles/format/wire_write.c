@@ -205,6 +205,8 @@ void eco_wire_write_holdings(struct eco_writer *w, const struct eco_holdings *ho
 	}
 }
 
+#define BAD(...) eco_fail(error, ECO_BAD_INPUT, "holdings: " __VA_ARGS__)
+
 static enum eco_code read_items(struct eco_reader *r, struct eco_holding *items, uint32_t count,
 	struct eco_error *error)
 {
@@ -212,24 +214,18 @@ static enum eco_code read_items(struct eco_reader *r, struct eco_holding *items,
 	for (uint32_t i = 0; i < count; i++) {
 		uint64_t step = eco_read_varint(r), chunks = eco_read_varint(r);
 		if (r->failed)
-			return eco_fail(error, ECO_BAD_INPUT, "holdings: item %u of %u is cut off or not a "
-				"canonical number, near byte %zu", i, count, r->at);
+			return BAD("item %u of %u is cut off or not a canonical number, near byte %zu", i, count, r->at);
 		if (i && step == 0)
-			return eco_fail(error, ECO_BAD_INPUT, "holdings: item %u repeats list %llu", i,
-				(unsigned long long)list);
+			return BAD("item %u repeats list %llu", i, (unsigned long long)list);
 		if (step >= ECO_NONE - list)
-			return eco_fail(error, ECO_BAD_INPUT, "holdings: item %u names a list beyond %u", i,
-				ECO_NONE - 1);
+			return BAD("item %u names a list beyond %u", i, ECO_NONE - 1);
 		if (chunks == 0 || chunks > UINT32_MAX)
-			return eco_fail(error, ECO_BAD_INPUT, "holdings: item %u holds %llu chunks: leave "
-				"out lists of which nothing is held", i, (unsigned long long)chunks);
+			return BAD("item %u holds %llu chunks: leave out lists of which nothing is held", i,
+				(unsigned long long)chunks);
 		list += step;
 		items[i] = (struct eco_holding){ (uint32_t)list, (uint32_t)chunks };
 	}
-	if (r->at != r->size)
-		return eco_fail(error, ECO_BAD_INPUT, "holdings: %zu bytes follow item %u, the last",
-			r->size - r->at, count);
-	return ECO_OK;
+	return r->at == r->size ? ECO_OK : BAD("%zu bytes follow item %u, the last", r->size - r->at, count);
 }
 
 enum eco_code eco_wire_read_holdings(const uint8_t *bytes, size_t size, struct eco_holdings *holdings,
@@ -239,15 +235,13 @@ enum eco_code eco_wire_read_holdings(const uint8_t *bytes, size_t size, struct e
 	uint32_t count = eco_read_u32(&r);
 	*holdings = (struct eco_holdings){ 0 };
 	if (r.failed)
-		return eco_fail(error, ECO_BAD_INPUT, "holdings: %zu bytes, at least 4 are needed for the "
-			"count", size);
+		return BAD("%zu bytes, at least 4 are needed for the count", size);
 	if (count > ECO_HOLDINGS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "holdings: %u lists, at most %u", count,
 			ECO_HOLDINGS_MAX);
 	/* the smallest item takes two bytes: allocate no more than can be there */
 	if (count > (size - r.at) / 2)
-		return eco_fail(error, ECO_BAD_INPUT, "holdings: %zu bytes cannot hold %u items", size,
-			count);
+		return BAD("%zu bytes cannot hold %u items", size, count);
 	struct eco_holding *items = malloc(count ? count * sizeof *items : 1);
 	if (!items)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u holdings", count);

@@ -52,7 +52,7 @@ static double code_webp(struct bench *bench, const struct eco_texture_part *colo
 {
 	struct eco_writer w = { 0 };
 	must(eco_texture_write_colors(&w, colors, settings[WEBP][0], must_error));
-	must(eco_texture_read_colors(back, w.bytes, w.size, must_error));
+	must(eco_texture_read(back, ECO_LIST_IMAGE, w.bytes, w.size, must_error));
 	double bytes = (double)w.size;
 	eco_writer_free(&w);
 	return bytes;

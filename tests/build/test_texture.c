@@ -71,8 +71,8 @@ static struct eco_texture_part read_level(const struct lod_texture *texture, uin
 	const struct eco_writer *w = outline ? &texture->outlines[i] : &texture->colors[i];
 	struct eco_texture_part part;
 	struct eco_error error = { 0 };
-	assert_ok((outline ? eco_texture_read_outline : eco_texture_read_colors)(&part, w->bytes, w->size,
-		&error), error);
+	assert_ok(eco_texture_read(&part, outline ? ECO_LIST_OUTLINE : ECO_LIST_IMAGE, w->bytes, w->size, &error),
+		error);
 	return part;
 }
 
@@ -93,8 +93,8 @@ UNIT_TEST(impossible_parts_are_refused)
 	struct eco_texture_part part;
 	struct eco_error error = { 0 };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-		assert_int_equal(eco_texture_read_outline(&part, bad[i].at, bad[i].size, NULL), ECO_DAMAGED);
-	assert_int_equal(eco_texture_read_colors(&part, noise, sizeof noise, &error), ECO_DAMAGED);
+		assert_int_equal(eco_texture_read(&part, ECO_LIST_OUTLINE, bad[i].at, bad[i].size, NULL), ECO_DAMAGED);
+	assert_int_equal(eco_texture_read(&part, ECO_LIST_IMAGE, noise, sizeof noise, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "WebP"));
 	assert_null(part.texels);
 }
@@ -137,7 +137,7 @@ UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 		/* cut off anywhere it is refused, or another outline of the same size */
 		for (size_t size = 0; size < payload[1]->size; size += 1 + payload[1]->size / 9) {
 			struct eco_texture_part part;
-			if (!eco_texture_read_outline(&part, payload[1]->bytes, size, NULL))
+			if (!eco_texture_read(&part, ECO_LIST_OUTLINE, payload[1]->bytes, size, NULL))
 				eco_texture_part_free(&part);
 		}
 		for (int outline = 0; outline < 2; outline++) {

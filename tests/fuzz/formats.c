@@ -357,8 +357,8 @@ void fuzz_texture(const uint8_t *bytes, size_t size)
 	struct eco_texture_part part, again;
 	if (!size || eco_texture_texels(bytes + 1, size - 1, !(bytes[0] & 3)) > TEXELS_MAX)
 		return;
-	enum eco_code code = (bytes[0] & 2 ? eco_texture_read_ground : bytes[0] & 1 ? eco_texture_read_colors
-		: eco_texture_read_outline)(&part, bytes + 1, size - 1, &error);
+	enum eco_code code = eco_texture_read(&part, bytes[0] & 2 ? ECO_LIST_GROUND_IMAGE : bytes[0] & 1
+		? ECO_LIST_IMAGE : ECO_LIST_OUTLINE, bytes + 1, size - 1, &error);
 	assert(code == error.code && (!code || !part.texels));
 	if (code)
 		return;
@@ -368,7 +368,7 @@ void fuzz_texture(const uint8_t *bytes, size_t size)
 		struct eco_writer w = { 0 };
 		code = eco_texture_write_outline(&w, &part, &error);
 		if (!code)
-			code = eco_texture_read_outline(&again, w.bytes, w.size, &error);
+			code = eco_texture_read(&again, ECO_LIST_OUTLINE, w.bytes, w.size, &error);
 		assert(!code && memcmp(part.texels, again.texels, texels) == 0);
 		eco_texture_part_free(&again);
 		eco_writer_free(&w);

@@ -35,10 +35,10 @@ static void decode_picture(const struct plant_view *p, struct plant_view_list *t
 	const uint8_t *bytes;
 	size_t size;
 	last_payload(p, to->list, &bytes, &size, error);
-	eco_check(eco_texture_read_colors(&colors, bytes, size, error));
+	eco_check(eco_texture_read(&colors, ECO_LIST_IMAGE, bytes, size, error));
 	if (cut) {
 		last_payload(p, cut, &bytes, &size, error);
-		eco_check(eco_texture_read_outline(&outline, bytes, size, error));
+		eco_check(eco_texture_read(&outline, ECO_LIST_OUTLINE, bytes, size, error));
 	}
 	eco_check(eco_texture_show(&to->picture, &colors, cut ? &outline : NULL, error));
 	for (size_t i = 0; i < (size_t)to->picture.width * to->picture.height; i++)
