@@ -138,26 +138,14 @@ static size_t skip_string(const char *text, size_t size, size_t at)
 
 static size_t skip_value(const char *text, size_t size, size_t at)
 {
-	size_t depth = 0;
-	while (at < size) {
+	for (size_t depth = 0; at < size;) {
 		char c = text[at];
-		if (c == '"') {
-			at = skip_string(text, size, at);
-		} else if (c == '{' || c == '[') {
-			depth++;
-			at++;
-		} else if (c == '}' || c == ']') {
-			if (depth == 0)
-				return at;
-			depth--;
-			at++;
-		} else if (depth == 0 && c == ',') {
+		if (depth == 0 && memchr(",}]", c, 3))
 			return at;
-		} else {
-			at++;
-			continue;
-		}
-		if (depth == 0)
+		at = c == '"' ? skip_string(text, size, at) : at + 1;
+		depth += c == '{' || c == '[';
+		depth -= c == '}' || c == ']';
+		if (depth == 0 && memchr("\"}]", c, 3))
 			return at;
 	}
 	return size;
@@ -214,22 +202,21 @@ void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column)
 	line_column(at->file, find(at, false), line, column);
 }
 
-static void fail_at(const struct eco_json *at, bool key, enum eco_code code, const char *format,
-	va_list arguments)
+static void fail_at(const struct eco_json *at, bool key, enum eco_code code, const char *text)
 {
-	char text[400];
 	uint32_t line, column;
-	vsnprintf(text, sizeof text, format, arguments);
 	line_column(at->file, find(at, key), &line, &column);
 	eco_fail(at->file->error, code, "%s:%u:%u: %s", at->file->name, line, column, text);
 }
 
 bool eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
 {
+	char text[400];
 	va_list arguments;
 	va_start(arguments, format);
-	fail_at(at, false, code, format, arguments);
+	vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
+	fail_at(at, false, code, text);
 	return false;
 }
 
@@ -243,22 +230,13 @@ static bool bad(const struct eco_json *at, const char *wanted)
 		type_name(at->value));
 }
 
-static bool stranger(const struct eco_json *at, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	fail_at(at, true, ECO_BAD_INPUT, format, arguments);
-	va_end(arguments);
-	return false;
-}
-
 bool eco_json_object(const struct eco_json *at, const char *const *fields)
 {
 	struct eco_json node = { .file = NULL };
 	if (!json_is_object(at->value))
 		return bad(at, "an object");
 	while (eco_json_next(at, &node)) {
-		char known[256] = "";
+		char known[256] = "", text[400];
 		size_t i = 0;
 		while (fields[i] && strcmp(fields[i], node.key) != 0)
 			i++;
@@ -266,7 +244,9 @@ bool eco_json_object(const struct eco_json *at, const char *const *fields)
 			continue;
 		for (i = 0; fields[i]; i++)
 			eco_phrase_add(known, sizeof known, fields[i]);
-		return stranger(&node, "unknown field \"%.60s\"; known here: %s", node.key, known);
+		snprintf(text, sizeof text, "unknown field \"%.60s\"; known here: %s", node.key, known);
+		fail_at(&node, true, ECO_BAD_INPUT, text);
+		return false;
 	}
 	return true;
 }

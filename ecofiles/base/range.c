@@ -193,11 +193,6 @@ void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count
 	}
 }
 
-static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS], uint32_t most, uint32_t value)
-{
-	return eco_range_unary(r, models, ECO_NEAR_STEPS, most, value);
-}
-
 int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_scale *kind, int32_t value)
 {
 	uint32_t level = kind->seen ? kind->level : near->level, usual = level >> 8,
@@ -205,9 +200,10 @@ int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_sc
 	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value,
 		bits = eco_bit_length(size);
 	if (usual < NEAR_BITS_MAX && code_bit(r, &near->larger[part], bits > usual))
-		bits = usual + 1 + steps(r, near->more[part], NEAR_BITS_MAX - 1 - usual, bits - usual - 1);
+		bits = usual + 1 + eco_range_unary(r, near->more[part], ECO_NEAR_STEPS,
+			NEAR_BITS_MAX - 1 - usual, bits - usual - 1);
 	else
-		bits = usual - steps(r, near->less[part], usual, usual - bits);
+		bits = usual - eco_range_unary(r, near->less[part], ECO_NEAR_STEPS, usual, usual - bits);
 	if (bits > 1) {
 		uint32_t from = bits + ECO_NEAR_STEPS / 2 > usual ? bits + ECO_NEAR_STEPS / 2 - usual : 0;
 		uint32_t half = code_bit(r, &near->half[part][from < ECO_NEAR_STEPS ? from

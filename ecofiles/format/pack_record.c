@@ -48,48 +48,35 @@ static void read_value(struct eco_reader *r, uint8_t *to, unsigned width)
 	}
 }
 
-static void write_zeros(struct eco_writer *w, size_t count)
-{
-	while (count-- > 0)
-		eco_write_u8(w, 0);
-}
-
-static void read_zeros(struct eco_reader *r, size_t count)
-{
-	while (count-- > 0)
-		if (eco_read_u8(r) != 0)
-			r->failed = true;
-}
-
-static void read_name(struct eco_reader *r, char *name, size_t size)
-{
-	const uint8_t *bytes = eco_read_bytes(r, size);
-	size_t length = bytes ? strnlen((const char *)bytes, size) : 0;
-	for (size_t i = length; bytes && i < size; i++)
-		r->failed |= bytes[i] != 0;
-	if (length == size)
-		r->failed = true;
-	else if (bytes)
-		memcpy(name, bytes, length);
-}
-
 static void write_field(struct eco_writer *w, const struct field *f, const uint8_t *from)
 {
 	size_t length = f->kind == NAME ? strnlen((const char *)from, f->width - 1u) : 0;
-	if (f->kind == NAME)
-		eco_write_bytes(w, from, length);
-	if (f->kind == ZEROS || f->kind == NAME)
-		write_zeros(w, f->width * (size_t)f->count - length);
 	for (unsigned i = 0; f->kind < NAME && i < f->count; i++)
 		write_value(w, from + i * f->width, f->width);
+	if (f->kind < NAME)
+		return;
+	eco_write_bytes(w, from, length);
+	for (; length < f->width * (size_t)f->count; length++)
+		eco_write_u8(w, 0);
+}
+
+/* A name, which has a zero behind it, and the zeros that fill it up, or zeros alone. */
+static void read_filled(struct eco_reader *r, const struct field *f, uint8_t *to)
+{
+	size_t size = f->width * (size_t)f->count;
+	const uint8_t *bytes = eco_read_bytes(r, size);
+	size_t length = bytes && f->kind == NAME ? strnlen((const char *)bytes, size) : 0;
+	for (size_t i = length; bytes && i < size; i++)
+		r->failed |= bytes[i] != 0;
+	r->failed |= length == size;
+	if (length < size && length > 0)
+		memcpy(to, bytes, length);
 }
 
 static void read_field(struct eco_reader *r, const struct field *f, uint8_t *to)
 {
-	if (f->kind == ZEROS)
-		read_zeros(r, f->count);
-	else if (f->kind == NAME)
-		read_name(r, (char *)to, f->width);
+	if (f->kind >= NAME)
+		read_filled(r, f, to);
 	for (unsigned i = 0; f->kind < NAME && i < f->count; i++)
 		read_value(r, to + i * f->width, f->width);
 	if (f->kind == FLAG && *to > 1) {

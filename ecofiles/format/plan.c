@@ -35,6 +35,7 @@ void eco_plan_free(struct eco_plan *plan)
 
 /* ---- Order ---- */
 
+/* Runs and gates are numbers alone. */
 static int compare(const uint32_t *a, const uint32_t *b, size_t count)
 {
 	for (size_t i = 0; i < count; i++)
@@ -45,15 +46,12 @@ static int compare(const uint32_t *a, const uint32_t *b, size_t count)
 
 static int run_order(const void *a, const void *b)
 {
-	const struct eco_run *x = a, *y = b;
-	return compare((uint32_t[4]){ x->placement, x->list_first, x->list_end, x->left },
-		(uint32_t[4]){ y->placement, y->list_first, y->list_end, y->left }, 4);
+	return compare(a, b, sizeof(struct eco_run) / sizeof(uint32_t));
 }
 
 static int gate_order(const void *a, const void *b)
 {
-	const struct eco_gate *x = a, *y = b;
-	return compare((uint32_t[2]){ x->plant, x->end }, (uint32_t[2]){ y->plant, y->end }, 2);
+	return compare(a, b, sizeof(struct eco_gate) / sizeof(uint32_t));
 }
 
 #define CUT_KEYS 10
