@@ -40,12 +40,11 @@ static void look(struct lod_raster *r, const double at[3], double turn_deg, doub
 
 static void open_levels(struct lod_impostor *levels, const struct eco_model *model)
 {
-	struct lod_impostors made;
+	FREED(lod_impostors) made;
 	assert_good(lod_impostors_make(&made, model, &(struct lod_impostors_options){ .levels = LEVELS }, &cause));
 	assert_int_equal(made.level_count, LEVELS);
 	for (uint32_t i = 0; i < LEVELS; i++)
 		assert_good(lod_impostor_open(&levels[i], &made.body, &made.levels[i], &cause));
-	lod_impostors_free(&made);
 }
 
 static void close_levels(struct lod_impostor *levels)
@@ -144,7 +143,7 @@ UNIT_TEST(depths_are_those_of_the_near_side)
 UNIT_TEST(the_nearer_plant_owns_the_pixels_whatever_the_order)
 {
 	const double at[3] = { 1, 2, 3 };
-	uint64_t *first = malloc(SIDE * SIDE * sizeof *first);
+	FREED_MEMORY uint64_t *first = malloc(SIDE * SIDE * sizeof *first);
 	uint32_t count[3] = { 0 };
 	for (int order = 0; order < 2; order++) {
 		look(&raster, at, 0, 10, 30, 2.5);
@@ -165,7 +164,6 @@ UNIT_TEST(the_nearer_plant_owns_the_pixels_whatever_the_order)
 	assert_int_equal(raster.owner[SIDE / 2 * SIDE + SIDE / 2], 1);
 	/* a disc, and what a disc a radius aside shows of itself: 61 % at least */
 	assert_true(count[2] > 0.55 * count[1] && count[2] < 0.75 * count[1]);
-	free(first);
 }
 
 UNIT_TEST(what_cannot_be_drawn_is_left_out)
@@ -191,7 +189,7 @@ UNIT_TEST(impostors_and_few_splats_are_baked_as_balls)
 		.color = (int32_t[]){ 0 } };
 	const struct eco_list list = { .kind = ECO_LIST_POINTS, .palette_count = 1, .image = ECO_NONE };
 	for (int splat = 0; splat < 2; splat++) {
-		struct lod_bake bake;
+		FREED(lod_bake) bake;
 		assert_good(lod_bake_make(&bake, &(struct lod_bake_input){ .list = &list, .palette = red,
 			.geometry = &geometry, .count = 1, .impostor = splat ? NULL : &balls[BEST] },
 			&cause));
@@ -205,7 +203,6 @@ UNIT_TEST(impostors_and_few_splats_are_baked_as_balls)
 		}
 		for (uint32_t i = 0; i < bake.index_count; i++)
 			assert_true(bake.index[i] < bake.vertex_count);
-		lod_bake_free(&bake);
 	}
 }
 

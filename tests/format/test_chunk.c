@@ -7,13 +7,13 @@ UNIT_TEST(what_goes_in_comes_out)
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct kind *k = &kinds[i];
 		const struct eco_list list = kind_list(k);
-		struct eco_elements in = kind_elements(k, k->count + 7, i + 1), out;
+		FREED(eco_elements) in = kind_elements(k, k->count + 7, i + 1), out;
 		uint32_t first = k->count > 10 ? 5 : 0, end = first + k->count;
 		const struct eco_chunk_input input = { &list, &in, first, end, (uint32_t)i };
-		uint32_t *order = kind_ordered(k) ? malloc((end - first) * sizeof *order) : NULL;
+		FREED_MEMORY uint32_t *order = kind_ordered(k) ? malloc((end - first) * sizeof *order) : NULL;
 		struct eco_error error = { 0 };
 		struct eco_chunk chunk;
-		uint8_t *bytes;
+		FREED_MEMORY uint8_t *bytes;
 		size_t size;
 		if (kind_encode(&input, &bytes, &size, order, &error) != ECO_OK)
 			fail_msg("%s: %s", k->name, error.text);
@@ -22,10 +22,6 @@ UNIT_TEST(what_goes_in_comes_out)
 			fail_msg("%s: %s", k->name, error.text);
 		assert_int_equal(out.primitive_count, chunk.primitive_count);
 		assert_same_elements(k, &in, first, end, &out, order);
-		free(order);
-		free(bytes);
-		eco_elements_free(&in);
-		eco_elements_free(&out);
 	}
 }
 
@@ -45,7 +41,7 @@ UNIT_TEST(forms_follow_their_elements)
 			: ECO_ATTR_UV | ECO_ATTR_GROWTH, cases[i].form, cases[i].form, COUNT, 0, 4095,
 			SCATTERED };
 		const struct eco_list fans = kind_list(&fan), forms = kind_list(&form);
-		struct eco_elements in = kind_elements(&fan, COUNT, i),
+		FREED(eco_elements) in = kind_elements(&fan, COUNT, i),
 			other = kind_elements(&form, COUNT, i + 50), out;
 		const struct eco_chunk_input input = { &fans, &in, FIRST, END, 9 };
 		uint32_t order[END - FIRST];
@@ -59,10 +55,7 @@ UNIT_TEST(forms_follow_their_elements)
 		chunk = kind_chunk(&other, FIRST, END, size);
 		assert_good(eco_chunk_decode(&forms, &chunk, 9, bytes, size, &out, &cause));
 		assert_same_elements(&form, &other, FIRST, END, &out, order);
-		eco_elements_free(&out);
 		free(bytes);
-		eco_elements_free(&in);
-		eco_elements_free(&other);
 	}
 }
 
@@ -79,11 +72,11 @@ UNIT_TEST(first_chunks_keep_their_order)
 		const struct kind k = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR,
 			cases[i].low, cases[i].high, 300, 0, 4095, LEAVES };
 		const struct eco_list list = kind_list(&k);
-		struct eco_elements in = kind_elements(&k, 300, i), out;
+		FREED(eco_elements) in = kind_elements(&k, 300, i), out;
 		const struct eco_chunk_input input = { &list, &in, cases[i].first, cases[i].end,
 			(uint32_t)i };
 		uint32_t order[300], last[ECO_CORNERS_MAX + 1] = { 0 }, falls = 0;
-		uint8_t *bytes;
+		FREED_MEMORY uint8_t *bytes;
 		size_t size;
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, NULL), ECO_OK);
 		for (uint32_t e = 0; e < cases[i].end - cases[i].first; e++) {
@@ -96,9 +89,6 @@ UNIT_TEST(first_chunks_keep_their_order)
 		assert_int_equal(eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, NULL),
 			ECO_OK);
 		assert_same_elements(&k, &in, cases[i].first, cases[i].end, &out, order);
-		eco_elements_free(&out);
-		eco_elements_free(&in);
-		free(bytes);
 	}
 }
 
@@ -113,8 +103,8 @@ UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
 		uint32_t columns = cases[c].columns, count = columns * cases[c].rows, seed = 1;
 		const struct eco_list list = { .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS,
 			.columns = columns };
-		uint8_t *corners = calloc(count, 1), *bytes;
-		int32_t *position = calloc(3 * (size_t)count, sizeof *position);
+		FREED_MEMORY uint8_t *corners = calloc(count, 1), *bytes;
+		FREED_MEMORY int32_t *position = calloc(3 * (size_t)count, sizeof *position);
 		struct eco_elements in = { count, count, count, 0, corners, position, NULL, NULL, NULL }, out;
 		for (uint32_t i = 0; i < count; i++) {
 			uint32_t x = i % columns, y = i / columns, border = x == 0 || y == 0
@@ -139,15 +129,11 @@ UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
 		eco_elements_free(&out);
 		for (size_t cut = 0; cut < size; cut++) {
 			chunk.size_bytes = (uint32_t)cut;
-			uint8_t *exact = malloc(cut + 1);
+			FREED_MEMORY uint8_t *exact = malloc(cut + 1);
 			memcpy(exact, bytes, cut);
 			assert_int_equal(eco_chunk_decode(&list, &chunk, 0, exact, cut, &out, NULL),
 				ECO_DAMAGED);
-			free(exact);
 		}
-		free(bytes);
-		free(corners);
-		free(position);
 	}
 }
 
@@ -208,7 +194,7 @@ UNIT_TEST(a_small_chunk_is_the_golden_one)
 		0, SCATTERED };
 	struct eco_chunk chunk;
 	uint32_t order[3];
-	uint8_t *bytes;
+	FREED_MEMORY uint8_t *bytes;
 	size_t size;
 
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, NULL), ECO_OK);
@@ -217,6 +203,5 @@ UNIT_TEST(a_small_chunk_is_the_golden_one)
 	chunk = kind_chunk(&in, 0, 3, sizeof golden);
 	assert_int_equal(eco_chunk_decode(&list, &chunk, 0, golden, sizeof golden, &out, NULL), ECO_OK);
 	assert_same_elements(&k, &in, 0, 3, &out, order);
-	free(bytes);
 	eco_elements_free(&out);
 }

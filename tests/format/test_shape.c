@@ -137,21 +137,18 @@ static void compare(const struct crown *c, const struct eco_elements *out, const
 static double share_of(struct crown *c)
 {
 	uint32_t order[LEAVES];
-	uint8_t *bytes, *soup;
+	FREED_MEMORY uint8_t *bytes, *soup;
 	size_t size, soup_size;
-	struct eco_elements out;
+	FREED(eco_elements) out;
 	int32_t *exact = c->elements.exact;
 	encode(c, &bytes, &size, order);
 	assert_int_equal(bytes[1], ECO_CODER_SHAPES);
 	assert_int_equal(decode(c, bytes, size, &out), ECO_OK);
 	compare(c, &out, order);
-	eco_elements_free(&out);
 	c->elements.exact = NULL;
 	encode(c, &soup, &soup_size, NULL);
 	assert_int_equal(soup[1], ECO_CODER_ELEMENTS);
 	c->elements.exact = exact;
-	free(bytes);
-	free(soup);
 	return (double)size / (double)soup_size;
 }
 
@@ -211,7 +208,7 @@ UNIT_TEST(blades_that_bend_each_differently_follow_a_trend)
 UNIT_TEST(damage_is_refused_or_harmless)
 {
 	static struct crown crown;
-	uint8_t *bytes;
+	FREED_MEMORY uint8_t *bytes;
 	size_t size;
 	struct eco_elements out;
 	make_crown(&crown, 40, 9);
@@ -227,7 +224,6 @@ UNIT_TEST(damage_is_refused_or_harmless)
 			}
 			bytes[at] ^= (uint8_t)(1u << bit);
 		}
-	free(bytes);
 }
 
 static const struct eco_shape triangle =

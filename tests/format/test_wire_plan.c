@@ -9,9 +9,9 @@ UNIT_TEST(plan_survives_the_wire_and_has_one_encoding)
 {
 	struct wire_random r = { 1 };
 	for (int i = 0; i < 3000; i++) {
-		struct eco_plan plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1,
+		FREED(eco_plan) plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1,
 			i % 3 ? 40 : UINT32_MAX), back;
-		struct eco_writer w = { 0 }, again = { 0 };
+		FREED(eco_writer) w = { 0 }, again = { 0 };
 		assert_good(eco_plan_check(&plan, &cause));
 		eco_wire_write_plan(&w, &plan);
 		assert_false(w.failed);
@@ -22,10 +22,6 @@ UNIT_TEST(plan_survives_the_wire_and_has_one_encoding)
 		eco_wire_write_plan(&again, &back);
 		assert_true(again.size == w.size);
 		assert_memory_equal(again.bytes, w.bytes, again.size);
-		eco_plan_free(&plan);
-		eco_plan_free(&back);
-		eco_writer_free(&w);
-		eco_writer_free(&again);
 	}
 }
 
@@ -33,8 +29,8 @@ UNIT_TEST(order_of_a_plan_does_not_change_its_bytes)
 {
 	struct wire_random r = { 2 };
 	for (int i = 0; i < 200; i++) {
-		struct eco_plan plan = wire_random_plan(&r, 30, 20, 50);
-		struct eco_writer a = { 0 }, b = { 0 };
+		FREED(eco_plan) plan = wire_random_plan(&r, 30, 20, 50);
+		FREED(eco_writer) a = { 0 }, b = { 0 };
 		eco_wire_write_plan(&a, &plan);
 		for (uint32_t n = plan.cut_count; n > 1; n--) {
 			uint32_t k = wire_random_below(&r, n);
@@ -45,9 +41,6 @@ UNIT_TEST(order_of_a_plan_does_not_change_its_bytes)
 		eco_wire_write_plan(&b, &plan);
 		assert_true(!a.failed && !b.failed && a.size == b.size);
 		assert_memory_equal(a.bytes, b.bytes, a.size);
-		eco_plan_free(&plan);
-		eco_writer_free(&a);
-		eco_writer_free(&b);
 	}
 }
 
@@ -61,7 +54,7 @@ UNIT_TEST(items_are_bounded_by_the_bytes_of_a_plan)
 	plan.runs = calloc(plan.run_count, sizeof *plan.runs);
 	for (uint32_t i = 0; i < plan.run_count; i++)
 		plan.runs[i] = (struct eco_run){ .list_first = 2 * i, .list_end = 2 * i + 1, .left = 7 };
-	struct eco_writer w = { 0 };
+	FREED(eco_writer) w = { 0 };
 	eco_wire_write_plan(&w, &plan);
 	assert_true(!w.failed && w.size >= (100001 - 64) / 32 && w.bytes[w.size - 1] == 0);
 	struct eco_reader r = { .bytes = w.bytes, .size = w.size };
@@ -75,7 +68,6 @@ UNIT_TEST(items_are_bounded_by_the_bytes_of_a_plan)
 		w.size--;
 	}
 	eco_plan_free(&plan);
-	eco_writer_free(&w);
 }
 
 /* A frame has a hash; what it holds says nothing twice. So a plan that was cut off may be another one, if
@@ -86,7 +78,7 @@ UNIT_TEST(truncations_of_a_plan_are_refused_or_other_plans)
 	uint32_t refused = 0, other = 0;
 	for (int i = 0; i < 40; i++) {
 		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50), back;
-		struct eco_writer w = { 0 };
+		FREED(eco_writer) w = { 0 };
 		eco_wire_write_plan(&w, &plan);
 		for (size_t size = 0; size < w.size; size++) {
 			struct eco_error error = { 0 };
@@ -95,10 +87,9 @@ UNIT_TEST(truncations_of_a_plan_are_refused_or_other_plans)
 			memcpy(exact, w.bytes, size);
 			struct eco_reader reader = { .bytes = exact, .size = size };
 			if (eco_wire_read_plan(&reader, &back, &error) == ECO_OK) {
-				struct eco_writer again = { 0 };
+				FREED(eco_writer) again = { 0 };
 				eco_wire_write_plan(&again, &back);
 				assert_true(again.size == size && !memcmp(again.bytes, exact, size));
-				eco_writer_free(&again);
 				eco_plan_free(&back);
 				other++;
 			} else {
@@ -109,7 +100,6 @@ UNIT_TEST(truncations_of_a_plan_are_refused_or_other_plans)
 			free(exact);
 		}
 		eco_plan_free(&plan);
-		eco_writer_free(&w);
 	}
 	assert_true(refused > 1000 && other < refused / 200);
 }
@@ -131,8 +121,8 @@ static struct eco_plan small_plan(void)
 UNIT_TEST(plans_that_break_a_rule_are_not_written)
 {
 	for (int fault = 0; fault <= 17; fault++) {
-		struct eco_plan plan = small_plan();
-		struct eco_writer w = { 0 };
+		FREED(eco_plan) plan = small_plan();
+		FREED(eco_writer) w = { 0 };
 		switch (fault) {
 		case 0: plan.cuts[3].end = plan.cuts[3].first = 5; break;
 		case 1: plan.cuts[3].scale = NAN; break;
@@ -154,7 +144,5 @@ UNIT_TEST(plans_that_break_a_rule_are_not_written)
 		}
 		eco_wire_write_plan(&w, &plan);
 		assert_int_equal(w.failed, fault < 17);      /* the last one is sound */
-		eco_plan_free(&plan);
-		eco_writer_free(&w);
 	}
 }
