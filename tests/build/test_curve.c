@@ -125,7 +125,7 @@ static struct lod_probe_result draw_share(struct lod_probe *probe, double share,
 
 UNIT_TEST(the_scale_is_better_than_its_neighbours)
 {
-	struct lod_probe probe;
+	FREED(lod_probe) probe;
 	make_crown(2000, 0.2);
 	measure(&quick);
 	open_probe(&probe, quick.views, quick.pixels);
@@ -134,7 +134,6 @@ UNIT_TEST(the_scale_is_better_than_its_neighbours)
 		assert_true(here < draw_share(&probe, share, 0, 1.5).loss + 0.01);
 		assert_true(here < draw_share(&probe, share, 0, 1 / 1.5).loss + 0.01);
 	}
-	lod_probe_free(&probe);
 	finish();
 }
 
@@ -268,11 +267,10 @@ UNIT_TEST(measuring_can_be_stopped_and_repeats_to_the_bit)
 	options.progress = NULL;
 	assert_ok(lod_plant_measure(&plant, &soup.model, &options, &error), error);
 	uint32_t count = plant.curve_count;
-	struct eco_curve *first = malloc(count * sizeof *first);
+	FREED_MEMORY struct eco_curve *first = malloc(count * sizeof *first);
 	memcpy(first, plant.curves, count * sizeof *first);
 	assert_ok(lod_plant_measure(&plant, &soup.model, &options, &error), error);
 	assert_int_equal(plant.curve_count, count);
 	assert_memory_equal(first, plant.curves, count * sizeof *first);
-	free(first);
 	finish();
 }

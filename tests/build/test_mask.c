@@ -135,8 +135,8 @@ static void make_slab(struct soup *soup, uint32_t material)
 
 UNIT_TEST(rims_that_show_nothing_close_leaves_and_are_not_stored)
 {
-	struct soup soup;
-	struct lod_arena arena = { 0 };
+	FREED(soup) soup;
+	FREED(lod_arena) arena = { 0 };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	soup_begin(&soup);
@@ -157,6 +157,4 @@ UNIT_TEST(rims_that_show_nothing_close_leaves_and_are_not_stored)
 		assert_int_equal(rgb[1], 160);
 		assert_int_equal(rgb[2], 30);
 	}
-	lod_arena_free(&arena);
-	soup_free(&soup);
 }

@@ -74,7 +74,7 @@ static bool same_order(const struct lod_list_draft *a, const struct lod_list_dra
 
 UNIT_TEST(orders_differ_and_greedy_ones_have_codes_and_simpler_forms)
 {
-	struct lod_plant first;
+	FREED(lod_plant) first;
 	const struct lod_list_draft *simple, *unused;
 	soup_tree(&soup, 200, 25, false);
 	struct lod_plant_options options = ordered(LOD_ORDER_STOCHASTIC, 12);
@@ -90,7 +90,6 @@ UNIT_TEST(orders_differ_and_greedy_ones_have_codes_and_simpler_forms)
 			check_greedy(leaves, simple);
 		lod_plant_free(&plant);
 	}
-	lod_plant_free(&first);
 	soup_free(&soup);
 }
 
@@ -158,7 +157,7 @@ static double mean_error(void)
 {
 	const struct lod_list_draft *list = splats_of_plant();
 	const struct eco_elements *e = &list->elements;
-	struct lod_splats fitted;
+	FREED(lod_splats) fitted;
 	double sum = 0;
 	assert_good(lod_splats_fit(&fitted, &soup.model,
 		&(struct lod_splats_options){ .views = 12, .pixels = 48 }, &cause));
@@ -170,7 +169,6 @@ static double mean_error(void)
 		for (int k = 0; k < 3; k++)
 			sum += abs(plant.palette[list->list.palette_first + color][k] - fitted.items[i].rgb[k]);
 	}
-	lod_splats_free(&fitted);
 	return sum / (3.0 * count);
 }
 
@@ -231,7 +229,7 @@ static void check_error(const struct eco_curve *sample, const struct lod_plant_o
 	const struct eco_cut *cut)
 {
 	const struct lod_probe_options size = { options->views, options->pixels, NULL, NULL };
-	struct lod_probe probe;
+	FREED(lod_probe) probe;
 	struct lod_probe_result result;
 	struct lod_impostor impostor;
 	lod_probe_init(&probe, &plant, &soup.model, &size);
@@ -246,7 +244,6 @@ static void check_error(const struct eco_curve *sample, const struct lod_plant_o
 	lod_probe_compare(&probe, 1, &result);
 	if (!cut)
 		lod_impostor_close(&impostor);
-	lod_probe_free(&probe);
 	double measured = (double)sample->fp + (double)sample->fn, drawn = result.fp + result.fn;
 	if (fabs(measured - drawn) > (cut ? 0.03 : 0.01) * drawn)
 		fail_msg("%s: an error of %g, not %g", cut ? "splats" : "impostor", measured, drawn);
@@ -350,8 +347,8 @@ UNIT_TEST(what_is_read_is_what_was_written)
 	static const struct { uint32_t leaves, cell_triangles; bool no_splats; } rows[] = { { 0, 0, false },
 		{ 1, 0, true }, { 60, 0, true }, { 900, 300, false } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct lod_plant again;
-		struct eco_writer w = { 0 };
+		FREED(lod_plant) again;
+		FREED(eco_writer) w = { 0 };
 		make_plant(rows[i].leaves, rows[i].cell_triangles, rows[i].no_splats);
 		lod_plant_write(&w, &plant);
 		assert_good(lod_plant_read(&again, w.bytes, w.size, &cause));
@@ -369,8 +366,6 @@ UNIT_TEST(what_is_read_is_what_was_written)
 		for (uint32_t l = 0; l < plant.impostor_count; l++)
 			SAME(again.impostor[l].at, plant.impostor[l].at, plant.impostor[l].size);
 		assert_true(rows[i].cell_triangles == 0 || plant.plant.anchor_count > 1);
-		lod_plant_free(&again);
-		eco_writer_free(&w);
 		finish();
 	}
 }
@@ -378,7 +373,7 @@ UNIT_TEST(what_is_read_is_what_was_written)
 UNIT_TEST(truncations_are_refused)
 {
 	struct lod_plant again;
-	struct eco_writer w = { 0 };
+	FREED(eco_writer) w = { 0 };
 	make_plant(12, 0, true);
 	lod_plant_write(&w, &plant);
 	for (size_t size = 0; size < w.size; size++) {
@@ -391,6 +386,5 @@ UNIT_TEST(truncations_are_refused)
 		assert_true(error.text[0] && !again.lists && !again.impostor);
 		free(part);
 	}
-	eco_writer_free(&w);
 	finish();
 }

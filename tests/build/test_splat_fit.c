@@ -18,8 +18,8 @@ static void fit(struct lod_splats *splats, const struct eco_model *model,
 UNIT_TEST(levels_have_their_sizes_and_come_closer_and_closer)
 {
 	static const uint32_t ends[] = { 1, 4, 16, 64, 256 };
-	struct soup soup;
-	struct lod_splats splats;
+	FREED(soup) soup;
+	FREED(lod_splats) splats;
 	soup_tree(&soup, 300, 25, false);
 	fit(&splats, &soup.model, &quick);
 	assert_in_range(splats.level_count, 5, LOD_SPLAT_LEVELS);
@@ -33,14 +33,12 @@ UNIT_TEST(levels_have_their_sizes_and_come_closer_and_closer)
 		for (int k = 0; k < 3; k++)
 			assert_in_range(splat->at[k], 0, LOD_SPLAT_GRID - 1);
 	}
-	lod_splats_free(&splats);
-	soup_free(&soup);
 }
 
 UNIT_TEST(a_ball_is_one_splat)
 {
-	struct soup soup;
-	struct lod_splats splats;
+	FREED(soup) soup;
+	FREED(lod_splats) splats;
 	soup_begin(&soup);
 	soup_ball(&soup, soup_material(&soup, 200, 30, 10, ECO_NONE, false), (struct lod_v3){ 1, 2, 3 },
 		0.5, 24);
@@ -58,8 +56,6 @@ UNIT_TEST(a_ball_is_one_splat)
 		assert_in_range(splat->rgb[k], red[k] - 1, red[k] + 1);
 	}
 	assert_true(splat->shape.opacity > 0.9f);
-	lod_splats_free(&splats);
-	soup_free(&soup);
 }
 
 /* ---- Threads and progress ---- */
@@ -76,7 +72,7 @@ static bool watched(void *ctx, double share)
 
 UNIT_TEST(progress_rises_and_can_stop_it)
 {
-	struct soup soup;
+	FREED(soup) soup;
 	struct lod_splats splats;
 	struct watch watch = { 0, 2 };
 	struct lod_splats_options options = quick;
@@ -91,7 +87,6 @@ UNIT_TEST(progress_rises_and_can_stop_it)
 	assert_code(lod_splats_fit(&splats, &soup.model, &options, &cause), ECO_INTERRUPTED, "");
 	assert_null(splats.items);
 	assert_true(watch.last < 0.6);
-	soup_free(&soup);
 }
 
 /* ---- Models that are hardly any ---- */
@@ -100,7 +95,7 @@ UNIT_TEST(hardly_any_models_have_few_levels)
 {
 	enum { NOTHING, TOO_THIN, CLEAR, TRIANGLE, SPECKS, KINDS };      /* a sample or two shows of specks */
 	for (int kind = 0; kind < KINDS; kind++) {
-		struct soup soup;
+		FREED(soup) soup;
 		struct lod_splats splats;
 		soup_begin(&soup);
 		uint32_t green = soup_material(&soup, 9, 99, 9, ECO_NONE, false);
@@ -126,7 +121,6 @@ UNIT_TEST(hardly_any_models_have_few_levels)
 			assert_true(splats.loss[l] >= 0 && splats.loss[l] <= (kind == TRIANGLE ? 0.5 : 1.5));
 		if (splats.level_count)
 			lod_splats_free(&splats);
-		soup_free(&soup);
 	}
 }
 
@@ -248,8 +242,8 @@ UNIT_TEST(a_level_has_a_splat_for_each_blade)
 	static const struct field fields[] = { { 48, 1.5, 0.3, 0.02, 0.2 }, { 100, 0.5, 0.4, 0.015, 0.6 },
 		{ 250, 0.3, 0.8, 0.01, 0.4 } };
 	for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
-		struct soup soup;
-		struct lod_splats splats;
+		FREED(soup) soup;
+		FREED(lod_splats) splats;
 		make_blades(&soup, &fields[i]);
 		fit(&splats, &soup.model, &(struct lod_splats_options){ .views = 20, .pixels = 160 });
 		check_sizes(&splats);
@@ -260,8 +254,6 @@ UNIT_TEST(a_level_has_a_splat_for_each_blade)
 		assert_int_equal(size_of(&splats, level), 2 * size_of(&splats, level - 1));
 		assert_true(long_share(&splats, level) > 0.8);
 		assert_true(splats.loss[level] < 0.95 * splats.loss[level - 2]);
-		lod_splats_free(&splats);
-		soup_free(&soup);
 	}
 }
 

@@ -63,8 +63,8 @@ static struct scene_held hold(const struct eco_view *view, uint32_t level, uint3
 static void assert_agree(const char *name, struct eco_view view, uint32_t level, uint32_t groves)
 {
 	char file[96];
-	struct scene_held h = hold(&view, level, groves);
-	struct view_picture soft = scene_draw(&h, false, VIEW_TINT_NONE),
+	AT_END(scene_release) struct scene_held h = hold(&view, level, groves);
+	FREED(view_picture) soft = scene_draw(&h, false, VIEW_TINT_NONE),
 		hard = scene_draw(&h, true, VIEW_TINT_NONE);
 	struct picture_difference d = picture_compare(&soft, &hard);
 	print_message("%s: %llu plants cover %.2f %%; owners differ in %.4f %%, depths in %.4f %%, "
@@ -76,9 +76,6 @@ static void assert_agree(const char *name, struct eco_view view, uint32_t level,
 	picture_save(file, &soft);
 	assert_true(d.covered > 0 && hard.vertices == h.selection.vertices);
 	assert_true(d.owners <= TOLERANCE && d.depths <= TOLERANCE && d.colors <= TOLERANCE);
-	view_picture_free(&soft);
-	view_picture_free(&hard);
-	scene_release(&h);
 }
 
 /* Heights of a tree in pixels, in the middle of the picture; seen from the side, above and below. Some are

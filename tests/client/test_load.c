@@ -344,7 +344,7 @@ static struct view_views views_of(const char *camera, uint64_t seed)
 
 UNIT_TEST(views_are_made_for_the_scene)
 {
-	struct view_views walk = views_of("walk", 1), over = views_of("flyover", 1),
+	FREED(view_views) walk = views_of("walk", 1), over = views_of("flyover", 1),
 		one = views_of("random", 1), same = views_of("random", 1), other = views_of("random", 2);
 	const struct eco_tile *root = &scene()->tiles[scene()->root];
 	for (uint32_t i = 0; i < one.count; i++) {
@@ -356,11 +356,6 @@ UNIT_TEST(views_are_made_for_the_scene)
 				&& walk.items[i].eye[axis] <= root->high[axis]);
 		assert_true(over.items[i].eye[2] > walk.items[i].eye[2] + 5);
 	}
-	view_views_free(&walk);
-	view_views_free(&over);
-	view_views_free(&one);
-	view_views_free(&same);
-	view_views_free(&other);
 }
 
 /* ---- Reports ---- */
@@ -443,11 +438,10 @@ UNIT_TEST(reports_say_what_there_was)
 	char csv[64];
 	snprintf(csv, sizeof csv, "build/tmp/load-%d.csv", (int)getpid());
 	assert_ok(view_load_csv(&summary, csv, &error), error);
-	char *lines = (char *)file_read(csv, &(size_t){ 0 });
+	FREED_MEMORY char *lines = (char *)file_read(csv, &(size_t){ 0 });
 	assert_int_equal(count_of(lines, "\n"), report.answers.count + 1);
 	assert_int_equal(count_of(lines, ",cold,"), report.answers.count / 2);
 	assert_int_equal(view_load_csv(&summary, "build/none/x.csv", &error), ECO_IO);
-	free(lines);
 	unlink(csv);
 }
 

@@ -142,11 +142,10 @@ static struct solids solids_of(const struct lit *l, const double sun[3])
 	for (uint32_t cut = 0; cut < c->cut_count; cut++)
 		for (uint32_t m = c->member_first[cut]; m < c->member_first[cut + 1]; m++) {
 			const struct view_instance *p = &c->instances[c->members[m]];
-			struct view_mesh mesh = { .list = NULL };
+			FREED(view_mesh) mesh = { .list = NULL };
 			assert_int_equal(view_mesh_make(&mesh, l->h.store, &c->plan_cuts[cut],
 				p->plant == ECO_NONE ? NULL : view_store_plant(l->h.store, p->plant), NULL), 0);
 			add_mesh(l, &s, &p->place, &mesh, sun);
-			view_mesh_free(&mesh);
 		}
 	return s;
 }
@@ -256,9 +255,8 @@ UNIT_TEST(perspective_has_more_texels_near_the_eye)
 		find_sun(&l, i, sun);
 		for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
 			struct view_shadow_job job = job_of(&l, sun, (enum view_shadows)kind);
-			struct view_shadow shadow = cast(&job);
+			FREED(view_shadow) shadow = cast(&job);
 			texels[kind] = view_shadow_sharpness(&shadow, &l.picture, &l.h.eye);
-			view_shadow_free(&shadow);
 		}
 		print_message("%s: texels a pixel near the eye: standard %.2f, perspective %.2f\n",
 			suns[i].name, texels[1], texels[2]);
@@ -301,7 +299,7 @@ UNIT_TEST(what_is_seen_lies_in_the_map)
 
 static uint32_t dark_places(const struct lit *l, const struct view_shadow_job *job)
 {
-	struct view_shadow shadow = cast(job);
+	FREED(view_shadow) shadow = cast(job);
 	uint32_t dark = 0;
 	for (uint32_t y = 0; y < l->picture.height; y += 3)
 		for (uint32_t x = 0; x < l->picture.width; x += 3) {
@@ -309,7 +307,6 @@ static uint32_t dark_places(const struct lit *l, const struct view_shadow_job *j
 			if (!l->picture.owner[(size_t)y * l->picture.width + x] && place_of(l, x, y, to))
 				dark += view_shadow_lit(&shadow, to, (const float[3]){ 0, 0, 1 }, &texel_m) == 0;
 		}
-	view_shadow_free(&shadow);
 	return dark;
 }
 

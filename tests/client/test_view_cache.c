@@ -41,7 +41,7 @@ static int close_pack(void **state)
 static void push(struct view_cache *cache, uint32_t id, uint32_t count)
 {
 	struct view_list *list = view_cache_find(cache, id);
-	struct view_piece piece = { .elements = { .element_count = count, .corner_count = count,
+	FREED(view_piece) piece = { .elements = { .element_count = count, .corner_count = count,
 		.primitive_count = count, .corners = calloc(count, 1), .position = calloc(count, 12) },
 		.bytes = (uint64_t)count * 13 };
 	struct eco_chunk chunk = { .primitive_count = count, .element_count = count };
@@ -49,7 +49,6 @@ static void push(struct view_cache *cache, uint32_t id, uint32_t count)
 	assert_int_equal(view_list_push(list, &piece, &chunk, NULL), ECO_OK);
 	view_cache_charge(cache, list, before);
 	view_cache_touch(cache, list, list->chunk_count);
-	view_piece_free(&piece);
 }
 
 /* Makes room for one byte more, and says which list has lost a chunk. */
@@ -72,7 +71,7 @@ static uint32_t next_to_go(struct view_cache *cache)
 UNIT_TEST(what_was_needed_least_recently_goes_first_and_what_is_wanted_stays)
 {
 	static const uint32_t order[] = { 1, 1, 0, 0, 2, LISTS };
-	struct view_cache cache = { .memory_max = 1 << 20 };
+	FREED(view_cache) cache = { .memory_max = 1 << 20 };
 	struct eco_list record = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD, .chunk_count = 2,
 		.element_count = 200, .primitive_count = 200 };
 	for (uint32_t id = 0; id < LISTS; id++) {
@@ -90,7 +89,6 @@ UNIT_TEST(what_was_needed_least_recently_goes_first_and_what_is_wanted_stays)
 		2));
 	view_cache_begin(&cache);
 	assert_true(cache.list_count == 1 && view_cache_wanted_bytes(&cache) == cache.memory_bytes);
-	view_cache_free(&cache);
 }
 
 /* ---- A client that asks a server's half in this process ---- */
@@ -139,7 +137,7 @@ static void check_bytes(const struct client *c)
 static enum eco_code answer(struct client *c, const struct eco_request *request, struct eco_error *error)
 {
 	struct eco_holdings holdings;
-	struct srv_stream stream;
+	FREED(srv_stream) stream;
 	uint64_t bytes;
 	assert_int_equal(view_store_holdings(c->store, &holdings, NULL), ECO_OK);
 	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = &holdings };
@@ -150,7 +148,6 @@ static enum eco_code answer(struct client *c, const struct eco_request *request,
 	assert_true(!c->memory_max || view_store_stats(c->store).memory_peak_bytes <= c->memory_max);
 	c->answers++;
 	c->bytes += bytes;
-	srv_stream_free(&stream);
 	free(holdings.items);
 	return code;
 }
@@ -200,7 +197,7 @@ static struct eco_writer plan_bytes(const struct client *c)
 
 static struct view_picture picture_of(const struct client *c, const struct eco_request *request)
 {
-	struct view_selection selection;
+	AT_END(view_select_free) struct view_selection selection;
 	struct view_picture picture;
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request->view);
@@ -209,7 +206,6 @@ static struct view_picture picture_of(const struct client *c, const struct eco_r
 	assert_int_equal(view_reference_draw(&(struct view_reference_job){ c->store, &selection, &eye, 0.05,
 		1, NULL,
 		VIEW_TINT_NONE }, &picture, NULL), ECO_OK);
-	view_select_free(&selection);
 	return picture;
 }
 

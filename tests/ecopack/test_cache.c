@@ -83,14 +83,14 @@ UNIT_TEST(without_a_folder_all_is_missed)
 /* Every byte of an entry counts, and every length but its own. */
 UNIT_TEST(every_damage_is_noticed)
 {
-	struct main_cache cache;
+	AT_END(main_cache_close) struct main_cache cache;
 	char path[512];
 	size_t size;
 	folder_empty(folder);
 	main_cache_open(&cache, folder, 1 << 20);
 	put(&cache, 5, "some leaves");
 	entry_path(path, 5);
-	uint8_t *bytes = file_read(path, &size);
+	FREED_MEMORY uint8_t *bytes = file_read(path, &size);
 	for (size_t i = 0; i <= 2 * size; i++) {
 		if (i < size)
 			bytes[i] ^= 0x10;
@@ -102,8 +102,6 @@ UNIT_TEST(every_damage_is_noticed)
 	}
 	put(&cache, 5, "some leaves");
 	assert_true(holds(&cache, 5, "some leaves"));
-	free(bytes);
-	main_cache_close(&cache);
 }
 
 UNIT_TEST(what_was_used_least_recently_goes)
@@ -151,13 +149,12 @@ UNIT_TEST(a_folder_that_cannot_be_fails_nothing)
 {
 	static const char *const folders[] = { "/proc/nothing/here", "/dev/null", "/dev/null/x" };
 	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
-		struct main_cache cache;
+		AT_END(main_cache_close) struct main_cache cache;
 		main_cache_open(&cache, folders[i], 1 << 20);
 		put(&cache, 1, "an oak");
 		put(&cache, 2, "a beech");
 		assert_true(cache.told);
 		assert_false(holds(&cache, 1, "an oak"));
-		main_cache_close(&cache);
 	}
 }
 
@@ -294,10 +291,9 @@ UNIT_TEST(an_entry_that_is_no_plant_is_built_anew)
 
 static uint64_t count_curves(const char *name)
 {
-	struct eco_pack *pack;
+	OWNED(eco_pack) *pack;
 	assert_good(eco_pack_open(&pack, in_root(name), &cause));
 	uint64_t count = pack->scene.curve_count;
-	eco_pack_close(pack);
 	return count;
 }
 

@@ -30,13 +30,12 @@ static double slope(double x, double y) { return 0.1 * x + sin(0.05 * y); }
 static int make_pack(void **state)
 {
 	struct eco_error error = { 0 };
-	struct eco_ground ground = ground_make(90, 70, -8, -8, 8, slope);
+	FREED(eco_ground) ground = ground_make(90, 70, -8, -8, 8, slope);
 	assert_int_equal(system("rm -rf " ROOT), 0);
 	folder_make(ROOT);
 	main_progress_quiet(true);
 	eco_ground_extend(&ground);
 	assert_ok(sample_pack_write_on(ROOT "/sample.eco", &ground, true, &error), error);
-	eco_ground_free(&ground);
 	return 0;
 }
 
@@ -88,7 +87,7 @@ static uint64_t read_content(const char *uri)
 	assert_ok(eco_gltf_open(&c.doc, path, &error), error);
 	size_t accessors = json_array_size(json_object_get(c.doc->root, "accessors"));
 	for (uint32_t i = 0; i < accessors; i++) {
-		struct eco_gltf_accessor a;
+		AT_END(eco_gltf_accessor_close) struct eco_gltf_accessor a;
 		assert_ok(eco_gltf_accessor_open(c.doc, i, 0, &a, &error), error);
 		for (uint64_t k = 0; k < a.count; k++) {
 			double values[16];
@@ -96,7 +95,6 @@ static uint64_t read_content(const char *uri)
 			for (uint32_t v = 0; v < a.components; v++)
 				assert_true(isfinite(values[v]));
 		}
-		eco_gltf_accessor_close(&a);
 	}
 	assert_ok(eco_gltf_walk(c.doc, count_instances, &c, &error), error);
 	assert_true(c.meshes > 0);
@@ -168,7 +166,7 @@ struct sums { double of[2][4]; size_t count; };
 static struct sums sums_of(struct eco_gltf *doc, const json_t *primitive, const char *name)
 {
 	struct eco_error error = { 0 };
-	struct eco_gltf_accessor index, a;
+	AT_END(eco_gltf_accessor_close) struct eco_gltf_accessor index, a;
 	struct sums sums = { .count = 0 };
 	assert_ok(eco_gltf_accessor_open(doc, eco_gltf_index(primitive, "indices"), 1, &index, &error), error);
 	assert_ok(eco_gltf_accessor_open(doc, eco_gltf_index(json_object_get(primitive, "attributes"), name), 0, &a,
@@ -182,8 +180,6 @@ static struct sums sums_of(struct eco_gltf *doc, const json_t *primitive, const 
 			sums.of[1][k] += values[k] * values[k];
 		}
 	}
-	eco_gltf_accessor_close(&index);
-	eco_gltf_accessor_close(&a);
 	return sums;
 }
 
@@ -298,10 +294,9 @@ UNIT_TEST(what_is_there_is_kept_and_failures_leave_nothing)
 	assert_int_not_equal(access(ROOT "/other", F_OK), 0);
 	assert_int_equal(run(ROOT "/sample.eco", &error), ECO_BAD_USAGE);
 	size_t size;
-	uint8_t *bytes = file_read(ROOT "/sample.eco", &size);
+	FREED_MEMORY uint8_t *bytes = file_read(ROOT "/sample.eco", &size);
 	bytes[size - 100] ^= 1;
 	file_write(ROOT "/damaged.eco", bytes, size);
-	free(bytes);
 	assert_int_not_equal(run(ROOT "/damaged.eco --3dtiles " ROOT "/other", &error), ECO_OK);
 	assert_int_not_equal(access(ROOT "/other", F_OK), 0);
 }

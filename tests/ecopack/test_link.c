@@ -145,7 +145,7 @@ static void check_summary(const struct eco_pack *pack, uint32_t list)
 {
 	const struct eco_scene *s = &pack->scene;
 	const struct eco_list *l = &s->lists[list];
-	struct eco_elements e = { 0 };
+	FREED(eco_elements) e = { 0 };
 	assert_in_range(l->palette_count, 1, 32);
 	assert_good(eco_pack_points(pack, list, &e, &cause));
 	for (uint32_t i = 0; i < e.element_count; i++) {
@@ -156,7 +156,6 @@ static void check_summary(const struct eco_pack *pack, uint32_t list)
 		for (int k = 0; k < 3; k++)
 			assert_in_range(rgb[k] + 2, wanted[k], wanted[k] + 4);
 	}
-	eco_elements_free(&e);
 }
 
 /* Returns the number of palettes that the pack's summaries have. */
@@ -288,13 +287,12 @@ UNIT_TEST(edited_parts_that_are_linked_equal_the_whole)
 static void damage(const char *name)
 {
 	size_t size;
-	char *bytes = read_all(name, &size);
+	FREED_MEMORY char *bytes = read_all(name, &size);
 	for (size_t i = size - size / 4; i < size; i += 97)
 		bytes[i] = (char)~bytes[i];
 	FILE *file = open_text(name);
 	assert_int_equal(fwrite(bytes, 1, size, file), size);
 	assert_int_equal(fclose(file), 0);
-	free(bytes);
 }
 
 UNIT_TEST(a_damaged_part_is_named)
@@ -313,7 +311,7 @@ UNIT_TEST(summaries_of_others_are_refused)
 {
 	struct eco_pack *pack;
 	struct eco_pack_writer *writer;
-	char *meta;
+	FREED_MEMORY char *meta;
 	write_parts(9);
 	make_parts();
 	assert_int_equal(eco_pack_open(&pack, in_root("part1.eco"), NULL), ECO_OK);
@@ -328,7 +326,6 @@ UNIT_TEST(summaries_of_others_are_refused)
 	meta = strndup((const char *)pack->meta, pack->meta_size);
 	assert_good(eco_pack_commit(writer, &pack->scene, meta, &cause));
 	assert_code(link_parts("linked.eco", &cause), ECO_UNSUPPORTED, "part1.eco: list ");
-	free(meta);
 	eco_pack_close(pack);
 	unlink(in_root("part1.eco"));
 }

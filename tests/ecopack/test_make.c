@@ -90,7 +90,7 @@ UNIT_TEST(test_plants_stand_where_the_scene_says)
 	static double at[200][3];
 	static uint32_t plant[200];
 	write_slope();
-	struct eco_pack *pack = made("slope.json", "slope.eco");
+	OWNED(eco_pack) *pack = made("slope.json", "slope.eco");
 	const struct eco_scene *s = &pack->scene;
 	assert_int_equal(s->plant_count, 2);             /* one model under two names is one plant */
 	assert_int_equal(s->tiles[s->root].instance_count, 120);
@@ -107,7 +107,6 @@ UNIT_TEST(test_plants_stand_where_the_scene_says)
 	}
 	assert_true(s->needs & ECO_NEED_GROUND);
 	assert_true(s->ground_columns == 21 + 2 * s->ground_margin && s->ground_margin == 15);
-	eco_pack_close(pack);
 }
 
 /* 10 m high, with leaves that reach so far. */
@@ -171,18 +170,17 @@ UNIT_TEST(test_what_stands_beyond_the_ground_is_counted)
 		"{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
 			"\"y\", \"plant\": \"a\"}],\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, "
 			"10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
-	struct eco_pack *pack = made("off.json", "off.eco");
+	OWNED(eco_pack) *pack = made("off.json", "off.eco");
 	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
 	assert_int_equal(pack->scene.tiles[pack->scene.root].instance_count, 6);
 	assert_int_equal(json_integer_value(json_object_get(meta, "off_ground")), 3);
 	json_decref(meta);
-	eco_pack_close(pack);
 }
 
 UNIT_TEST(test_tiles_are_small_and_summed_up)
 {
 	write_slope();
-	struct eco_pack *pack = made("slope.json", "slope.eco");
+	OWNED(eco_pack) *pack = made("slope.json", "slope.eco");
 	const struct eco_scene *s = &pack->scene;
 	uint32_t last = 0;
 	assert_true(s->tile_count > 6);
@@ -203,7 +201,6 @@ UNIT_TEST(test_tiles_are_small_and_summed_up)
 		assert_true(fabs((double)summary->unit_area * summary->primitive_count / (tile->area / 2) - 1)
 			< 1e-4);
 	}
-	eco_pack_close(pack);
 }
 
 UNIT_TEST(test_nested_files_are_built_once)
@@ -219,7 +216,7 @@ UNIT_TEST(test_nested_files_are_built_once)
 		"\"height_m\": 2.5}}, \"instances\": [{\"plant\": \"b\", \"at\": [5, 5, 0]}], "
 		"\"children\": [{\"eco\": \"field.json\", \"at\": [100, 0, 0]}, {\"eco\": \"field.json\", "
 		"\"at\": [0, 100, 0]}, {\"eco\": \"patch.json\", \"at\": [0, 50, 0]}]}");
-	struct eco_pack *pack = made("nest.json", "nest.eco");
+	OWNED(eco_pack) *pack = made("nest.json", "nest.eco");
 	const struct eco_scene *s = &pack->scene;
 	assert_int_equal(s->plant_count, 1);
 	assert_int_equal(s->tile_count, 3);
@@ -232,7 +229,6 @@ UNIT_TEST(test_nested_files_are_built_once)
 	assert_true(fabs(s->tiles[1].area / (patch * 6) - 1) < 1e-5);
 	assert_true(fabs(s->tiles[0].area / (one + patch * 13) - 1) < 1e-5);
 	assert_true(s->tiles[0].high[0] >= 120 && s->tiles[0].high[1] >= 100);
-	eco_pack_close(pack);
 }
 
 /* ---- What is refused ---- */
@@ -294,7 +290,7 @@ UNIT_TEST(test_damage_is_found_and_named)
 	size_t size;
 	write_slope();
 	eco_pack_close(made("slope.json", "whole.eco"));
-	char *bytes = read_all("whole.eco", &size);
+	FREED_MEMORY char *bytes = read_all("whole.eco", &size);
 	for (int i = 0; i < 24; i++) {
 		struct inspect_counts counts;
 		struct eco_error error = { 0 };
@@ -316,7 +312,6 @@ UNIT_TEST(test_damage_is_found_and_named)
 		}
 		fclose(out);
 	}
-	free(bytes);
 }
 
 /* A hilly ground of several tiles under one plant. */
@@ -338,13 +333,12 @@ static void write_hills(void)
 UNIT_TEST(test_ground_is_tiles_that_hold_what_they_say)
 {
 	write_hills();
-	struct eco_pack *pack = made("hills.json", "hills.eco");
+	OWNED(eco_pack) *pack = made("hills.json", "hills.eco");
 	const struct eco_scene *s = &pack->scene;
 	assert_true(s->ground_margin == 17 && s->ground_columns == 150 + 2 * 17 &&
 		s->ground_rows == 140 + 2 * 17);
 	assert_true(s->ground_count == 1 + 4 + 9 + 36 && s->ground[0].level == 3);
 	assert_true(s->ground[0].error_m > 3 && s->ground[1 + 4 + 9].error_m == 0);
-	eco_pack_close(pack);
 }
 
 /* Other heights have steps of a centimetre, less where relief is low, but of a 256th of a cell at least. */
@@ -360,9 +354,8 @@ UNIT_TEST(test_steps_of_heights_are_as_fine_as_cells_show)
 		write_text("wide.asc", text);
 		write_text("wide.json", "{\"ground\": {\"heights\": \"wide.asc\"}, \"plants\": {\"a\": "
 			"{\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
-		struct eco_pack *pack = made("wide.json", "wide.eco");
+		OWNED(eco_pack) *pack = made("wide.json", "wide.eco");
 		assert_true(pack->scene.lists[pack->scene.ground[0].list].grid_step[2] == grids[i].step);
-		eco_pack_close(pack);
 	}
 }
 
@@ -384,7 +377,7 @@ static void verify_says(const struct eco_bytes *levels, uint32_t count, uint32_t
 {
 	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .image = ECO_NONE,
 		.partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
-	struct scene_builder b;
+	AT_END(scene_free) struct scene_builder b;
 	struct eco_pack_writer *w;
 	struct inspect_counts counts;
 	struct eco_error error = { 0 };
@@ -394,7 +387,6 @@ static void verify_says(const struct eco_bytes *levels, uint32_t count, uint32_t
 	uint32_t id = eco_pack_add_bytes(w, &list, levels, count);
 	b.scene.needs |= ECO_NEED_IMPOSTORS;
 	assert_ok(eco_pack_commit(w, &b.scene, SMALL_PACK_META, &error), error);
-	scene_free(&b);
 	FILE *out = tmpfile();
 	inspect_verify(in_root("hurt.eco"), out, &counts, &error);
 	rewind(out);

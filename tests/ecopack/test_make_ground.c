@@ -86,7 +86,7 @@ static void all_stand(struct served *seen, uint32_t count, double within_m)
 static void covers(struct served *seen, const double eye[3], const double target[3], double above_m)
 {
 	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 160, .height = 120 };
-	struct view_picture picture;
+	FREED(view_picture) picture;
 	uint32_t below = 0;
 	memcpy(view.eye, eye, sizeof view.eye);
 	memcpy(view.target, target, sizeof view.target);
@@ -109,7 +109,6 @@ static void covers(struct served *seen, const double eye[3], const double target
 				i % view.width, i / view.width);
 	}
 	assert_true(below > 1000);
-	view_picture_free(&picture);
 }
 
 static void is_covered(struct served *seen, double x, double y)
@@ -152,7 +151,7 @@ static void write_rows(const char *name, uint32_t count, double side, bool with_
 
 UNIT_TEST(without_heights_plants_stand_on_a_plain)
 {
-	struct served seen;
+	AT_END(served_close) struct served seen;
 	write_rows("flat.csv", 150, 300, false);
 	write_text("flat.json",
 		"{" PLANT ", \"instances\": [{\"from\": \"flat.csv\", \"x\": \"x\", \"y\": \"y\", "
@@ -163,13 +162,12 @@ UNIT_TEST(without_heights_plants_stand_on_a_plain)
 	assert_true(s->chunks[s->lists[s->ground[0].list].chunk_first].size_bytes < 250);
 	all_stand(&seen, 150, 0);
 	is_covered(&seen, 150, 150);
-	served_close(&seen);
 }
 
 /* A file that is nested keeps its shape, wherever it is: the ground goes through the plants of all. */
 UNIT_TEST(nested_plants_stand_on_the_ground_of_the_whole)
 {
-	struct served seen;
+	AT_END(served_close) struct served seen;
 	write_rows("part.csv", 60, 80, true);
 	write_text("part.json",
 		"{" PLANT ", \"instances\": [{\"from\": \"part.csv\", \"x\": \"x\", \"y\": \"y\", "
@@ -181,12 +179,11 @@ UNIT_TEST(nested_plants_stand_on_the_ground_of_the_whole)
 	served_open(&seen, "nest.json", "nest.eco");
 	all_stand(&seen, 121, 0.05);
 	is_covered(&seen, 100, 50);
-	served_close(&seen);
 }
 
 UNIT_TEST(plants_beyond_a_raster_stand_on_the_ground_that_goes_on)
 {
-	struct served seen;
+	AT_END(served_close) struct served seen;
 	FILE *file = open_text("dem.asc");
 	fputs("ncols 60\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 5\n", file);
 	for (int r = 0; r < 50; r++)
@@ -201,19 +198,17 @@ UNIT_TEST(plants_beyond_a_raster_stand_on_the_ground_that_goes_on)
 	all_stand(&seen, 250, 0.03);
 	is_covered(&seen, 150, 120);
 	is_covered(&seen, -200, 400);
-	served_close(&seen);
 }
 
 UNIT_TEST(ground_that_is_null_stays_off)
 {
-	struct served seen;
+	AT_END(served_close) struct served seen;
 	write_text("none.json",
 		"{\"ground\": null, " PLANT ", \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 1]}, "
 		"{\"plant\": \"a\", \"at\": [9, 9, 4]}]}");
 	served_open(&seen, "none.json", "none.eco");
 	const struct eco_scene *s = &seen.scene->pack->scene;
 	assert_true(s->ground_count == 0 && s->ground_columns == 0 && !(s->needs & ECO_NEED_GROUND));
-	served_close(&seen);
 }
 
 static int prepare(void **state)

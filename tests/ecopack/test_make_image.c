@@ -28,12 +28,11 @@ static void color_at(double east, double north, uint8_t rgb[3])
 /* The west red, the south-east blue, the north-east white. */
 static void write_photo(void)
 {
-	uint8_t *rgb = malloc(3 * SIDE * SIDE);
+	FREED_MEMORY uint8_t *rgb = malloc(3 * SIDE * SIDE);
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x++)
 			color_at(x - SIDE / 2 + 0.5, SIDE / 2 - 0.5 - y, rgb + 3 * (y * SIDE + x));
 	assert_int_equal(eco_png_write(&(struct eco_pixels){ SIDE, SIDE, 3, rgb }, in_root("photo.png"), NULL), ECO_OK);
-	free(rgb);
 }
 
 /* Reds are the west's, and so on: what is lit and seen through air is not the texel's colour any more. */
@@ -106,7 +105,7 @@ UNIT_TEST(the_pack_is_the_same_with_any_number_of_threads)
 UNIT_TEST(the_map_shows_it)
 {
 	struct eco_error error = { 0 };
-	struct map m = { .error = &error };
+	FREED(map) m = { .error = &error };
 	assert_ok(map_gather(&m, in_root("photo.json")), error);
 	assert_ok(map_write(&m, in_root("map.png"), 200), error);
 	assert_non_null(m.image);
@@ -119,23 +118,21 @@ UNIT_TEST(the_map_shows_it)
 			if (fabs(east) > 2 && fabs(north) > 2)
 				assert_true(pixel[3] == 255 && memcmp(pixel, wanted, 3) == 0);
 		}
-	map_free(&m);
 }
 
 UNIT_TEST(tiles_of_ground_carry_it)
 {
 	struct eco_pack *pack;
-	struct eco_image image;
+	FREED(eco_image) image;
 	size_t size;
 	make("tiles.eco", 2, true);
 	assert_good(eco_pack_open(&pack, in_root("tiles.eco"), &cause));
 	assert_good(export_tiles(pack, in_root("tiles"), false, &cause));
 	eco_pack_close(pack);
-	char *gltf = read_all("tiles/tiles/ground-0.gltf", &size);
+	FREED_MEMORY char *gltf = read_all("tiles/tiles/ground-0.gltf", &size);
 	assert_non_null(strstr(gltf, "TEXCOORD_0"));
 	assert_non_null(strstr(gltf, "\"ground-0.png\""));
 	assert_null(strstr(gltf, "MASK"));
-	free(gltf);
 	uint8_t *png = (uint8_t *)read_all("tiles/tiles/ground-0.png", &size);
 	assert_good(eco_image_read_memory(&image, png, size, "ground-0.png", &cause));
 	assert_true(image.width >= 400 && image.height >= 400);
@@ -147,7 +144,6 @@ UNIT_TEST(tiles_of_ground_carry_it)
 		for (int k = 0; k < 3; k++)
 			assert_true(abs(texel[k] - wanted[k]) < 12);
 	}
-	eco_image_free(&image);
 	free(png);
 }
 

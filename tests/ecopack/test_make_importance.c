@@ -127,7 +127,7 @@ UNIT_TEST(an_eco_file_s_importance_multiplies_that_of_its_plants)
 			"\"importance\": {\"foliage\": 1.5, \"flower\": 1.5}}}, "
 			"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0.5]}]}", i ? "16" : "0.5");
 		write_text("inner.json", text);
-		struct eco_pack *pack = made("outer.json", "{\"plants\": {\"a\": {\"model\": \"plant.obj\", "
+		OWNED(eco_pack) *pack = made("outer.json", "{\"plants\": {\"a\": {\"model\": \"plant.obj\", "
 			"\"up\": \"y\", \"importance\": {\"foliage\": 1.5, \"flower\": 1.5}}}, "
 			"\"instances\": [{\"plant\": \"a\", \"at\": [0, -0.5]}], "
 			"\"children\": [{\"eco\": \"inner.json\", \"at\": [0, 0]}]}");
@@ -139,7 +139,6 @@ UNIT_TEST(an_eco_file_s_importance_multiplies_that_of_its_plants)
 			now += drawn(&pack->scene, vertices, inner, 0);
 		assert_true(now > 1.1 * (double)last);
 		last = now;
-		eco_pack_close(pack);
 	}
 }
 

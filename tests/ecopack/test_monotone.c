@@ -48,7 +48,7 @@ static double q_at(const struct plant_walk *walk, double share)
 static struct plant_walk walk(const char *scene, uint32_t least_splats)
 {
 	struct eco_error error = { 0 };
-	struct eco_pack *pack;
+	OWNED(eco_pack) *pack;
 	struct plant_walk walk;
 	if (make_pack(&(struct make_options){ .scene = scene, .pack = ROOT "/plant.eco", .jobs = 1 }, &error))
 		fail_msg("%s", error.text);
@@ -64,14 +64,13 @@ static struct plant_walk walk(const char *scene, uint32_t least_splats)
 		fail_msg("%s: Q falls by %f at %llu vertices", scene, walk.fall,
 			(unsigned long long)walk.fall_at);
 	assert_true(walk.q[walk.count - 1] == 1);
-	eco_pack_close(pack);
 	return walk;
 }
 
 static void is_chosen_well(const char *scene)
 {
 	struct eco_error error = { 0 };
-	struct eco_pack *pack;
+	OWNED(eco_pack) *pack;
 	struct plant_regret regret;
 	assert_ok(eco_pack_open(&pack, ROOT "/plant.eco", &error), error);
 	assert_ok(plant_regret(&regret, pack, 0, &(struct plant_walk_options){ .views = 6, .pixels = 96 },
@@ -79,7 +78,6 @@ static void is_chosen_well(const char *scene)
 	if (!(regret.count && regret.worst <= PLANT_REGRET_FREE))
 		fail_msg("%s: with %llu vertices kind %d alone is better by %f", scene,
 			(unsigned long long)regret.worst_at, (int)regret.best, regret.worst);
-	eco_pack_close(pack);
 }
 
 static void write_scene(const char *path, const char *model)

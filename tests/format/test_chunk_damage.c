@@ -53,7 +53,7 @@ UNIT_TEST(every_flipped_bit_is_refused_or_bounded)
 		struct eco_elements in = kind_elements(&kinds[i], count, 6), out;
 		const struct eco_chunk_input input = { &list, &in, 0, count, 1 };
 		struct eco_chunk chunk;
-		uint8_t *bytes;
+		FREED_MEMORY uint8_t *bytes;
 		size_t size;
 		assert_int_equal(kind_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 		chunk = kind_chunk(&in, 0, count, size);
@@ -64,7 +64,6 @@ UNIT_TEST(every_flipped_bit_is_refused_or_bounded)
 			eco_elements_free(&out);
 			bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
 		}
-		free(bytes);
 		eco_elements_free(&in);
 	}
 }
@@ -78,7 +77,7 @@ UNIT_TEST(counts_must_be_those_of_the_record)
 	const struct eco_chunk_input input = { &list, &in, 0, 50, 1 };
 	struct eco_list other;
 	struct eco_chunk chunk, wrong;
-	uint8_t *bytes;
+	FREED_MEMORY uint8_t *bytes;
 	size_t size;
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 	chunk = kind_chunk(&in, 0, 50, size);
@@ -100,7 +99,6 @@ UNIT_TEST(counts_must_be_those_of_the_record)
 	other = list;
 	other.kind = ECO_LIST_LINES;
 	assert_int_equal(eco_chunk_decode(&other, &chunk, 1, bytes, size, &out, NULL), ECO_DAMAGED);
-	free(bytes);
 	eco_elements_free(&in);
 }
 
@@ -108,7 +106,7 @@ UNIT_TEST(values_out_of_bounds_are_refused)
 {
 	static const int32_t values[] = { VALUE_MAX + 1, INT32_MIN };
 	const struct eco_list list = kind_list(&kinds[11]);
-	struct eco_elements in = kind_elements(&kinds[11], 50, 6);
+	FREED(eco_elements) in = kind_elements(&kinds[11], 50, 6);
 	const struct eco_chunk_input input = { &list, &in, 10, 50, 1 };
 	uint8_t *bytes;
 	size_t size;
@@ -117,5 +115,4 @@ UNIT_TEST(values_out_of_bounds_are_refused)
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_TOO_LARGE);
 		assert_null(bytes);
 	}
-	eco_elements_free(&in);
 }

@@ -53,18 +53,15 @@ UNIT_TEST(levels_survive_their_bytes)
 {
 	for (uint32_t which = 0; which < ECO_IMPOSTOR_LEVELS; which++)
 		for (uint32_t holes = 0; holes <= 16; holes += 4) {
-			struct eco_impostor_level level, back;
+			FREED(eco_impostor_level) level, back;
 			struct eco_impostor_body read;
-			struct eco_writer w = { 0 };
+			FREED(eco_writer) w = { 0 };
 			fill(&level, which, holes);
 			eco_write_u8(&w, 99);                /* what is there before stays */
 			write(&w, &level);
 			assert_good(eco_impostor_level_read(&back, &read, w.bytes + 1, w.size - 1, &cause));
 			assert_int_equal(w.bytes[0], 99);
 			assert_same(&level, &back);
-			eco_impostor_level_free(&level);
-			eco_impostor_level_free(&back);
-			eco_writer_free(&w);
 		}
 }
 
@@ -100,8 +97,8 @@ static bool try_read(const uint8_t *bytes, size_t size)
 UNIT_TEST(damaged_bytes_are_named_or_harmless)
 {
 	for (uint32_t which = 0; which < 3; which++) {
-		struct eco_impostor_level level;
-		struct eco_writer w = { 0 };
+		FREED(eco_impostor_level) level;
+		FREED(eco_writer) w = { 0 };
 		uint32_t read = 0;
 		fill(&level, which, 3);
 		write(&w, &level);
@@ -117,8 +114,6 @@ UNIT_TEST(damaged_bytes_are_named_or_harmless)
 		}
 		eco_write_u8(&w, 0);
 		assert_false(try_read(w.bytes, w.size));
-		eco_impostor_level_free(&level);
-		eco_writer_free(&w);
 	}
 	for (uint32_t i = 0; i < 300; i++) {
 		uint8_t bytes[64];

@@ -21,7 +21,7 @@ UNIT_TEST(portions_do_not_matter)
 {
 	static const size_t portions[] = { 0, 1, 2, 3, 5, 15, 16, 17, 64, 1000, 4096 };
 	for (uint64_t seed = 1; seed <= 20; seed++) {
-		struct eco_writer w = random_stream(seed, 8);
+		FREED(eco_writer) w = random_stream(seed, 8);
 		struct wire_told whole = { 0 };
 		assert_good(wire_tell(w.bytes, w.size, w.size, &whole, &cause));
 		assert_true(whole.events >= 1 + 2 + 6 + 8 + 1);
@@ -33,7 +33,6 @@ UNIT_TEST(portions_do_not_matter)
 			eco_writer_free(&told.w);
 		}
 		eco_writer_free(&whole.w);
-		eco_writer_free(&w);
 	}
 }
 
@@ -56,7 +55,7 @@ static void damage_tried(struct damage *d, const uint8_t *bytes, size_t size)
 /* Every single bit, every truncation, and random handfuls of bits. */
 UNIT_TEST(damage_is_found)
 {
-	struct eco_writer w = random_stream(7, 5);
+	FREED(eco_writer) w = random_stream(7, 5);
 	struct wire_told sound = { 0 };
 	struct damage d = { .sound = &sound };
 	struct wire_random r = { 99 };
@@ -68,7 +67,7 @@ UNIT_TEST(damage_is_found)
 	}
 	for (size_t size = 0; size < w.size; size++)
 		damage_tried(&d, w.bytes, size);
-	uint8_t *copy = malloc(w.size);
+	FREED_MEMORY uint8_t *copy = malloc(w.size);
 	while (d.found + d.harmless < 100000) {
 		memcpy(copy, w.bytes, w.size);
 		for (uint32_t n = 1 + wire_random_below(&r, 8); n > 0; n--)
@@ -78,10 +77,8 @@ UNIT_TEST(damage_is_found)
 	}
 	print_message("stream of %zu bytes, %u events: damage found %u times, harmless %u times, missed 0 "
 		"times\n", w.size, sound.events, d.found, d.harmless);
-	free(copy);
 	eco_writer_free(&d.told.w);
 	eco_writer_free(&sound.w);
-	eco_writer_free(&w);
 }
 
 static size_t frame_size(const uint8_t *header)
@@ -93,8 +90,8 @@ static size_t frame_size(const uint8_t *header)
 /* Each frame is sound, but one is lost, comes twice, or changes places with the next. */
 UNIT_TEST(lost_repeated_and_swapped_frames_are_found)
 {
-	struct eco_writer w = random_stream(8, 6);
-	uint8_t *copy = malloc(2 * w.size);
+	FREED(eco_writer) w = random_stream(8, 6);
+	FREED_MEMORY uint8_t *copy = malloc(2 * w.size);
 	for (size_t at = 0; at < w.size; at += frame_size(w.bytes + at)) {
 		struct wire_told told = { 0 };
 		size_t one = frame_size(w.bytes + at), after = at + one, two = after < w.size
@@ -112,8 +109,6 @@ UNIT_TEST(lost_repeated_and_swapped_frames_are_found)
 			assert_int_equal(wire_tell(copy, w.size, 0, &told, NULL), ECO_DAMAGED);
 		eco_writer_free(&told.w);
 	}
-	free(copy);
-	eco_writer_free(&w);
 }
 
 /* Streams whose hashes are right and whose contents are not. */
@@ -220,7 +215,7 @@ static struct eco_writer faulty_stream(enum fault fault)
 UNIT_TEST(impossible_contents_are_refused)
 {
 	for (int fault = 0; fault < FAULT_COUNT; fault++) {
-		struct eco_writer w = faulty_stream(fault);
+		FREED(eco_writer) w = faulty_stream(fault);
 		struct wire_told told = { 0 };
 		struct eco_error error = { 0 };
 		enum eco_code code = wire_tell(w.bytes, w.size, 0, &told, &error);
@@ -229,7 +224,6 @@ UNIT_TEST(impossible_contents_are_refused)
 		if (fault)
 			assert_true(strncmp(error.text, "stream, frame ", 14) == 0);
 		eco_writer_free(&told.w);
-		eco_writer_free(&w);
 	}
 }
 
@@ -257,7 +251,7 @@ UNIT_TEST(ahead_comes_once_behind_the_last_plan)
 		{ "sppae", true }, { "sape", false }, { "apse", false }, { "spape", false }, { "spaae", false },
 		{ "spa", false } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct eco_writer w = stream_in_order(rows[i].order);
+		FREED(eco_writer) w = stream_in_order(rows[i].order);
 		for (size_t portion = 1; portion <= w.size; portion += 15) {
 			struct wire_told told = { 0 };
 			struct eco_error error = { 0 };
@@ -267,7 +261,6 @@ UNIT_TEST(ahead_comes_once_behind_the_last_plan)
 				assert_int_equal(told.events, strlen(rows[i].order));
 			eco_writer_free(&told.w);
 		}
-		eco_writer_free(&w);
 	}
 }
 
@@ -292,7 +285,7 @@ static struct eco_writer stream_of(const char *payload, bool named)
 UNIT_TEST(named_chunks_are_as_carried_ones)
 {
 	static const char payload[] = "a payload of some bytes";
-	struct eco_writer carried = stream_of(payload, false), named = stream_of(payload, true);
+	FREED(eco_writer) carried = stream_of(payload, false), named = stream_of(payload, true);
 	struct wire_told all = { 0 }, same = { .hosted = payload }, less = { 0 },
 		damaged = { .hosted = "A payload of some bytes" };
 	assert_in_range(named.size - carried.size + strlen(payload), sizeof(struct eco_chunk_id),
@@ -314,13 +307,11 @@ UNIT_TEST(named_chunks_are_as_carried_ones)
 	eco_writer_free(&same.w);
 	eco_writer_free(&less.w);
 	eco_writer_free(&damaged.w);
-	eco_writer_free(&carried);
-	eco_writer_free(&named);
 }
 
 UNIT_TEST(first_failure_is_final)
 {
-	struct eco_writer w = random_stream(9, 3);
+	FREED(eco_writer) w = random_stream(9, 3);
 	struct wire_told whole = { 0 };
 	assert_int_equal(wire_tell(w.bytes, w.size, 0, &whole, NULL), ECO_OK);
 	for (uint32_t n = 1; n <= whole.events; n++) {
@@ -339,7 +330,6 @@ UNIT_TEST(first_failure_is_final)
 		eco_writer_free(&told.w);
 	}
 	eco_writer_free(&whole.w);
-	eco_writer_free(&w);
 }
 
 /* The bytes themselves: this must never change within a version that is released. */
@@ -356,7 +346,7 @@ UNIT_TEST(golden_stream)
 		"cb4c6fbe7df21b3d031ccf800869c0b6797e0059068f6225341421248004"
 		"00000010000000dc1bd6b40d40e87e4d000000000000000f010000000000"
 		"00";
-	struct eco_writer w = { 0 };
+	FREED(eco_writer) w = { 0 };
 	struct eco_anchor anchor = { { 0.5f, -1, 9 }, 10 };
 	uint32_t number = 0;
 	char hex[1024], *p = hex;
@@ -369,7 +359,6 @@ UNIT_TEST(golden_stream)
 	for (size_t i = 0; i < w.size; i++)
 		p += sprintf(p, "%02x", w.bytes[i]);
 	assert_string_equal(hex, expected);
-	eco_writer_free(&w);
 }
 
 UNIT_TEST(names_in_other_encodings_do_not_break_a_stream)
@@ -383,12 +372,11 @@ UNIT_TEST(names_in_other_encodings_do_not_break_a_stream)
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		struct eco_scene scene = { .near_m = 1 };
 		struct eco_chunk_id id = { { 0 } };
-		struct eco_writer w = { 0 };
+		FREED(eco_writer) w = { 0 };
 		strcpy(scene.name, names[i].name);
 		eco_wire_write_scene(&w, &scene, &id);
 		assert_int_equal(w.bytes[52], strlen(names[i].sent));
 		assert_memory_equal(w.bytes + 53, names[i].sent, strlen(names[i].sent));
-		eco_writer_free(&w);
 	}
 }
 
@@ -408,7 +396,7 @@ UNIT_TEST(holdings_survive_the_wire)
 			list += 1 + (uint64_t)wire_random_size(&r, UINT32_MAX - 1);
 		}
 		held.count = count;
-		struct eco_writer w = { 0 }, again = { 0 };
+		FREED(eco_writer) w = { 0 }, again = { 0 };
 		eco_wire_write_holdings(&w, &held);
 		assert_int_equal(eco_wire_read_holdings(w.bytes, w.size, &back, NULL), ECO_OK);
 		assert_int_equal(back.count, held.count);
@@ -428,8 +416,6 @@ UNIT_TEST(holdings_survive_the_wire)
 			assert_true(error.text[0] && !none.items && none.count == 0);
 		}
 		free(back.items);
-		eco_writer_free(&w);
-		eco_writer_free(&again);
 	}
 	assert_int_equal(eco_holdings_chunks(NULL, 3), 0);
 }
