@@ -13,15 +13,17 @@
 #define SCORES_MAX 1000
 #define PATIENCE_MS 10000
 
+static void on_tick(void *ctx, double gone, uint64_t answers, uint64_t failures);
+
 static struct options {
 	struct view_load_options load;
-	const char *camera, *csv;
+	const char *csv;
 	uint64_t scores;
-	double snap_m;
 	bool has_decode, json;
 	uint32_t size[2];
 	int arrivals;
-} given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED, .seed = 1, .resumes = 1 },
+} given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED, .seed = 1, .resumes = 1,
+	.stop = &view_interrupted, .tick = on_tick },
 	.size = { 800, 600 } };
 
 static const char *const arrivals[] = { "even", "random", NULL };
@@ -29,7 +31,7 @@ static const char *const arrivals[] = { "even", "random", NULL };
 static const struct eco_option option_table[] = {
 	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.load.url,
 		.help = "address of the scene: http://host:port/v1/scenes/NAME", .is_required = true },
-	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA", &given.camera,
+	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA", &given.load.camera,
 		.help = "a camera script; or walk, flyover or random, which are made for the scene",
 		.is_required = true },
 	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.load.clients, 1, VIEW_CLIENTS_MAX,
@@ -45,7 +47,7 @@ static const struct eco_option option_table[] = {
 		.help = "bytes of each response; default: no limit" },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX,
 		.help = "size of the views in pixels; default 800x600" },
-	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
+	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.load.snap_m, 0.001, 1000,
 		.help = "round eye and target to a grid of M metres: views that are nearly alike then "
 		"share a plan. Each moves by at most .87 M" },
 	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.load.chunks,
@@ -93,43 +95,36 @@ static const struct eco_command command = { .name = "ecoload", .options = option
 		"prints the report; a second Ctrl-C ends without one.",
 	.notes = "A failed answer or one above its budget makes ecoload fail, too.\n" };
 
-struct progress { struct view_progress bar; double seconds; };
-
 static void on_tick(void *ctx, double gone, uint64_t answers, uint64_t failures)
 {
-	struct progress *p = ctx;
 	char text[80];
 	snprintf(text, sizeof text, "%llu answers, %llu failures", (unsigned long long)answers,
 		(unsigned long long)failures);
-	view_progress_show(&p->bar, fmin(gone, p->seconds), p->seconds, text);
+	view_progress_show(ctx, fmin(gone, given.load.seconds), given.load.seconds, text);
 }
 
-static void print_json(const struct view_load_summary *summary)
+static void print_json(const struct view_load_report *result)
 {
-	json_t *json = view_load_json(summary);
+	json_t *json = view_load_json(result);
 	json_dumpf(json, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	putchar('\n');
 	json_decref(json);
 }
 
-static enum eco_code report(struct options *o, const struct view_load_report *result,
-	struct view_fetch *fetch, struct eco_error *error)
+static enum eco_code report(struct options *o, struct view_load_report *result, struct view_fetch *fetch,
+	struct eco_error *error)
 {
-	static struct view_scored scored[SCORES_MAX];
-	struct view_load_summary summary = { .options = &o->load, .report = result, .camera = o->camera,
-		.scored = scored };
-	enum eco_code code = view_score_sample(&o->load, &result->answers, fetch, (uint32_t)o->scores, scored,
-		&summary.scored_count, error);
+	enum eco_code code = view_score_sample(result, fetch, (uint32_t)o->scores, error);
 	if (code == ECO_INTERRUPTED)
 		code = ECO_OK;
 	if (code)
 		return code;
 	if (o->json)
-		print_json(&summary);
+		print_json(result);
 	else
-		view_load_print(&summary, stdout);
+		view_load_print(result, stdout);
 	if (o->csv)
-		code = view_load_csv(&summary, o->csv, error);
+		code = view_load_csv(result, o->csv, error);
 	if (!code && !view_load_clean(result))
 		code = eco_fail(error, ECO_DAMAGED, "there were failures or violations, or no answer at all");
 	return code;
@@ -139,31 +134,24 @@ static enum eco_code run(struct options *o, struct eco_error *error)
 {
 	struct view_fetch_options at = { .url = o->load.url, .patience_ms = PATIENCE_MS,
 		.stop = &view_interrupted };
-	struct view_views_options cameras = { .camera = o->camera, .width = o->size[0], .height = o->size[1],
-		.seed = o->load.seed, .snap_m = o->snap_m, .stop = &view_interrupted };
 	struct view_fetch *fetch = NULL;
-	struct view_views views = { 0 };
 	struct view_load_report result;
-	struct progress progress = { .seconds = o->load.seconds };
-	view_progress_begin(&progress.bar, "ecoload");
+	struct view_progress progress;
+	view_progress_begin(&progress, "ecoload");
+	o->load.ctx = &progress;
 	enum eco_code code = view_fetch_new(&fetch, &at, error);
 	if (!code)
-		code = view_views_make(&views, &cameras, fetch, error);
+		code = view_views_make(&o->load, fetch, error);
 	if (!code) {
-		o->load.views = views.items;
-		o->load.view_count = views.count;
-		o->load.stop = &view_interrupted;
-		o->load.tick = on_tick;
-		o->load.ctx = &progress;
 		code = view_load_run(&result, &o->load, error);
-		view_progress_clear(&progress.bar);
+		view_progress_clear(&progress);
 		if (!code) {
 			view_interrupted = 0;             /* what there is is reported; the next signal kills */
 			code = report(o, &result, fetch, error);
 			view_load_free(&result);
 		}
 	}
-	view_views_free(&views);
+	free(o->load.views);
 	view_fetch_free(fetch);
 	return code;
 }
@@ -175,6 +163,8 @@ static enum eco_code read_line(int argc, char **argv, struct options *o, struct 
 	if (!o->has_decode)
 		load->decoding = load->clients < 16 ? load->clients : 16;
 	load->random_arrivals = o->arrivals == 1;
+	load->width = o->size[0];
+	load->height = o->size[1];
 	if (code)
 		return code;
 	if (load->cold > load->clients || load->decoding > load->clients)

@@ -124,7 +124,7 @@ static void step(struct viewer *v, uint32_t frame, const char *what)
 }
 
 /* Counts the samples that scores need beside the pictures. */
-static enum eco_code count_samples(struct viewer *v, const struct view_reference_job *job,
+static enum eco_code count_samples(struct viewer *v, const struct view_draw_job *job,
 	struct view_picture *picture, struct eco_error *error)
 {
 	enum eco_code code = view_measure_soft(job, picture, error);
@@ -146,13 +146,12 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 		code = view_select_casters(&casters, store, eye, error);
 	if (!code && v->options.digest && store == v->store)
 		code = view_digest_write(v->digest, store, &selection, error);
-	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1, ground_m;
-	struct view_reference_job job = { store, &selection, eye, near_m, 0, &view_interrupted,
-		(enum view_tint)v->options.tint };
+	double ground_m;
+	struct view_draw_job job = { store, &selection, eye, view_store_near_m(store), 0,
+		&view_interrupted, (enum view_tint)v->options.tint };
 	if (!code)
-		code = !v->gl ? view_reference_draw(&job, picture, error)
-			: view_gl_draw(v->gl, &(struct view_gl_job){ store, &selection, eye, near_m,
-			job.tint }, picture, error);
+		code = v->gl ? view_gl_draw(v->gl, &job, picture, error)
+			: view_reference_draw(&job, picture, error);
 	if (!code && v->options.geojson && store == v->store && view_store_complete(store))
 		code = view_geojson_save(&(struct view_geojson_job){ store, &selection, picture, &v->map,
 			v->asks }, v->options.dir, v->frame->frame, error);
@@ -252,13 +251,11 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	v->eye = eye;
 	v->frame = f;
 	v->frame_parts = 0;
-	view_fetch_mark(v->fetch, &v->options.marks, save_part, v);
-	view_fetch_turn(v->fetch, has_turned, v);
+	view_fetch_watch(v->fetch, &(struct view_fetch_watch){ &v->options.marks, save_part, has_turned, v });
 	v->begun_ms = view_clock_ms();
 	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, error);
 	v->replaced |= result.status == REPLACED;
-	view_fetch_mark(v->fetch, NULL, NULL, NULL);
-	view_fetch_turn(v->fetch, NULL, NULL);
+	view_fetch_watch(v->fetch, &(struct view_fetch_watch){ 0 });
 	if (code)
 		return code;
 	result.bytes += f->fetched.bytes;

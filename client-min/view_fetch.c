@@ -38,12 +38,8 @@ struct view_fetch {
 	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
 	uint64_t text_max;
 	const char *below;                       /* behind the scene's URL, of a text that is of no view */
-	const struct view_marks *marks;          /* NULL: none */
-	struct marks_at at;                      /* in them */
-	view_fetch_reached *reached;
-	void *reached_ctx;
-	view_fetch_turned *turned_by;            /* NULL: it never is */
-	void *turned_ctx;
+	struct view_fetch_watch watch;
+	struct marks_at at;                      /* in its marks */
 	const struct view_store *store;          /* of the stream that comes */
 	double start_ms;
 	bool stopped, turned;
@@ -163,8 +159,8 @@ static enum eco_code reach(struct view_fetch *fetch, struct eco_error *error)
 {
 	struct view_fetch_result now = result_now(fetch);
 	enum eco_code code = ECO_OK;
-	for (; !code && marks_pass(fetch->marks, &fetch->at, now.bytes, &now.stream_ms); now = result_now(fetch))
-		code = fetch->reached(fetch->reached_ctx, &now, error);
+	for (; !code && marks_pass(fetch->watch.marks, &fetch->at, now.bytes, &now.stream_ms); now = result_now(fetch))
+		code = fetch->watch.reached(fetch->watch.ctx, &now, error);
 	return code;
 }
 
@@ -173,16 +169,16 @@ static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t
 	struct eco_error *error)
 {
 	struct view_fetch_result *result = fetch->result;
-	enum eco_code code = fetch->marks ? reach(fetch, error) : ECO_OK;
+	const struct view_marks *marks = fetch->watch.marks;
+	enum eco_code code = marks ? reach(fetch, error) : ECO_OK;
 	while (size && !code) {
-		uint64_t room = fetch->marks ? marks_room(fetch->marks, &fetch->at,
-			fetch->before.bytes + result->bytes) : size;
+		uint64_t room = marks ? marks_room(marks, &fetch->at, fetch->before.bytes + result->bytes) : size;
 		size_t take = room < size ? (size_t)room : size;
 		code = eco_wire_feed(fetch->parser, bytes, take, error);
 		bytes += take;
 		size -= take;
 		result->bytes += take;
-		if (!code && fetch->marks)
+		if (!code && marks)
 			code = reach(fetch, error);
 	}
 	return code;
@@ -191,9 +187,9 @@ static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t
 /* The rest of this answer is obsolete. */
 static bool has_turned(struct view_fetch *fetch)
 {
-	fetch->turned = fetch->turned || (fetch->turned_by && fetch->store && !fetch->options.chunks
+	fetch->turned = fetch->turned || (fetch->watch.turned && fetch->store && !fetch->options.chunks
 		&& view_store_ahead(fetch->store) && !view_store_complete(fetch->store)
-		&& fetch->turned_by(fetch->turned_ctx));
+		&& fetch->watch.turned(fetch->watch.ctx));
 	return fetch->turned;
 }
 
@@ -253,18 +249,9 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 	return code;
 }
 
-void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,
-	void *ctx)
+void view_fetch_watch(struct view_fetch *fetch, const struct view_fetch_watch *watch)
 {
-	fetch->marks = marks;
-	fetch->reached = reached;
-	fetch->reached_ctx = ctx;
-}
-
-void view_fetch_turn(struct view_fetch *fetch, view_fetch_turned *turned, void *ctx)
-{
-	fetch->turned_by = turned;
-	fetch->turned_ctx = ctx;
+	fetch->watch = *watch;
 }
 
 void view_fetch_free(struct view_fetch *fetch)

@@ -82,19 +82,20 @@ void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error);
 
-/* From now on `reached` is called where an answer has come to a mark, once for each, with what there is of
- * the result: the store can be drawn, as far as it has come. At a mark of milliseconds that is what had been
- * fed by then; so_far->stream_ms is the mark. Marks beyond an answer's end are not reached. An error ends the
- * answer. Both must outlive the fetching; marks NULL: no more. */
-typedef enum eco_code view_fetch_reached(void *ctx, const struct view_fetch_result *so_far,
-	struct eco_error *error);
-void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,
-	void *ctx);
-
-/* From now on asked while there comes what only the next view needs: true ends the answer there, and what has
- * come is a whole one. Not where chunks have a host, as streams are then short. NULL: no more. */
-typedef bool view_fetch_turned(void *ctx);
-void view_fetch_turn(struct view_fetch *fetch, view_fetch_turned *turned, void *ctx);
+struct view_fetch_watch {                /* zero: of nothing */
+	/* `reached` is called where an answer has come to a mark, once for each, with what there is of the
+	 * result: the store can be drawn, as far as it has come. At a mark of milliseconds that is what had
+	 * been fed by then; so_far->stream_ms is the mark. Marks beyond an answer's end are not reached. An
+	 * error ends the answer. NULL: no marks */
+	const struct view_marks *marks;
+	enum eco_code (*reached)(void *ctx, const struct view_fetch_result *so_far, struct eco_error *error);
+	/* asked while there comes what only the next view needs: true ends the answer there, and what has
+	 * come is a whole one. Not where chunks have a host, as streams are then short. NULL: it never is */
+	bool (*turned)(void *ctx);
+	void *ctx;
+};
+/* Of streams from now on. The marks must outlive them. */
+void view_fetch_watch(struct view_fetch *fetch, const struct view_fetch_watch *watch);
 
 /* GET url/plan?..&explain=1: the plan as JSON, with why each cut is what it is, for a client that holds
  * nothing. *text ends with 0; the caller frees it. */

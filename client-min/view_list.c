@@ -158,7 +158,7 @@ static enum eco_code check_ground(struct view_piece *piece, const struct view_pi
 {
 	struct eco_error cause = { 0 };
 	enum eco_code code = eco_ground_tile_of(&piece->tile, &in->list->list, &piece->elements,
-		in->ground_columns, in->ground_rows, in->ground_margin, &cause);
+		in->scene->ground_columns, in->scene->ground_rows, in->scene->ground_margin, &cause);
 	return code ? eco_fail(error, code, "list %u: %s", in->list->id, cause.text) : ECO_OK;
 }
 

@@ -11,6 +11,7 @@
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/image.h"
+#include "ecofiles/format/pack.h"
 #include "ecofiles/format/texture.h"
 #include "lod/impostor.h"
 
@@ -64,7 +65,7 @@ struct view_piece_input {
 	uint32_t ordinal;
 	const uint8_t *payload;
 	bool images;                     /* false: the payload of an IMAGE is dropped */
-	uint32_t ground_columns, ground_rows, ground_margin;
+	const struct eco_scene *scene;   /* whose ground it may be */
 };
 /* Decodes and checks all that users of decoded elements rely on: colours lie in the palette, codes exist,
  * samples of the ground are in their places. */

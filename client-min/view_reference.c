@@ -20,7 +20,7 @@
 #define SAMPLES_MAX (1u << 22)           /* in one raster of a picture that is drawn in parts */
 
 struct scene {
-	const struct view_reference_job *job;
+	const struct view_draw_job *job;
 	const struct eco_plan *plan;
 	struct view_mesh *meshes;        /* per cut */
 	uint32_t *items;                 /* per cut: number of its first item; and the end */
@@ -40,7 +40,7 @@ struct worker {
 
 /* ---- Drawing ---- */
 
-static bool stopped(const struct view_reference_job *job)
+static bool stopped(const struct view_draw_job *job)
 {
 	return job->stop && *job->stop;
 }
@@ -130,7 +130,7 @@ static void into_plant(const struct lod_place *place, const double v[3], double 
 	out[2] = v[2];
 }
 
-static void rays_of(const struct view_reference_job *job, const struct view_picture *picture, uint32_t x,
+static void rays_of(const struct view_draw_job *job, const struct view_picture *picture, uint32_t x,
 	uint32_t y, const struct lod_place *place, struct view_rays *rays)
 {
 	double ray[3], from[3];
@@ -162,7 +162,7 @@ static void find_facet(const struct view_ground *ground, uint32_t item, struct f
 
 /* The samples' normals, mixed by where the pixel lies between them as seen from above. `f` is that of the
  * pixel before. */
-static uint32_t look_ground(const struct view_reference_job *job, const struct view_picture *picture,
+static uint32_t look_ground(const struct view_draw_job *job, const struct view_picture *picture,
 	uint32_t x, uint32_t y, uint32_t item, struct facet *f)
 {
 	const struct view_ground *ground = &job->selection->ground;
@@ -305,7 +305,7 @@ static enum eco_code make_meshes(struct scene *scene, struct eco_error *error)
 		"many to be drawn in software", (unsigned long long)items);
 }
 
-static enum eco_code scene_make(struct scene *scene, const struct view_reference_job *job,
+static enum eco_code scene_make(struct scene *scene, const struct view_draw_job *job,
 	struct eco_error *error)
 {
 	static const struct eco_plan nothing;
@@ -370,12 +370,11 @@ static void draw_picture(struct worker *workers, struct view_picture *picture)
 	view_threads_run(workers[0].count, look_up, workers);
 }
 
-enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture,
+enum eco_code view_reference_draw(const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
 	struct lod_raster_options options = { .width = picture->width, .height = picture->height,
 		.owner = true, .item = true };
-	struct view_light_job light = { job->store, job->selection, job->eye, job->tint, job->threads };
 	struct scene scene;
 	double start = view_clock_ms();
 	enum eco_code code = scene_make(&scene, job, error);
@@ -386,7 +385,7 @@ enum eco_code view_reference_draw(const struct view_reference_job *job, struct v
 	}
 	scene_free(&scene);
 	if (!code)
-		code = view_light_picture(&light, picture, error);
+		code = view_light_picture(job, picture, error);
 	if (!code && stopped(job))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	picture->vertices = job->selection->vertices;
@@ -394,7 +393,7 @@ enum eco_code view_reference_draw(const struct view_reference_job *job, struct v
 	return code;
 }
 
-enum eco_code view_reference_count(const struct view_reference_job *job, struct view_coverage *coverage,
+enum eco_code view_reference_count(const struct view_draw_job *job, struct view_coverage *coverage,
 	struct eco_error *error)
 {
 	uint32_t part[2];
@@ -419,14 +418,14 @@ enum eco_code view_reference_count(const struct view_reference_job *job, struct 
 
 #define CEILING_SAMPLES 8u
 
-static enum eco_code count(const struct view_reference_job *job, const struct view_picture *picture,
+static enum eco_code count(const struct view_draw_job *job, const struct view_picture *picture,
 	uint32_t samples, uint8_t *counts, struct eco_error *error)
 {
 	struct view_coverage coverage = { picture->width, picture->height, samples, counts };
 	return view_reference_count(job, &coverage, error);
 }
 
-enum eco_code view_measure_soft(const struct view_reference_job *job, struct view_picture *picture,
+enum eco_code view_measure_soft(const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
 	if (!picture->soft)
@@ -434,7 +433,7 @@ enum eco_code view_measure_soft(const struct view_reference_job *job, struct vie
 	return count(job, picture, VIEW_SOFT_SAMPLES, picture->soft, error);
 }
 
-enum eco_code view_measure_ceiling(const struct view_reference_job *job, const struct view_picture *reference,
+enum eco_code view_measure_ceiling(const struct view_draw_job *job, const struct view_picture *reference,
 	double *ceiling, struct eco_error *error)
 {
 	size_t pixels = (size_t)reference->width * reference->height;

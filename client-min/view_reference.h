@@ -4,25 +4,13 @@
 #ifndef VIEW_REFERENCE_H
 #define VIEW_REFERENCE_H
 
-#include <signal.h>
-
 #include "client-min/draw/view_light.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
 #include "lod/raster/raster.h"
 
-struct view_reference_job {
-	const struct view_store *store;
-	const struct view_selection *selection;
-	const struct lod_eye *eye;
-	double near_m;
-	uint32_t threads;                        /* 0: 2 */
-	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
-	enum view_tint tint;
-};
-
 /* Fills the picture, lit (view_light.h); vertices are those of the selection: hidden ones count as drawn. */
-enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture,
+enum eco_code view_reference_draw(const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error);
 
 /* Cover of each pixel by plants: the number of covered ones among samples x samples, evenly spread in it.
@@ -31,17 +19,17 @@ struct view_coverage {
 	uint32_t width, height, samples;         /* samples: at most 15 */
 	uint8_t *count;                          /* one a pixel, the caller's: 0 to samples^2 */
 };
-enum eco_code view_reference_count(const struct view_reference_job *job, struct view_coverage *coverage,
+enum eco_code view_reference_count(const struct view_draw_job *job, struct view_coverage *coverage,
 	struct eco_error *error);
 
 /* ---- Measures of a picture's error; samples are drawn in software, whatever drew the picture ---- */
 
 /* Fills picture->soft, from VIEW_SOFT_SAMPLES x VIEW_SOFT_SAMPLES samples a pixel. */
 #define VIEW_SOFT_SAMPLES 4u
-enum eco_code view_measure_soft(const struct view_reference_job *job, struct view_picture *picture,
+enum eco_code view_measure_soft(const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error);
 /* lod_q_ceiling of a reference, from 8 x 8 samples a pixel. */
-enum eco_code view_measure_ceiling(const struct view_reference_job *job, const struct view_picture *reference,
+enum eco_code view_measure_ceiling(const struct view_draw_job *job, const struct view_picture *reference,
 	double *ceiling, struct eco_error *error);
 struct view_measures { struct lod_score score; double soft_q, picture_error; };  /* lod_soft_q; mean of lod_flip */
 /* Both pictures have their soft counts. `error_map`, if not NULL, receives lod_flip's error of each pixel. */

@@ -25,7 +25,7 @@
 struct view_store {
 	struct view_store_options options;
 	struct view_store_stats stats;
-	char name[64];
+	struct eco_scene scene;          /* without its tables */
 	struct eco_chunk_id pack;
 	view_store_find *find;           /* of chunks that are named; NULL: none can be */
 	void *find_ctx;
@@ -34,8 +34,6 @@ struct view_store {
 	uint64_t came_bytes, evicted_before;         /* decoded: of this stream; evicted before it */
 	bool lacks;                      /* the last plan needs what is not held any more */
 	uint32_t repeats;                /* of the request under way */
-	double near_m;
-	uint32_t ground_columns, ground_rows, ground_margin;
 	struct view_cache cache;
 	struct view_plant **plants;      uint32_t plant_count, plant_room;
 	struct view_table plant_table;
@@ -131,12 +129,8 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 		return BAD("the scene's near plane is not positive");
 	store->has_scene = true;
 	store->pack = *pack;
-	store->near_m = scene->near_m;
-	store->ground_columns = scene->ground_columns;
-	store->ground_rows = scene->ground_rows;
-	store->ground_margin = scene->ground_margin;
-	memcpy(store->name, scene->name, sizeof store->name);
-	store->name[sizeof store->name - 1] = '\0';
+	store->scene = *scene;
+	store->scene.name[sizeof scene->name - 1] = '\0';
 	return ECO_OK;
 }
 
@@ -275,8 +269,7 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 	struct view_piece piece;
 	double start = view_clock_ms();
 	code = view_piece_decode(&piece, &(struct view_piece_input){ list, chunk, ordinal, payload,
-		store->options.images, store->ground_columns, store->ground_rows,
-		store->ground_margin }, error);
+		store->options.images, &store->scene }, error);
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)
 		return code;
@@ -593,12 +586,12 @@ const struct eco_chunk_id *view_store_pack(const struct view_store *store)
 
 double view_store_near_m(const struct view_store *store)
 {
-	return store->near_m;
+	return store->has_scene ? store->scene.near_m : 0.1;
 }
 
 const char *view_store_scene_name(const struct view_store *store)
 {
-	return store->name;
+	return store->scene.name;
 }
 
 const struct view_list *view_store_list(const struct view_store *store, uint32_t id)
@@ -614,8 +607,8 @@ const struct view_plant *view_store_plant(const struct view_store *store, uint32
 
 void view_store_ground(const struct view_store *store, uint32_t *columns, uint32_t *rows)
 {
-	*columns = store->ground_columns;
-	*rows = store->ground_rows;
+	*columns = store->scene.ground_columns;
+	*rows = store->scene.ground_rows;
 }
 
 uint32_t view_store_list_count(const struct view_store *store)

@@ -81,7 +81,7 @@ uint32_t view_store_summaries(const struct view_store *store);
 bool view_store_complete(const struct view_store *store);
 /* The pack of its holdings, which the next request names; NULL before the first SCENE. */
 const struct eco_chunk_id *view_store_pack(const struct view_store *store);
-double view_store_near_m(const struct view_store *store);        /* 0 before the first SCENE */
+double view_store_near_m(const struct view_store *store);        /* 0.1 before the first SCENE */
 const char *view_store_scene_name(const struct view_store *store);
 
 /* NULL if not held. Lists stay where they are until the next view_store_begin. */

@@ -32,7 +32,7 @@ struct view_gl {
 
 struct frame {                           /* of one draw */
 	struct view_gl *gl;
-	const struct view_gl_job *job;
+	const struct view_draw_job *job;
 	struct view_picture *picture;
 	const struct view_gl_map *map;   /* NULL: the picture itself is drawn */
 	enum view_program bound;
@@ -600,7 +600,7 @@ static enum eco_code draw_cuts(struct frame *f)
 	return code ? code : view_gpu_check(&f->gl->gpu, f->error);
 }
 
-enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
 	struct frame f = { .gl = gl, .job = job, .picture = picture, .error = error };
@@ -625,8 +625,8 @@ enum eco_code view_gl_cast(struct view_gl *gl, const struct view_gl_map *map, st
 	/* axes of the world, in which rows are; half a picture is a map's half */
 	struct lod_eye eye = { .right = { 1, 0, 0 }, .up = { 0, 1, 0 }, .forward = { 0, 0, 1 },
 		.tan_x = 0.5 * map->size, .tan_y = 0.5 * map->size };
-	struct view_gl_job job = { map->store, map->casters, &eye, (double)VIEW_SHADOW_LEAST_W,
-		VIEW_TINT_NONE };
+	struct view_draw_job job = { .store = map->store, .selection = map->casters, .eye = &eye,
+		.near_m = (double)VIEW_SHADOW_LEAST_W };
 	struct view_picture picture = { .width = map->size, .height = map->size };
 	struct frame f = { .gl = gl, .job = &job, .picture = &picture, .map = map, .error = error };
 	memcpy(eye.at, map->eye->at, sizeof eye.at);
@@ -643,7 +643,7 @@ unsigned view_gl_target(const struct view_gl *gl)
 	return gl->seen;
 }
 
-enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+enum eco_code view_gl_draw(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
 	double start = view_clock_ms();
@@ -651,8 +651,7 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, st
 	if (!code)
 		code = view_gl_read(gl, picture, error);
 	if (!code)
-		code = view_light_picture(&(struct view_light_job){ job->store, job->selection, job->eye,
-			job->tint, 0 }, picture, error);
+		code = view_light_picture(job, picture, error);
 	picture->draw_ms = view_clock_ms() - start;
 	return code;
 }

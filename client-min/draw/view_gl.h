@@ -38,20 +38,13 @@ enum eco_code view_gl_prepare(struct view_gl *gl, uint32_t programs, struct eco_
 void view_gl_keep(struct view_gl *gl, const struct view_store *const *stores, uint32_t count);
 uint64_t view_gl_bytes(const struct view_gl *gl);                /* of records on the GPU */
 
-struct view_gl_job {
-	const struct view_store *store;
-	const struct view_selection *selection;
-	const struct lod_eye *eye;
-	double near_m;
-	enum view_tint tint;
-};
 /* `picture` has the size of the target. picture->vertices is summed at the draw calls. */
-enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+enum eco_code view_gl_draw(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error);
 
 /* Its parts, for who lights pictures on the GPU (web/web_light.h): records what each pixel shows, which stays
  * in textures until the next picture or size; reads that, own colours and no light, into `picture`. */
-enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error);
 enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, struct eco_error *error);
 /* A texture of four words a pixel (RGBA32UI), 0 where nothing is:

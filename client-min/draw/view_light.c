@@ -295,7 +295,7 @@ uint32_t view_surface_cloud(double reach, double level)
 struct owned { uint64_t owner; struct lod_place place; struct plant plant; };
 
 struct lamp {                            /* of one picture */
-	const struct view_light_job *job;
+	const struct view_draw_job *job;
 	struct view_picture *picture;
 	struct view_shade shade;
 	struct view_shadow shadow;
@@ -433,7 +433,7 @@ static vec3 axis_of(const double axis[3], double t)
 	return vec3((float)(axis[0] * t), (float)(axis[1] * t), (float)(axis[2] * t));
 }
 
-static void lamp_init(struct lamp *lamp, const struct view_light_job *job, struct view_picture *picture)
+static void lamp_init(struct lamp *lamp, const struct view_draw_job *job, struct view_picture *picture)
 {
 	const struct lod_eye *eye = job->eye;
 	lamp->job = job;
@@ -453,7 +453,7 @@ static void lamp_init(struct lamp *lamp, const struct view_light_job *job, struc
 
 static enum eco_code cast_shadows(struct lamp *lamp, struct eco_error *error)
 {
-	const struct view_light_job *job = lamp->job;
+	const struct view_draw_job *job = lamp->job;
 	const struct view_sky *sky = &job->selection->sky;
 	struct view_picture *picture = lamp->picture;
 	double start = view_clock_ms();
@@ -474,7 +474,7 @@ static void show_own_colors(struct view_picture *picture)
 			memset(picture->rgb + 3 * i, picture->depth[i] > 0 ? VIEW_OWN_GROUND : 0, 3);
 }
 
-enum eco_code view_light_picture(const struct view_light_job *job, struct view_picture *picture,
+enum eco_code view_light_picture(const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
 	if (job->tint == VIEW_TINT_OWN) {

@@ -15,6 +15,8 @@
 #ifndef VIEW_LIGHT_H
 #define VIEW_LIGHT_H
 
+#include <signal.h>
+
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
 
@@ -37,15 +39,17 @@ enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_OWN, VIEW_TINT_UNSHAD
 #define VIEW_OWN_GROUND 96               /* sRGB */
 extern const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3];       /* sRGB, for VIEW_TINT_KIND */
 
-struct view_light_job {
+struct view_draw_job {                   /* of drawing by OpenGL or in software, and of light */
 	const struct view_store *store;
-	const struct view_selection *selection;  /* that was drawn */
+	const struct view_selection *selection;
 	const struct lod_eye *eye;
-	enum view_tint tint;
+	double near_m;
 	uint32_t threads;                        /* 0: 2 */
+	const volatile sig_atomic_t *stop;       /* software: not 0: end with ECO_INTERRUPTED; may be NULL */
+	enum view_tint tint;
 };
 /* Replaces the own colours in picture->rgb by what is seen. The ground needs none: it has its own. */
-enum eco_code view_light_picture(const struct view_light_job *job, struct view_picture *picture,
+enum eco_code view_light_picture(const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error);
 
 /* Inputs of the same light on the GPU, where view_light.glsl is a part of a shader (web/web_light.h):

@@ -174,7 +174,7 @@ static void collect(struct view_load_report *into, struct view_load_report *from
 		into->counts[i] += from->counts[i];
 	if (from->first_failure[0] && !into->first_failure[0])
 		memcpy(into->first_failure, from->first_failure, sizeof into->first_failure);
-	view_answers_free(&from->answers);
+	free(from->answers.items);
 }
 
 static double cpu_seconds(void)
@@ -261,7 +261,7 @@ enum eco_code view_load_run(struct view_load_report *report, const struct view_l
 {
 	uint32_t processors = (uint32_t)sysconf(_SC_NPROCESSORS_ONLN);
 	uint32_t decoding = options->decoding < processors ? options->decoding : processors;
-	*report = (struct view_load_report){ 0 };
+	*report = (struct view_load_report){ .options = options };
 	struct loop *loops = eco_alloc(1 + decoding, sizeof *loops);
 	enum eco_code code = run_loops(report, options, loops, 1 + decoding, error);
 	free(loops);
@@ -272,7 +272,8 @@ enum eco_code view_load_run(struct view_load_report *report, const struct view_l
 
 void view_load_free(struct view_load_report *report)
 {
-	view_answers_free(&report->answers);
+	free(report->answers.items);
+	free(report->scored);
 	*report = (struct view_load_report){ 0 };
 }
 
@@ -299,12 +300,6 @@ void view_answers_add(struct view_answers *answers, const struct view_answer *an
 {
 	eco_grow(&answers->items, &answers->room, answers->count, sizeof *answers->items);
 	answers->items[answers->count++] = *answer;
-}
-
-void view_answers_free(struct view_answers *answers)
-{
-	free(answers->items);
-	*answers = (struct view_answers){ 0 };
 }
 
 /* ==== Views ==== */
@@ -386,19 +381,19 @@ static enum eco_code read_extent(struct view_fetch *fetch, struct extent *e, str
 	return code;
 }
 
-static enum eco_code make_views(struct view_views *views, const struct view_views_options *o,
-	struct view_fetch *fetch, bool *above_ground, struct eco_error *error)
+static enum eco_code make_views(struct view_load_options *o, struct view_fetch *fetch, bool *above_ground,
+	struct eco_error *error)
 {
 	struct extent e = { .has_ground = false };
 	uint64_t random = o->seed;
 	enum eco_code code = read_extent(fetch, &e, error);
 	if (code)
 		return code;
-	views->items = eco_alloc(FRAMES, sizeof *views->items);
-	views->count = FRAMES;
+	o->views = eco_alloc(FRAMES, sizeof *o->views);
+	o->view_count = FRAMES;
 	*above_ground = e.has_ground;
 	for (uint32_t i = 0; i < FRAMES; i++) {
-		struct eco_view *view = &views->items[i];
+		struct eco_view *view = &o->views[i];
 		*view = (struct eco_view){ .up = { 0, 0, 1 }, .fov_y_deg = FOV_DEG };
 		if (!strcmp(o->camera, "walk"))
 			walk_view(&e, i, view);
@@ -410,62 +405,49 @@ static enum eco_code make_views(struct view_views *views, const struct view_view
 	return ECO_OK;
 }
 
-static enum eco_code read_views(struct view_views *views, const char *path, bool *above_ground,
-	struct eco_error *error)
+static enum eco_code read_views(struct view_load_options *o, bool *above_ground, struct eco_error *error)
 {
 	struct eco_camera *camera = NULL;
-	enum eco_code code = eco_camera_load(&camera, path, error);
+	enum eco_code code = eco_camera_load(&camera, o->camera, error);
 	if (code)
 		return code;
-	views->count = eco_camera_frame_count(camera);
-	views->items = eco_alloc(views->count, sizeof *views->items);
+	o->view_count = eco_camera_frame_count(camera);
+	o->views = eco_alloc(o->view_count, sizeof *o->views);
 	*above_ground = eco_camera_above_ground(camera);
-	for (uint32_t i = 0; i < views->count; i++)
-		eco_camera_frame(camera, i, &views->items[i]);
+	for (uint32_t i = 0; i < o->view_count; i++)
+		eco_camera_frame(camera, i, &o->views[i]);
 	eco_camera_free(camera);
 	return ECO_OK;
 }
 
-static enum eco_code stand_all(struct view_views *views, const struct view_views_options *o,
-	struct view_fetch *fetch, struct eco_error *error)
+static enum eco_code stand_all(struct view_load_options *o, struct view_fetch *fetch, struct eco_error *error)
 {
-	struct view_store_options options = { 0 };
 	struct view_store *store = NULL;
-	enum eco_code code = view_store_new(&store, &options, error);
-	for (uint32_t i = 0; i < views->count && !code; i++) {
-		struct eco_request request = { .view = views->items[i] };
+	enum eco_code code = view_store_new(&store, &(struct view_store_options){ 0 }, error);
+	for (uint32_t i = 0; i < o->view_count && !code; i++) {
+		struct eco_request request = { .view = o->views[i] };
 		struct view_fetch_result result;
 		code = o->stop && *o->stop ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: view_stand(fetch, store, &request, &result, error);
-		views->items[i] = request.view;
+		o->views[i] = request.view;
 	}
 	view_store_free(store);
 	return code;
 }
 
-enum eco_code view_views_make(struct view_views *views, const struct view_views_options *o,
-	struct view_fetch *fetch, struct eco_error *error)
+enum eco_code view_views_make(struct view_load_options *o, struct view_fetch *fetch, struct eco_error *error)
 {
 	bool above_ground = false, made = !strcmp(o->camera, "walk") || !strcmp(o->camera, "flyover")
 		|| !strcmp(o->camera, "random");
-	*views = (struct view_views){ 0 };
-	enum eco_code code = made ? make_views(views, o, fetch, &above_ground, error)
-		: read_views(views, o->camera, &above_ground, error);
+	enum eco_code code = made ? make_views(o, fetch, &above_ground, error)
+		: read_views(o, &above_ground, error);
 	if (!code && above_ground)
-		code = stand_all(views, o, fetch, error);
-	for (uint32_t i = 0; i < views->count && !code; i++) {
-		views->items[i].width = o->width;
-		views->items[i].height = o->height;
-		eco_view_snap(&views->items[i], o->snap_m);
-		code = eco_view_check(&views->items[i], error);
+		code = stand_all(o, fetch, error);
+	for (uint32_t i = 0; i < o->view_count && !code; i++) {
+		o->views[i].width = o->width;
+		o->views[i].height = o->height;
+		eco_view_snap(&o->views[i], o->snap_m);
+		code = eco_view_check(&o->views[i], error);
 	}
-	if (code)
-		view_views_free(views);
 	return code;
-}
-
-void view_views_free(struct view_views *views)
-{
-	free(views->items);
-	*views = (struct view_views){ 0 };
 }

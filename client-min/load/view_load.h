@@ -1,7 +1,7 @@
 /* Load on a server: many clients, each asking for the views of a script, from a few threads.
  *
  *   view_load_run(&report, &options, &error);        returns after `seconds`, or when *stop is set
- *   ... view_load_print, view_load_json, view_load_csv ...
+ *   ... view_score_sample, view_load_print, view_load_json, view_load_csv ...
  *   view_load_free(&report);
  *
  * Clients that only count what they get share one thread; those that decode it share one a processor, so that
@@ -20,7 +20,10 @@
 
 struct view_load_options {
 	const char *url;                         /* of a scene */
-	const struct eco_view *views;            /* each client begins at its own place in them */
+	const char *camera;              /* "walk", "flyover", "random", or the name of a file */
+	uint32_t width, height;
+	double snap_m;                           /* as eco_view_snap */
+	struct eco_view *views;                  /* of view_views_make; each client begins at its own place */
 	uint32_t view_count;
 	uint64_t clients;                        /* at most VIEW_CLIENTS_MAX */
 	uint64_t decoding;                       /* so many of them decode what they get and check it */
@@ -30,7 +33,7 @@ struct view_load_options {
 	 * a Poisson process. */
 	double rate;
 	bool random_arrivals;
-	uint64_t seed;
+	uint64_t seed;                           /* of random views and arrivals */
 	uint64_t vertices, bytes;
 	/* Each client's line: bytes a second (0: no limit), and how long each request takes on its way. */
 	uint64_t bandwidth_bytes_s;
@@ -82,16 +85,19 @@ struct view_answer {
 struct view_answers { struct view_answer *items; uint32_t count, room; };    /* owns its items */
 
 void view_answers_add(struct view_answers *answers, const struct view_answer *answer);
-void view_answers_free(struct view_answers *answers);
 
 /* ---- Runs ---- */
 
+struct view_scored { uint32_t frame; double predicted_q, q, precision, recall; };
+
 #define VIEW_LOAD_COUNTS 11
 struct view_load_report {
+	const struct view_load_options *options;
 	double start_ms;                         /* when it began (view_clock_ms) */
 	double seconds, cpu_seconds;             /* cpu: of this process */
 	uint32_t processors;
 	struct view_answers answers;
+	struct view_scored *scored; uint32_t scored_count;       /* of view_score_sample; owned */
 	uint64_t outcomes[VIEW_OUTCOMES];
 	union {
 		struct {
@@ -105,7 +111,7 @@ struct view_load_report {
 	char first_failure[512];                 /* text of one failure or violation; empty if none */
 };
 
-/* Fails only if it could not start at all; what servers do wrong is counted. */
+/* Fails only if it could not start at all; what servers do wrong is counted. The options outlive the report. */
 enum eco_code view_load_run(struct view_load_report *report, const struct view_load_options *options,
 	struct eco_error *error);
 void view_load_free(struct view_load_report *report);
@@ -118,49 +124,29 @@ bool view_load_is_one_of(uint32_t client, uint32_t some, uint32_t all);
 
 /* ---- Reports: view_load_report.c: for people, as JSON, and as CSV with a line an answer ---- */
 
-struct view_scored { uint32_t frame; double predicted_q, q, precision, recall; };
-
-struct view_load_summary {               /* what a report is written from; nothing of it is owned */
-	const struct view_load_options *options;
-	const struct view_load_report *report;
-	const char *camera;                      /* as it was given */
-	const struct view_scored *scored; uint32_t scored_count;
-};
-
-void view_load_print(const struct view_load_summary *summary, FILE *out);
-json_t *view_load_json(const struct view_load_summary *summary);         /* of the caller */
+void view_load_print(const struct view_load_report *report, FILE *out);
+json_t *view_load_json(const struct view_load_report *report);           /* of the caller */
 /* The file appears whole or not at all. */
-enum eco_code view_load_csv(const struct view_load_summary *summary, const char *path,
-	struct eco_error *error);
+enum eco_code view_load_csv(const struct view_load_report *report, const char *path, struct eco_error *error);
 
 /* Scores a sample of a run's views: after it, each is asked for once more by a client that holds nothing,
  * drawn in software, and scored against every triangle of the scene. So the load is not disturbed, and what
  * the server predicts of its answers is seen to hold.
  *
- * `count` of the views that were answered, evenly spread over the run, into scored[0 .. *done). */
-enum eco_code view_score_sample(const struct view_load_options *options, const struct view_answers *answers,
-	struct view_fetch *fetch, uint32_t count, struct view_scored *scored, uint32_t *done,
+ * `count` of the views that were answered, evenly spread over the run, into report->scored. */
+enum eco_code view_score_sample(struct view_load_report *report, struct view_fetch *fetch, uint32_t count,
 	struct eco_error *error);
 
 /* ---- Views that clients ask for ---- */
 
 /* Those of a camera script, or made for the scene. walk: round the middle of the scene, 1.7 m above the
  * ground, looking ahead. flyover: to and fro above it, looking down ahead. random: from anywhere in it and
- * somewhat above, in any direction down to its ground. */
-struct view_views_options {
-	const char *camera;              /* "walk", "flyover", "random", or the name of a file */
-	uint32_t width, height;
-	uint64_t seed;                   /* of random ones */
-	double snap_m;                   /* as eco_view_snap */
-	const volatile sig_atomic_t *stop;
-};
-
-struct view_views { struct eco_view *items; uint32_t count; };   /* owns its items */
-
-/* Asks the scene for its size and, where views count from the ground, for its ground below each. */
-enum eco_code view_views_make(struct view_views *views, const struct view_views_options *options,
-	struct view_fetch *fetch, struct eco_error *error);
-void view_views_free(struct view_views *views);
+ * somewhat above, in any direction down to its ground.
+ *
+ * Fills options->views, which the caller frees. Asks the scene for its size and, where views count from the
+ * ground, for its ground below each. */
+enum eco_code view_views_make(struct view_load_options *options, struct view_fetch *fetch,
+	struct eco_error *error);
 
 /* ---- Sessions: view_session.c ---- */
 

@@ -77,10 +77,10 @@ static struct column make_column(const struct view_answers *answers, const struc
 }
 
 /* Bytes of each client together. */
-static struct column client_bytes(const struct view_load_summary *s)
+static struct column client_bytes(const struct view_load_report *r)
 {
-	const struct view_answers *answers = &s->report->answers;
-	uint32_t clients = (uint32_t)s->options->clients;
+	const struct view_answers *answers = &r->answers;
+	uint32_t clients = (uint32_t)r->options->clients;
 	uint64_t *bytes = eco_alloc(clients, sizeof *bytes);
 	float *values = eco_alloc(clients, sizeof *values);
 	for (uint32_t i = 0; i < answers->count; i++)
@@ -122,23 +122,22 @@ static void print_values(FILE *out, const char *name, const struct column *colum
 	fputc('\n', out);
 }
 
-static void print_group(const struct view_load_summary *s, enum group group, FILE *out)
+static void print_group(const struct view_load_report *r, enum group group, FILE *out)
 {
 	fprintf(out, "%-17s", group ? group_names[group] : "times");
 	for (size_t i = 0; i < QUANTILES; i++)
 		fprintf(out, " %9s", quantiles[i].name);
 	fputc('\n', out);
 	for (size_t i = 0; i < KINDS; i++) {
-		struct column column = make_column(&s->report->answers, &kinds[i], group);
+		struct column column = make_column(&r->answers, &kinds[i], group);
 		print_values(out, kinds[i].title, &column, 1, "ms");
 		free(column.values);
 	}
 }
 
-static void print_counts(const struct view_load_summary *s, FILE *out)
+static void print_counts(const struct view_load_report *r, FILE *out)
 {
-	const struct view_load_report *r = s->report;
-	const struct view_load_options *o = s->options;
+	const struct view_load_options *o = r->options;
 	fprintf(out, "requests          %u in %.1f s: %.1f /s, %.2f MB/s\n", r->answers.count, r->seconds,
 		r->answers.count / r->seconds, (double)r->bytes / r->seconds / 1e6);
 	fprintf(out, "clients           %llu, %llu of them cold, %llu decoding; ",
@@ -149,9 +148,8 @@ static void print_counts(const struct view_load_summary *s, FILE *out)
 		fputs("closed loop\n", out);
 }
 
-static void print_faults(const struct view_load_summary *s, FILE *out)
+static void print_faults(const struct view_load_report *r, FILE *out)
 {
-	const struct view_load_report *r = s->report;
 	fprintf(out,
 		"chunks            %llu, %llu decoded, %llu named, %llu sent twice; %llu answers without "
 		"a picture\n",
@@ -173,8 +171,8 @@ static void print_faults(const struct view_load_summary *s, FILE *out)
 		fprintf(out, "the first         %s\n", r->first_failure);
 	fprintf(out, "ecoload itself    %.2f of %u processors\n", r->cpu_seconds / r->seconds,
 		r->processors);
-	for (uint32_t i = 0; i < s->scored_count; i++) {
-		const struct view_scored *v = &s->scored[i];
+	for (uint32_t i = 0; i < r->scored_count; i++) {
+		const struct view_scored *v = &r->scored[i];
 		fprintf(out, "view %-6u       Q %.4f, Precision %.4f, Recall %.4f", v->frame, v->q,
 			v->precision, v->recall);
 		isnan(v->predicted_q) ? fputs("; no picture fits\n", out)
@@ -182,16 +180,16 @@ static void print_faults(const struct view_load_summary *s, FILE *out)
 	}
 }
 
-void view_load_print(const struct view_load_summary *s, FILE *out)
+void view_load_print(const struct view_load_report *r, FILE *out)
 {
-	struct column column = client_bytes(s);
-	print_counts(s, out);
+	struct column column = client_bytes(r);
+	print_counts(r, out);
 	for (int group = 0; group < GROUPS; group++)
-		if (has_group(s->options, (enum group)group))
-			print_group(s, (enum group)group, out);
+		if (has_group(r->options, (enum group)group))
+			print_group(r, (enum group)group, out);
 	print_values(out, "bytes/client", &column, 1e-3, "kB");
 	free(column.values);
-	print_faults(s, out);
+	print_faults(r, out);
 }
 
 /* ---- JSON ---- */
@@ -213,19 +211,19 @@ static json_t *column_json(const struct column *column)
 	return o;
 }
 
-static void add_group(const struct view_load_summary *s, enum group group, json_t *into)
+static void add_group(const struct view_load_report *r, enum group group, json_t *into)
 {
 	for (size_t i = 0; i < KINDS; i++) {
-		struct column column = make_column(&s->report->answers, &kinds[i], group);
+		struct column column = make_column(&r->answers, &kinds[i], group);
 		json_object_set_new(into, kinds[i].name, column_json(&column));
 	}
 }
 
-static json_t *options_json(const struct view_load_summary *s)
+static json_t *options_json(const struct view_load_report *r)
 {
-	const struct view_load_options *o = s->options;
+	const struct view_load_options *o = r->options;
 	return json_pack("{s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:I, s:o, s:I, s:f, s:o, s:s?, s:I}",
-		"url", o->url, "camera", s->camera, "clients", (json_int_t)o->clients,
+		"url", o->url, "camera", o->camera, "clients", (json_int_t)o->clients,
 		"cold_clients", (json_int_t)o->cold, "decoding_clients", (json_int_t)o->decoding,
 		"loop", o->rate > 0 ? o->random_arrivals ? "open, random" : "open" : "closed",
 		"rate", o->rate > 0 ? json_real(o->rate) : json_null(),
@@ -245,11 +243,11 @@ static json_t *failures_json(const struct view_load_report *r)
 	return failures;
 }
 
-static json_t *scored_json(const struct view_load_summary *s)
+static json_t *scored_json(const struct view_load_report *r)
 {
 	json_t *scored = json_array();
-	for (uint32_t i = 0; i < s->scored_count; i++) {
-		const struct view_scored *v = &s->scored[i];
+	for (uint32_t i = 0; i < r->scored_count; i++) {
+		const struct view_scored *v = &r->scored[i];
 		json_array_append_new(scored, json_pack("{s:I, s:o, s:o, s:o, s:o}",
 			"view", (json_int_t)v->frame, "predicted_q", real(v->predicted_q), "q", real(v->q),
 			"precision", real(v->precision), "recall", real(v->recall)));
@@ -257,35 +255,34 @@ static json_t *scored_json(const struct view_load_summary *s)
 	return scored;
 }
 
-static json_t *counts_json(const struct view_load_summary *s)
+static json_t *counts_json(const struct view_load_report *r)
 {
 	static const char *const names[VIEW_LOAD_COUNTS] = { "nothing", "bytes", "vertices", "chunks",
 		"chunks_decoded", "chunks_named", "chunks_twice", "resumed", "renewed", "vertex_violations",
 		"byte_violations" };
-	const struct view_load_report *r = s->report;
 	json_t *o = json_pack("{s:f, s:I, s:f, s:f, s:f, s:I, s:o, s:s?, s:o, s:o}", "seconds", r->seconds,
 		"requests", (json_int_t)r->answers.count, "requests_per_s", r->answers.count / r->seconds,
 		"bytes_per_s", (double)r->bytes / r->seconds, "cpu_seconds", r->cpu_seconds,
 		"processors", (json_int_t)r->processors, "failures", failures_json(r),
-		"first_failure", r->first_failure[0] ? r->first_failure : NULL, "scored", scored_json(s),
-		"options", options_json(s));
+		"first_failure", r->first_failure[0] ? r->first_failure : NULL, "scored", scored_json(r),
+		"options", options_json(r));
 	for (int i = 0; i < VIEW_LOAD_COUNTS; i++)
 		json_object_set_new(o, names[i], json_integer((json_int_t)r->counts[i]));
 	return o;
 }
 
-json_t *view_load_json(const struct view_load_summary *s)
+json_t *view_load_json(const struct view_load_report *r)
 {
-	struct column column = client_bytes(s);
-	json_t *json = counts_json(s);
+	struct column column = client_bytes(r);
+	json_t *json = counts_json(r);
 	if (!json)
 		eco_end("no memory");
 	json_object_set_new(json, "client_bytes", column_json(&column));
-	add_group(s, GROUP_ALL, json);
+	add_group(r, GROUP_ALL, json);
 	for (int group = GROUP_ALL + 1; group < GROUPS; group++)
-		if (has_group(s->options, (enum group)group)) {
+		if (has_group(r->options, (enum group)group)) {
 			json_t *of = json_object();
-			add_group(s, (enum group)group, of);
+			add_group(r, (enum group)group, of);
 			json_object_set_new(json, group_names[group], of);
 		}
 	return json;
@@ -305,7 +302,7 @@ static void csv_line(FILE *out, const struct view_answer *a)
 	fputc('\n', out);
 }
 
-enum eco_code view_load_csv(const struct view_load_summary *s, const char *path, struct eco_error *error)
+enum eco_code view_load_csv(const struct view_load_report *r, const char *path, struct eco_error *error)
 {
 	char *text = NULL;
 	size_t size = 0;
@@ -316,8 +313,8 @@ enum eco_code view_load_csv(const struct view_load_summary *s, const char *path,
 	for (size_t i = 0; i < KINDS; i++)
 		fprintf(out, ",%s", kinds[i].name);
 	fputc('\n', out);
-	for (uint32_t i = 0; i < s->report->answers.count; i++)
-		csv_line(out, &s->report->answers.items[i]);
+	for (uint32_t i = 0; i < r->answers.count; i++)
+		csv_line(out, &r->answers.items[i]);
 	if (fclose(out))
 		eco_end("no memory");
 	enum eco_code code = eco_file_write(path, text, size, error);
@@ -344,12 +341,11 @@ static enum eco_code draw(struct view_fetch *fetch, const struct eco_request *re
 	if (!code)
 		code = view_select_make(&selection, store, &eye, error);
 	if (!code) {
-		double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
 		const struct eco_plan *plan = view_store_plan(store);
 		*predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
-		code = view_reference_draw(&(struct view_reference_job){ .store = store,
-			.selection = &selection, .eye = &eye, .near_m = near_m, .stop = stop }, picture,
-			error);
+		code = view_reference_draw(&(struct view_draw_job){ .store = store,
+			.selection = &selection, .eye = &eye, .near_m = view_store_near_m(store),
+			.stop = stop }, picture, error);
 	}
 	view_select_free(&selection);
 	view_store_free(store);
@@ -378,22 +374,24 @@ static enum eco_code score_one(const struct view_load_options *o, struct view_fe
 	return ECO_OK;
 }
 
-enum eco_code view_score_sample(const struct view_load_options *o, const struct view_answers *answers,
-	struct view_fetch *fetch, uint32_t count, struct view_scored *scored, uint32_t *done,
+enum eco_code view_score_sample(struct view_load_report *r, struct view_fetch *fetch, uint32_t count,
 	struct eco_error *error)
 {
+	const struct view_load_options *o = r->options;
 	struct view_picture pictures[2] = { { 0 } };
 	enum eco_code code = ECO_OK;
-	*done = 0;
-	if (count > answers->count)
-		count = answers->count;
+	if (count > r->answers.count)
+		count = r->answers.count;
+	free(r->scored);
+	r->scored = eco_alloc(count, sizeof *r->scored);
+	r->scored_count = 0;
 	for (int i = 0; i < 2 && !code && count; i++)
 		code = view_picture_init(&pictures[i], o->views[0].width, o->views[0].height, error);
 	for (uint32_t i = 0; i < count && !code; i++) {
-		uint32_t at = (uint32_t)((uint64_t)answers->count * i / count);
-		scored[i] = (struct view_scored){ .frame = answers->items[at].frame };
-		code = score_one(o, fetch, pictures, &scored[i], error);
-		*done += !code;
+		uint32_t at = (uint32_t)((uint64_t)r->answers.count * i / count);
+		r->scored[i].frame = r->answers.items[at].frame;
+		code = score_one(o, fetch, pictures, &r->scored[i], error);
+		r->scored_count += !code;
 	}
 	for (int i = 0; i < 2; i++)
 		view_picture_free(&pictures[i]);

@@ -237,8 +237,7 @@ export class EcoLayer {
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);
 			module.HEAPF64.set([...depth, x, y, width, height], stream.view / 8);
 			const [depths, area] = [stream.view, stream.view + 16];
-			stream.check(module._web_present(stream.web, depths, area, this.sky ? 1 : 0,
-				this.ground ? 1 : 0));
+			module._web_present(stream.web, depths, area, this.sky ? 1 : 0, this.ground ? 1 : 0);
 		} finally {
 			state.restore();
 		}

@@ -27,7 +27,6 @@ struct web {
 	struct web_light light;
 	struct lod_eye eye;                      /* of the picture */
 	struct view_sky sky;
-	struct web_present present;
 	struct eco_writer body, text;
 	uint64_t bytes;                          /* of answers */
 	char query[VIEW_QUERY_BYTES];
@@ -50,10 +49,8 @@ void web_free(struct web *web)
 {
 	if (!web)
 		return;
-	if (web->gl) {
-		web_present_free(&web->present);
+	if (web->gl)
 		web_light_free(&web->light);
-	}
 	view_gl_close(web->gl);
 	view_picture_free(&web->picture);
 	free(web->owners);
@@ -221,8 +218,6 @@ int web_prepare(struct web *web, double width, double height)
 		code = view_gl_prepare(web->gl, FAR_PROGRAMS, &web->error);
 	if (!code)
 		code = web_light_prepare(&web->light, false, false, &web->error);
-	if (!code)
-		code = web_present_prepare(&web->present, &web->error);
 	return (int)code;
 }
 
@@ -236,13 +231,11 @@ int web_draw(struct web *web, const double view[10], double width, double height
 	web->selection.sky = web->sky;
 	web->selection.sky.casters = web->casters.instance_count ? &web->casters : NULL;
 	web->read = false;
-	double near_m = view_store_near_m(web->store);
-	const struct view_light_job light = { web->store, &web->selection, &web->eye, (enum view_tint)tint,
-		0 };
-	enum eco_code code = view_gl_record(web->gl, &(struct view_gl_job){ web->store, &web->selection,
-		&web->eye, near_m > 0 ? near_m : 0.1, light.tint }, &web->picture, &web->error);
+	const struct view_draw_job job = { .store = web->store, .selection = &web->selection,
+		.eye = &web->eye, .near_m = view_store_near_m(web->store), .tint = (enum view_tint)tint };
+	enum eco_code code = view_gl_record(web->gl, &job, &web->picture, &web->error);
 	if (!code)
-		code = web_light_draw(&web->light, web->gl, &light, v.width, v.height, &web->error);
+		code = web_light_draw(&web->light, web->gl, &job, v.width, v.height, &web->error);
 	return (int)code;
 }
 
@@ -276,15 +269,13 @@ int web_sky(struct web *web, double shadows, double shadow_size, double haze_m)
 	return web->sky.shadows && !before ? (int)select_casters(web) : 0;
 }
 
-int web_present(struct web *web, const double *depth, const double *viewport, double sky,
-	double ground)
+void web_present(struct web *web, const double *depth, const double *viewport, double sky, double ground)
 {
 	struct web_place place = { .depth = { (float)depth[0], (float)depth[1] }, .sky = sky != 0,
 		.ground = ground != 0 };
 	for (int i = 0; i < 4; i++)
 		place.viewport[i] = (int)viewport[i];
-	return (int)web_present_draw(&web->present, web->light.lit, view_gl_target(web->gl), &place,
-		&web->error);
+	web_light_present(&web->light, web->gl, &place);
 }
 
 const uint8_t *web_colors(struct web *web)

@@ -52,8 +52,7 @@ void web_sun(struct web *web, double longitude_deg, double latitude_deg, double 
  * haze hides all but 1/e of what is haze_m metres away (0: as usual). */
 int web_sky(struct web *web, double shadows, double shadow_size, double haze_m);
 /* depth: 2 numbers, viewport: 4. */
-int web_present(struct web *web, const double *depth, const double *viewport, double sky,
-	double ground);
+void web_present(struct web *web, const double *depth, const double *viewport, double sky, double ground);
 /* The last picture, rows from the top: 3 bytes of colour a pixel; 255 where a plant is, else 0; owners as
  * view_picture_owners has them. They and web_pick read it from the GPU, once. NULL: see web_error. */
 const uint8_t *web_colors(struct web *web);

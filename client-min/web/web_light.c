@@ -161,6 +161,23 @@ static const char pixels[] = FRAME
 	"	o_color = vec4(bytes_of_light(vec3(shown(color.x), shown(color.y), shown(color.z))), 1.0);\n"
 	"}\n";
 
+/* ---- A lit picture in the page ---- */
+
+static const char present_text[] = WEB_IS_SUMMARY
+	"uniform sampler2D u_lit;\n"
+	"uniform usampler2D u_seen;      // view_gl_target\n"
+	"uniform vec4 u_depth;           // a, b, whether there is a sky and ground\n"
+	"out vec4 o_color;\n"
+	"void main() {\n"
+	"	vec2 size = vec2(textureSize(u_seen, 0));\n"
+	"	uvec4 seen = texelFetch(u_seen, ivec2(min(v_at * size, size - 1.0)), 0);\n"
+	"	float nearness = uintBitsToFloat(seen.z);\n"
+	"	if (u_depth.w == 0.0 && seen.x == 0u && !is_summary(seen)) nearness = 0.0;\n"
+	"	if (nearness == 0.0 && u_depth.z == 0.0) discard;\n"
+	"	gl_FragDepth = nearness == 0.0 ? 1.0 : clamp(u_depth.x + u_depth.y * nearness, 0.0, 1.0);\n"
+	"	o_color = vec4(texture(u_lit, v_at).rgb, 1.0);\n"
+	"}\n";
+
 /* ---- The image on the ground ---- */
 
 static uint64_t blocks_of(uint32_t level) { return 1u << 2 * level; }
@@ -300,7 +317,10 @@ enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadow
 		view_gpu_init(&light->gpu);
 		glGenVertexArrays(1, &light->vertex_array);
 		glGenFramebuffers(1, &light->framebuffer);
+		light->present = web_program(NULL, (const char *const[]){ present_text }, 1, "pictures", error);
 	}
+	if (!light->present)
+		return ECO_UNSUPPORTED;
 	if (!*program) {
 		say_metre(metre, sizeof metre);
 		*program = web_program(more, (const char *const[]){ metre, language, light_text,
@@ -333,6 +353,7 @@ void web_light_free(struct web_light *light)
 	glDeleteVertexArrays(1, &light->vertex_array);
 	for (int i = 0; i < 4; i++)
 		glDeleteProgram(light->programs[i / 2][i % 2]);
+	glDeleteProgram(light->present);
 	web_shadow_free(&light->shadow);
 	free_image(&light->image);
 	view_gpu_free(&light->gpu);
@@ -346,7 +367,7 @@ void web_light_forget(struct web_light *light)
 
 /* ---- What light needs of a selection ---- */
 
-static void put_plant(float *texels, const struct view_light_job *job, const struct view_instance *p)
+static void put_plant(float *texels, const struct view_draw_job *job, const struct view_instance *p)
 {
 	struct view_light_plant light;
 	view_light_plant(job->store, p->plant == ECO_NONE ? NULL : p, p->owner, &light);
@@ -360,7 +381,7 @@ static void put_plant(float *texels, const struct view_light_job *job, const str
 }
 
 /* Feet are told from where the eye was then. */
-static enum eco_code upload_plants(struct web_light *light, const struct view_light_job *job,
+static enum eco_code upload_plants(struct web_light *light, const struct view_draw_job *job,
 	struct eco_error *error)
 {
 	uint32_t count = job->selection->instance_count;
@@ -377,7 +398,7 @@ static enum eco_code upload_plants(struct web_light *light, const struct view_li
 }
 
 /* Once a selection. */
-static enum eco_code upload_selection(struct web_light *light, const struct view_light_job *job,
+static enum eco_code upload_selection(struct web_light *light, const struct view_draw_job *job,
 	struct eco_error *error)
 {
 	if (light->held)
@@ -390,7 +411,7 @@ static enum eco_code upload_selection(struct web_light *light, const struct view
 }
 
 /* The map of plants' shadows on the ground: it changes with the selection and the sun, not with the eye. */
-static enum eco_code upload_shade(struct web_light *light, const struct view_light_job *job,
+static enum eco_code upload_shade(struct web_light *light, const struct view_draw_job *job,
 	struct eco_error *error)
 {
 	struct view_shade shade = { .size_m = 0 };
@@ -424,7 +445,7 @@ static int uniform(const struct web_light *light, const char *name)
 	return glGetUniformLocation(light->program, name);
 }
 
-static void set_frame(const struct web_light *light, const struct view_light_job *job)
+static void set_frame(const struct web_light *light, const struct view_draw_job *job)
 {
 	const struct lod_eye *eye = job->eye;
 	struct view_light_sun sun;
@@ -454,7 +475,7 @@ static void set_rays(const struct web_light *light, const struct lod_eye *eye)
 }
 
 /* The eye's place in each octave. */
-static void set_octaves(const struct web_light *light, const struct view_light_job *job)
+static void set_octaves(const struct web_light *light, const struct view_draw_job *job)
 {
 	const double *origin = job->selection->ground.origin, *eye = job->eye->at;
 	int cell[VIEW_OCTAVES][2];
@@ -486,7 +507,7 @@ static void set_image(const struct web_image *image, unsigned program, int unit,
 		(float)eye->pixel_rad);
 }
 
-static void set_all(const struct web_light *light, const struct view_light_job *job,
+static void set_all(const struct web_light *light, const struct view_draw_job *job,
 	unsigned seen)
 {
 	glUseProgram(light->program);
@@ -502,7 +523,7 @@ static void set_all(const struct web_light *light, const struct view_light_job *
 		web_shadow_set(&light->shadow, light->program, 5);
 }
 
-enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_light_job *job,
+enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_draw_job *job,
 	uint32_t width, uint32_t height, struct eco_error *error)
 {
 	bool shadows = web_shadow_wanted(&light->shadow, &job->selection->sky);
@@ -520,6 +541,18 @@ enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const 
 	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
 	web_program_fill(light->vertex_array, (const int[4]){ 0, 0, (int)width, (int)height });
 	return ECO_OK;
+}
+
+void web_light_present(const struct web_light *light, const struct view_gl *gl, const struct web_place *place)
+{
+	glUseProgram(light->present);
+	web_program_texture(light->present, "u_lit", 0, light->lit);
+	web_program_texture(light->present, "u_seen", 1, view_gl_target(gl));
+	glUniform4f(glGetUniformLocation(light->present, "u_depth"), place->depth[0], place->depth[1],
+		place->sky, place->ground);
+	glEnable(GL_DEPTH_TEST);
+	glDepthFunc(GL_LEQUAL);
+	web_program_fill(light->vertex_array, place->viewport);
 }
 
 enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct eco_error *error)

@@ -2,6 +2,7 @@
  * from what view_gl_record has left in textures to the colours of a picture, without reading a pixel.
  *
  *   web_light_draw(&light, gl, &job, &error);       `light.lit` is the picture, its first row at the top
+ *   web_light_present(&light, gl, &place);          puts it into the page
  *   web_light_forget(&light);                       another selection comes */
 #ifndef WEB_LIGHT_H
 #define WEB_LIGHT_H
@@ -29,7 +30,7 @@ struct web_light {                       /* zero is empty */
 	unsigned lit;                    /* RGBA8 */
 	uint32_t width, height;
 	unsigned programs[2][2];         /* of an image on the ground, or none, and of shadows, or none */
-	unsigned program;                /* of them, the one in use */
+	unsigned program, present;       /* of them, the one in use; of web_light_present */
 	unsigned framebuffer, vertex_array, shade;
 	struct view_gpu gpu;
 	/* of the selection, if `held`: three texels an instance, their feet from `origin` */
@@ -47,8 +48,14 @@ struct web_light {                       /* zero is empty */
  * else does itself. */
 enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadows, struct eco_error *error);
 /* All of the picture that gl has recorded, of the job's selection. */
-enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_light_job *job,
+enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_draw_job *job,
 	uint32_t width, uint32_t height, struct eco_error *error);
+/* Puts the picture into what the page's context draws to: colours, and depths that hide what the page draws
+ * itself, and are hidden by it. The page's depth of a pixel is depth[0] + depth[1] / distance, in [0, 1]; where
+ * nothing is, the sky, it is 1, and without `sky` nothing is drawn there, nor without `ground` where no plant
+ * is. Into the framebuffer that is bound, all of `viewport`: x, y, width, height. */
+struct web_place { float depth[2]; int viewport[4]; bool sky, ground; };
+void web_light_present(const struct web_light *light, const struct view_gl *gl, const struct web_place *place);
 /* Reads the colours, 3 bytes a pixel. */
 enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct eco_error *error);
 void web_light_forget(struct web_light *light);

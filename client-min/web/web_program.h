@@ -30,23 +30,6 @@ void web_program_texture(unsigned program, const char *name, int unit, unsigned 
 /* viewport: x, y, width, height */
 void web_program_fill(unsigned vertex_array, const int viewport[4]);
 
-/* ---- A lit picture in the page ---- */
-
-/* A lit picture, put into what the page's context draws to: colours, and depths that hide what the page draws
- * itself, and are hidden by it. */
-struct web_present { unsigned program, vertex_array; };          /* zero is empty */
-
-/* The page's depth of a pixel is depth[0] + depth[1] / distance, in [0, 1]; where nothing is, the sky, it is
- * 1, and without `sky` nothing is drawn there, nor without `ground` where no plant is. Into the framebuffer
- * that is bound, all of `viewport`: x, y, width, height. */
-struct web_place { float depth[2]; int viewport[4]; bool sky, ground; };
-/* Compiles what drawing needs, which that else does itself. */
-enum eco_code web_present_prepare(struct web_present *present, struct eco_error *error);
-/* Textures: colours (web_light.h), and what was recorded (view_gl_target). */
-enum eco_code web_present_draw(struct web_present *present, unsigned lit, unsigned seen,
-	const struct web_place *place, struct eco_error *error);
-void web_present_free(struct web_present *present);
-
 /* ---- Shadow maps on the GPU: as view_shadow.h has them, by the same text (draw/view_shadow.glsl), from what
  * view_gl_record has left in textures, without reading a pixel.
  *
@@ -69,7 +52,7 @@ struct web_shadow {                      /* zero is empty */
 /* Whether a picture has any: they are asked for, can be had, and the sun is not too low. */
 bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_sky *sky);
 /* The map of the picture of that width and height that gl has recorded, of the job's selection. */
-enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_light_job *job,
+enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_draw_job *job,
 	const uint32_t picture[2], struct eco_error *error);
 void web_shadow_free(struct web_shadow *shadow);
 

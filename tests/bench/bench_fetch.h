@@ -27,7 +27,7 @@ enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *sce
 double bench_near_m(const struct view_store *store);
 /* Draws the store's plan by the rasteriser. The caller frees the picture and the selection, also after an
  * error; `drawing` must stay where it is while its job is used. */
-struct bench_drawing { struct view_selection selection; struct lod_eye eye; struct view_reference_job job; };
+struct bench_drawing { struct view_selection selection; struct lod_eye eye; struct view_draw_job job; };
 enum eco_code bench_draw(struct bench_drawing *drawing, const struct view_store *store, const struct eco_view
 	*view, struct view_picture *picture, struct eco_error *error);
 

@@ -165,8 +165,8 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 	bool drawn = !view_gl_open(&gl, &(struct view_gl_options){ view->width, view->height }, &why) &&
 		!view_picture_init(&picture, view->width, view->height, &why);
 	for (int i = 0; i < 2 && drawn; i++)
-		drawn = !view_gl_draw(gl, &(struct view_gl_job){ store, selection, &eye, near_m,
-			VIEW_TINT_NONE }, &picture, &why);
+		drawn = !view_gl_draw(gl, &(struct view_draw_job){ store, selection, &eye, near_m,
+			0, NULL, VIEW_TINT_NONE }, &picture, &why);
 	double ms = drawn ? picture.draw_ms : NAN;
 	view_gl_close(gl);
 	view_picture_free(&picture);

@@ -202,7 +202,7 @@ static uint32_t turn_asked, turns_at;    /* 0: never */
 
 static bool has_turned(void *ctx)
 {
-	assert_ptr_equal(ctx, &turns_at);
+	assert_ptr_equal(ctx, &marks);
 	return ++turn_asked == turns_at;
 }
 
@@ -223,8 +223,8 @@ static enum eco_code ask(uint64_t body_max)
 	struct view_fetch *fetch = fetch_at(server.port, (struct view_fetch_options){ .body_max = body_max,
 		.rule = "deussen", .patience_ms = server.busy || server.patient ? 20000 : 0,
 		.stall_ms = server.drips ? 300 : 0, .resumes = server.resumes });
-	view_fetch_mark(fetch, marks.bytes_count ? &marks : NULL, at_mark, &marks);
-	view_fetch_turn(fetch, turns_at ? has_turned : NULL, &turns_at);
+	view_fetch_watch(fetch, &(struct view_fetch_watch){ marks.bytes_count ? &marks : NULL, at_mark,
+		turns_at ? has_turned : NULL, &marks });
 	reached_count = 0;
 	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);
 	view_fetch_free(fetch);

@@ -28,7 +28,7 @@ static void light_leaf(const struct scene_held *h, const float sun[3], const flo
 	one.owner[0] = plant->owner;
 	one.depth[0] = (float)(1 / plant->distance_m);
 	one.surface[0] = view_surface_direction(VIEW_FACET, turned);
-	struct view_light_job job = { h->store, &s, &h->eye, VIEW_TINT_UNSHADED, 1 };
+	struct view_draw_job job = { h->store, &s, &h->eye, 0.1, 1, NULL, VIEW_TINT_UNSHADED };
 	assert_good(view_light_picture(&job, &one, &cause));
 	memcpy(rgb, one.rgb, 3);
 }

@@ -99,7 +99,7 @@ static void told_stop(void)
 
 /* ---- Runs ---- */
 
-static const struct eco_view views[2] = { { { 50, -30, 12 }, { 50, 30, 2 }, { 0, 0, 1 }, 45, 400, 300 },
+static struct eco_view views[2] = { { { 50, -30, 12 }, { 50, 30, 2 }, { 0, 0, 1 }, 45, 400, 300 },
 	{ { 50, -20, 12 }, { 50, 30, 2 }, { 0, 0, 1 }, 45, 400, 300 } };
 static struct view_load_report report;
 static char url[96];
@@ -328,34 +328,37 @@ UNIT_TEST(budgets_are_asked_for_and_held_against_answers)
 
 /* ---- Views ---- */
 
-static struct view_views views_of(const char *camera, uint64_t seed)
+static struct view_load_options views_of(const char *camera, uint64_t seed)
 {
 	struct view_fetch *fetch;
-	struct view_views made;
 	struct eco_error error = { 0 };
+	struct view_load_options made = { .camera = camera, .width = 32, .height = 24, .seed = seed };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, port);
-	const struct view_views_options options = { .camera = camera, .width = 32, .height = 24,
-		.seed = seed };
 	assert_ok(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), error);
-	assert_ok(view_views_make(&made, &options, fetch, &error), error);
+	assert_ok(view_views_make(&made, fetch, &error), error);
 	view_fetch_free(fetch);
 	return made;
 }
 
 UNIT_TEST(views_are_made_for_the_scene)
 {
-	FREED(view_views) walk = views_of("walk", 1), over = views_of("flyover", 1),
+	struct view_load_options walk = views_of("walk", 1), over = views_of("flyover", 1),
 		one = views_of("random", 1), same = views_of("random", 1), other = views_of("random", 2);
 	const struct eco_tile *root = &scene()->tiles[scene()->root];
-	for (uint32_t i = 0; i < one.count; i++) {
-		assert_int_equal(one.items[i].width, 32);
-		assert_memory_equal(&one.items[i], &same.items[i], sizeof one.items[i]);
-		assert_memory_not_equal(&one.items[i], &other.items[i], sizeof one.items[i]);
+	for (uint32_t i = 0; i < one.view_count; i++) {
+		assert_int_equal(one.views[i].width, 32);
+		assert_memory_equal(&one.views[i], &same.views[i], sizeof one.views[i]);
+		assert_memory_not_equal(&one.views[i], &other.views[i], sizeof one.views[i]);
 		for (int axis = 0; axis < 2; axis++)
-			assert_true(walk.items[i].eye[axis] >= root->low[axis]
-				&& walk.items[i].eye[axis] <= root->high[axis]);
-		assert_true(over.items[i].eye[2] > walk.items[i].eye[2] + 5);
+			assert_true(walk.views[i].eye[axis] >= root->low[axis]
+				&& walk.views[i].eye[axis] <= root->high[axis]);
+		assert_true(over.views[i].eye[2] > walk.views[i].eye[2] + 5);
 	}
+	free(walk.views);
+	free(over.views);
+	free(one.views);
+	free(same.views);
+	free(other.views);
 }
 
 /* ---- Reports ---- */
@@ -376,8 +379,6 @@ static double slope(double x, double y)
 /* The sample scene has a texture that is no picture. */
 UNIT_TEST(a_sample_is_drawn_and_scored)
 {
-	struct view_scored scored[3];
-	uint32_t done;
 	struct view_fetch *fetch;
 	struct eco_error error = { 0 };
 	struct srv_store plain;
@@ -396,16 +397,17 @@ UNIT_TEST(a_sample_is_drawn_and_scored)
 	run_clean(&options);
 	assert_int_equal(report.answers.count, 3);
 	assert_ok(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), error);
-	assert_ok(view_score_sample(&options, &report.answers, fetch, 3, scored, &done, &error), error);
-	assert_int_equal(done, 3);
+	assert_ok(view_score_sample(&report, fetch, 3, &error), error);
+	assert_int_equal(report.scored_count, 3);
+	const struct view_scored *scored = report.scored;
 	for (uint32_t i = 0; i < 3; i++) {
 		assert_int_equal(scored[i].frame, i % 2);
 		assert_true(scored[i].q < 0.99 && scored[i].precision >= scored[i].q);
 		assert_true(fabs(scored[i].q - scored[i % 2].q) < 1e-9);
 	}
 	options.vertices = ECO_VERTICES_MAX;     /* all there is */
-	assert_ok(view_score_sample(&options, &report.answers, fetch, 1, scored, &done, &error), error);
-	assert_true(scored[0].q > 0.99 && scored[0].recall > 0.99);
+	assert_ok(view_score_sample(&report, fetch, 1, &error), error);
+	assert_true(report.scored->q > 0.99 && report.scored->recall > 0.99);
 	view_fetch_free(fetch);
 	srv_daemon_stop(other);
 	srv_store_free(&plain);
@@ -420,9 +422,11 @@ UNIT_TEST(reports_say_what_there_was)
 	options.clients = 2;
 	options.cold = 1;
 	options.rate = 30;
+	options.camera = "walk";
 	run_clean(&options);
-	struct view_load_summary summary = { &options, &report, "walk", scored, 2 };
-	json_t *json = view_load_json(&summary);
+	report.scored = memcpy(malloc(sizeof scored), scored, sizeof scored);
+	report.scored_count = 2;
+	json_t *json = view_load_json(&report);
 	assert_int_equal(json_integer_value(json_object_get(json, "requests")), report.answers.count);
 	json_t *cold = json_object_get(json_object_get(json, "cold"), "latency_ms");
 	assert_true(json_real_value(json_object_get(cold, "p50")) > 0);
@@ -437,11 +441,12 @@ UNIT_TEST(reports_say_what_there_was)
 	json_decref(json);
 	char csv[64];
 	snprintf(csv, sizeof csv, "build/tmp/load-%d.csv", (int)getpid());
-	assert_ok(view_load_csv(&summary, csv, &error), error);
-	FREED_MEMORY char *lines = (char *)file_read(csv, &(size_t){ 0 });
+	assert_ok(view_load_csv(&report, csv, &error), error);
+	char *lines = (char *)file_read(csv, &(size_t){ 0 });
 	assert_int_equal(count_of(lines, "\n"), report.answers.count + 1);
 	assert_int_equal(count_of(lines, ",cold,"), report.answers.count / 2);
-	assert_int_equal(view_load_csv(&summary, "build/none/x.csv", &error), ECO_IO);
+	assert_int_equal(view_load_csv(&report, "build/none/x.csv", &error), ECO_IO);
+	free(lines);
 	unlink(csv);
 }
 

@@ -52,7 +52,7 @@ static int close_all(void **state)
 static void draw_software(const struct scene_held *d, const struct eco_view *view, uint32_t threads,
 	struct view_picture *picture)
 {
-	struct view_reference_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL,
+	struct view_draw_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL,
 		VIEW_TINT_NONE };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
@@ -106,7 +106,7 @@ UNIT_TEST(samples_count_what_is_covered)
 	AT_END(scene_release) struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	draw_software(&d, &view, 2, &p);
-	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE };
+	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE };
 	struct view_coverage coverage = { view.width, view.height, 1, counts };
 	assert_int_equal(view_reference_count(&job, &coverage, NULL), ECO_OK);
 	for (uint32_t i = 0; i < pixels; i++)

@@ -203,7 +203,7 @@ static struct view_picture picture_of(const struct client *c, const struct eco_r
 	lod_eye_make(&eye, &request->view);
 	assert_int_equal(view_select_make(&selection, c->store, &eye, NULL), ECO_OK);
 	assert_int_equal(view_picture_init(&picture, WIDTH, HEIGHT, NULL), ECO_OK);
-	assert_int_equal(view_reference_draw(&(struct view_reference_job){ c->store, &selection, &eye, 0.05,
+	assert_int_equal(view_reference_draw(&(struct view_draw_job){ c->store, &selection, &eye, 0.05,
 		1, NULL,
 		VIEW_TINT_NONE }, &picture, NULL), ECO_OK);
 	return picture;

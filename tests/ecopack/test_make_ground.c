@@ -92,7 +92,7 @@ static void covers(struct served *seen, const double eye[3], const double target
 	memcpy(view.target, target, sizeof view.target);
 	served_look(seen, &view, 0);
 	assert_int_equal(view_picture_init(&picture, view.width, view.height, NULL), ECO_OK);
-	assert_int_equal(view_reference_draw(&(struct view_reference_job){ seen->held, &seen->selection,
+	assert_int_equal(view_reference_draw(&(struct view_draw_job){ seen->held, &seen->selection,
 						     &seen->eye, 0.05, 1, NULL, VIEW_TINT_NONE },
 				 &picture, NULL),
 		ECO_OK);

@@ -424,10 +424,11 @@ struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view
 	struct view_picture picture;
 	assert_good(view_picture_init(&picture, h->view.width, h->view.height, &cause));
 	if (by_gl)
-		assert_good(view_gl_draw(scene_gl, &(struct view_gl_job){ h->store, &h->selection, &h->eye, 0.1, tint },
+		assert_good(view_gl_draw(scene_gl, &(struct view_draw_job){ h->store, &h->selection, &h->eye, 0.1, 2,
+			NULL, tint },
 			&picture, &cause));
 	else
-		assert_good(view_reference_draw(&(struct view_reference_job){ h->store, &h->selection, &h->eye, 0.1, 2,
+		assert_good(view_reference_draw(&(struct view_draw_job){ h->store, &h->selection, &h->eye, 0.1, 2,
 			NULL, tint }, &picture, &cause));
 	return picture;
 }

@@ -69,7 +69,7 @@ static void draw(struct alone *a, double lambda, double scale, uint32_t number, 
 	lod_eye_make(&eye, &view);
 	paper_must(view_store_events.plan(a->s->store, &plan, paper_error));
 	paper_must(view_picture_init(to, SIDE, SIDE, paper_error));
-	paper_must(view_reference_draw(&(struct view_reference_job){ .store = a->s->store, .selection
+	paper_must(view_reference_draw(&(struct view_draw_job){ .store = a->s->store, .selection
 		= &selection, .eye = &eye, .near_m = 0.01 }, to, paper_error));
 	free(index);
 	free(roles);

@@ -467,7 +467,7 @@ void extreme_cover(struct extreme *x, const struct extreme_world *world, const s
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request->view);
 	extreme_good(x, view_select_make(&selection, store, &eye, &x->error));
-	extreme_good(x, view_reference_count(&(struct view_reference_job){ .store = store,
+	extreme_good(x, view_reference_count(&(struct view_draw_job){ .store = store,
 		.selection = &selection, .eye = &eye, .near_m = bench_near_m(store) },
 		&(struct view_coverage){ request->view.width, request->view.height, 1, cover }, &x->error));
 	view_select_free(&selection);
