@@ -94,7 +94,7 @@ struct view_fetch_watch {                /* zero: of nothing */
 	bool (*turned)(void *ctx);
 	void *ctx;
 };
-/* Of streams from now on. The marks must outlive them. */
+/* Watches the streams from now on. The marks must outlive them. */
 void view_fetch_watch(struct view_fetch *fetch, const struct view_fetch_watch *watch);
 
 /* GET url/plan?..&explain=1: the plan as JSON, with why each cut is what it is, for a client that holds
