@@ -163,7 +163,7 @@ void eco_pack_abort(struct eco_pack_writer *w)
 
 /* ---- Chunks and lists ---- */
 
-/* Of a payload among those that differ. */
+/* The number of a payload among those that differ. */
 static uint32_t payload_number(struct eco_pack_writer *w, const struct eco_chunk *chunk)
 {
 	char key[2 * sizeof chunk->id.bytes + 12];
