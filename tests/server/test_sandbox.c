@@ -105,7 +105,7 @@ static int try_files(void)
 	TRY(opens("/etc/passwd", O_RDONLY));
 	TRY(opens("/proc/self/mem", O_RDWR));
 	TRY(opens("/", O_RDONLY));
-	TRY(opens("build/ecoserve", O_RDONLY));
+	TRY(opens("Makefile", O_RDONLY));
 	TRY(opens(OTHERS "/there.eco", O_RDONLY));
 	TRY(opens(PACKS "/../others/there.eco", O_RDONLY));
 	TRY(opens(PACK, O_RDWR));
