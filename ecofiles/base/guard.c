@@ -39,8 +39,6 @@
 #define GRACE_S 5u                   /* from the signal that can be caught to the one that cannot */
 #define INTERRUPTED_S 0.1            /* in which a child that is interrupted ends */
 #define CRASH_STACK (64u << 10)
-#define CHILD_OUT 3                  /* the child's descriptors: of its result, ... */
-#define CHILD_LIFE 4                 /* ... and of the pipe that closes when it dies */
 
 /* Memory that parent and child share. The child may write anything here: the parent reads it after the
  * child's death and checks it. */
@@ -195,14 +193,22 @@ static void default_signals(void)
 	sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
-/* Closes every descriptor inherited from the parent but these two, which become 3 and 4: the pack being written,
- * and files that libraries keep open. */
+/* Moves a descriptor above those of standard input, output and error, which the parent may have closed. */
+static int lift(int descriptor)
+{
+	return descriptor > STDERR_FILENO ? descriptor : fcntl(descriptor, F_DUPFD, STDERR_FILENO + 1);
+}
+
+/* Closes every descriptor inherited from the parent but these two: the pack being written, and files that
+ * libraries keep open. */
 static void close_others(int a, int b)
 {
-	int free_a = fcntl(a, F_DUPFD, 5), free_b = fcntl(b, F_DUPFD, 5);
-	dup2(free_a, CHILD_OUT);
-	dup2(free_b, CHILD_LIFE);
-	close_range(CHILD_LIFE + 1, ~0u, 0);
+	int low = a < b ? a : b, high = a < b ? b : a;
+	if (low > 3)
+		close_range(3, (unsigned)low - 1, 0);
+	if (high > low + 1)
+		close_range((unsigned)low + 1, (unsigned)high - 1, 0);
+	close_range((unsigned)high + 1, ~0u, 0);
 }
 
 /* Closes standard input, and silences what libraries print, but under sanitizers, whose reports must be
@@ -272,10 +278,12 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	if (getppid() != parent)
 		_exit(1);                    /* the parent died before prctl */
 	default_signals();
+	to = lift(to);
+	life = lift(life);
 	close_others(to, life);
 	silence();
 	bool may_run = restrict_self(g, !g->stream ? g->limits.memory_bytes : 0);
-	FILE *out = fdopen(CHILD_OUT, "wb");
+	FILE *out = fdopen(to, "wb");
 	enum eco_code code = ECO_OK;
 	if (!may_run)
 		code = eco_fail(&error, ECO_UNSUPPORTED, "%s: this system allows no filter of system calls, "
