@@ -9,7 +9,6 @@
 #include <xxhash.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/base/random.h"
 
@@ -226,8 +225,6 @@ void eco_payload_write(const struct eco_payload *payload, struct eco_writer *w)
 		write_records(w, payload);
 	for (uint32_t i = 0; i < payload->stream_count; i++)
 		eco_write_bytes(w, payload->streams[i].bytes, payload->streams[i].size);
-	if (w->failed)
-		eco_end("no memory");
 }
 
 void eco_payload_free_streams(struct eco_payload *payload)

@@ -222,6 +222,8 @@ static void keep_smaller(struct eco_writer *best, struct eco_payload *payload)
 {
 	struct eco_writer w = { 0 };
 	eco_payload_write(payload, &w);
+	if (w.failed)
+		eco_end("no memory");
 	eco_payload_free_streams(payload);
 	if (!best->bytes || w.size < best->size) {
 		struct eco_writer larger = *best;

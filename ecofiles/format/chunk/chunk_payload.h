@@ -18,7 +18,7 @@ struct eco_payload {
 /* Parses and bounds everything except the streams' own bytes. */
 enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size,
 	struct eco_error *error);
-/* Appends the whole payload. Encoders end the program without memory (memory.h). */
+/* Appends the whole payload; w->failed without memory. */
 void eco_payload_write(const struct eco_payload *payload, struct eco_writer *w);
 void eco_payload_free_streams(struct eco_payload *payload);
 
