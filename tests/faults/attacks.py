@@ -60,7 +60,7 @@ def ask(source, target, method="GET", headers="", body=b""):
     begun = time.monotonic()
     try:
         with connect(source) as s:
-            s.sendall(f"{method} {target} HTTP/1.1\r\nHost: t\r\nConnection: close\r\n{headers}\r\n".encode() + body)
+            s.sendall(f"{method} {target} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n{headers}\r\n".encode() + body)
             return receive(s)[0], time.monotonic() - begun
     except OSError:
         return 0, time.monotonic() - begun

@@ -41,7 +41,7 @@ def read(file):
 def ask(target, headers=""):
     s, file = connection()
     with s, file:
-        s.sendall(f"GET {target} HTTP/1.1\r\nHost: t\r\nConnection: close\r\n{headers}\r\n".encode())
+        s.sendall(f"GET {target} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n{headers}\r\n".encode())
         return read(file)
 
 
@@ -51,12 +51,12 @@ def new_view():
 
 
 def get(target, status, headers=""):
-    return f"GET {target} HTTP/1.1\r\nHost: t\r\n{headers}\r\n".encode(), status
+    return f"GET {target} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n".encode(), status
 
 
 def post(target, body, status):
     headers = f"Content-Type: application/octet-stream\r\nContent-Length: {len(body)}\r\n"
-    return f"POST {target} HTTP/1.1\r\nHost: t\r\n{headers}\r\n".encode() + body, status
+    return f"POST {target} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n".encode() + body, status
 
 
 kept = f"{base}/stream?{new_view()}"
