@@ -358,16 +358,6 @@ static void describe_explanation(struct srv_json *json, const struct eco_scene *
 	srv_json_add(json, "]}");
 }
 
-/* Size of the PLAN frame's payload: the bytes of a view for a client that holds every chunk. */
-static uint64_t plan_bytes(const struct eco_plan *plan)
-{
-	struct eco_writer w = { 0 };
-	eco_wire_write_plan(&w, plan);
-	uint64_t size = w.size;
-	eco_writer_free(&w);
-	return size;
-}
-
 void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
 {
 	const struct eco_scene *scene = &stream->input.scene->pack->scene;
@@ -379,7 +369,7 @@ void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
 		stream->input.request->bytes, stream->fits, stream->body_bytes, stream->next_bytes);
 	srv_json_add(json, "chunks:%lu chunk_bytes:%lu named_bytes:%lu vertices:%lu visible_plants:%lu plan_bytes:%lu",
 		stream->chunk_count, stream->chunk_bytes, stream->named_bytes, plan->vertices,
-		plan->visible_plants, plan_bytes(plan));
+		plan->visible_plants, eco_wire_plan_bytes(plan));
 	srv_json_add(json, "sample_distance_rad:%g prediction:{tp_px:%g fp_px:%g fn_px:%g q:%g}",
 		plan->sample_distance, prediction->tp, prediction->fp, prediction->fn, eco_predicted_q(prediction));
 	describe_ground(json, scene, last);

@@ -5,8 +5,8 @@
  *   view_load_free(&report);
  *
  * Clients that only count what they get share one thread; those that decode it share one a processor, so that
- * decoding delays no one else's answers. A client (view_session.c) asks one thing at a time. What needs memory
- * that is not there, but for streams, ends the program (memory.h). */
+ * decoding delays no one else's answers. A client (view_session.c) asks one thing at a time. Lack of memory
+ * ends the program (memory.h), except while a stream is read. */
 #ifndef VIEW_LOAD_H
 #define VIEW_LOAD_H
 

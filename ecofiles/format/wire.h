@@ -111,6 +111,8 @@ void eco_wire_bundle_free(struct eco_wire_bundle *bundle);
 /* Writes a plan given in any order; reading gives it in the order of eco_plan_sort. Sets w->failed if
  * eco_plan_check refuses the plan. */
 void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan);
+/* Bytes of that payload: what a view costs a client that holds every chunk. */
+uint64_t eco_wire_plan_bytes(const struct eco_plan *plan);
 void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes);
 
 /* The nearest scale with 6 bits behind the leading one: a relative error of at most 1/128, which is 1/256 of

@@ -518,6 +518,15 @@ void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan)
 	eco_plan_free(&sorted);
 }
 
+uint64_t eco_wire_plan_bytes(const struct eco_plan *plan)
+{
+	struct eco_writer w = { 0 };
+	eco_wire_write_plan(&w, plan);
+	uint64_t size = w.size;
+	eco_writer_free(&w);
+	return size;
+}
+
 static bool room_for(struct eco_plan *plan, const uint32_t counts[5])
 {
 	plan->placements = calloc(counts[0] + (size_t)1, sizeof *plan->placements);

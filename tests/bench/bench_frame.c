@@ -37,15 +37,6 @@ static enum eco_code feed(struct view_store *store, const struct srv_body *body,
 	return code;
 }
 
-static uint64_t plan_bytes(const struct eco_plan *plan)
-{
-	struct eco_writer w = { 0 };
-	eco_wire_write_plan(&w, plan);
-	uint64_t size = w.size;
-	eco_writer_free(&w);
-	return size;
-}
-
 /* Adds one answer to `fetch`. */
 static enum eco_code ask(struct bench_fetch *fetch, const struct srv_scene *scene,
 	const struct eco_request *request,
@@ -94,7 +85,7 @@ enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *sce
 		now.vertices = request->bytes == ECO_BYTES_UNBOUNDED ? request->vertices : vertices;
 		code = ask(fetch, scene, &now, store, error);
 	}
-	fetch->plan_bytes = !code && view_store_plan(store) ? plan_bytes(view_store_plan(store)) : 0;
+	fetch->plan_bytes = !code && view_store_plan(store) ? eco_wire_plan_bytes(view_store_plan(store)) : 0;
 	return code;
 }
 

@@ -142,7 +142,7 @@ void eco_images_keep(struct eco_model *model, const uint32_t *as);
 void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *notes);
 
 /* Gives a material its picture. `replaces`: it is drawn instead of the material's colour, whatever exporters
- * leave there (0.8, 0.64, 0); else times it. Of a picture that cannot be read only the factor is left, which
+ * leave there (0.8, 0.64, 0); else times it. A picture that cannot be read leaves only the factor, which
  * counts as a colour only if it has a hue. */
 void eco_material_take_picture(struct eco_material *material, struct eco_images *images,
 	const struct eco_image_wanted *wanted, bool replaces);
