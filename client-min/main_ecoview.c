@@ -399,7 +399,8 @@ static void close_stores(struct viewer *v)
 static enum eco_code begin_anew(struct viewer *v, uint32_t frame, struct eco_error *error)
 {
 	view_progress_clear(&v->progress);
-	fprintf(stderr, "ecoview: frame %u: the server has another pack of the scene now: begins anew with it\n",
+	fprintf(stderr, "ecoview: frame %u: the server has another pack of the scene now: the client "
+		"starts again with it\n",
 		frame);
 	close_stores(v);
 	enum eco_code code = open_stores(v, error);
@@ -502,8 +503,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 		code = view_map_fetch(v->fetch, &v->map, error);
 	if (!code && !isnan(o->sun_s) && !v->map.has_place)
 		code = eco_fail(error, ECO_BAD_INPUT,
-			"the scene does not say where on Earth it is: it needs a "
-			"crs, and a pack made anew");
+			"the scene's place on Earth is not stated: give it a crs and make the pack again");
 	if (!code && !isnan(o->sun_s))
 		view_sun_at(&v->map.place, o->sun_s, v->sky.sun);
 	fetch.chunks = NULL;

@@ -270,8 +270,8 @@ static enum eco_code ask_together(const struct view_geojson_job *job, struct see
 		seen[i]->said = json_incref(json_array_get(plants, index - first->index));
 		if (!json_is_object(seen[i]->said))
 			code = eco_fail(error, ECO_BAD_INPUT,
-				"the server says nothing of plant %u of list %u, which "
-				"it sent", index, first->list);
+				"the server did not describe plant %u of list %u, which it "
+				"sent", index, first->list);
 	}
 	json_decref(answer);
 	return code;

@@ -84,7 +84,7 @@ enum eco_code view_exchange_check_chunks(const char *url, struct eco_error *erro
 {
 	if ((strncmp(url, "http://", 7) != 0 && strncmp(url, "https://", 8) != 0) || strpbrk(url, "?# ")
 			|| strlen(url) > URL_MOST)
-		return eco_fail(error, ECO_BAD_USAGE, "'%.200s' is no URL that chunks can lie below: it "
+		return eco_fail(error, ECO_BAD_USAGE, "'%.200s' cannot be the base URL of chunks: it "
 			"should look like http://host/chunks", url);
 	return ECO_OK;
 }
@@ -314,7 +314,7 @@ static void fail_chunk(struct view_exchange *x, const struct wanted *w, bool cam
 		eco_fail(&end->error, ECO_DAMAGED, "%.250s: its bytes do not have the hash that names it; "
 			"remove it there, and export it again", url);
 	else if (end->rc == CURLE_HTTP_RETURNED_ERROR)
-		eco_fail(&end->error, ECO_IO, "%.250s: the host answered %ld%s", url, end->status,
+		eco_fail(&end->error, ECO_IO, "%.250s: its host answered %ld%s", url, end->status,
 			is_trouble(end->status) ? ""
 			: "; it needs what `ecopack export` made of the pack that is served");
 	else if (end->rc && end->rc != CURLE_WRITE_ERROR)

@@ -270,8 +270,8 @@ void view_fetch_free(struct view_fetch *fetch)
 static enum eco_code stranger(const struct view_fetch *fetch, enum eco_code code, const char *type,
 	struct eco_error *error)
 {
-	return eco_fail(error, code, "%s: the server answered %ld%s%.60s, as no ecoserve does; a scene's "
-		"URL is http://host:port/v1/scenes/NAME", fetch->options.url, fetch->result->status,
+	return eco_fail(error, code, "%s: the server answered %ld%s%.60s, which is not an answer of "
+		"ecoserve; a scene's URL is http://host:port/v1/scenes/NAME", fetch->options.url, fetch->result->status,
 		type ? " with " : "", type ? type : "");
 }
 

@@ -225,7 +225,7 @@ struct square { int64_t at[2]; int depth; };     /* depth: below the largest til
 
 static enum eco_code no_quadtree(struct eco_error *error)
 {
-	return eco_fail(error, ECO_DAMAGED, "the tiles of the ground's image are no quadtree");
+	return eco_fail(error, ECO_DAMAGED, "the tiles of the ground's image do not form a quadtree");
 }
 
 /* Levels are each twice as wide as the one before. */

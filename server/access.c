@@ -31,7 +31,7 @@ static enum eco_code read_token(uint8_t token[SRV_TOKEN_BYTES_MAX], const char *
 		good = good && is_token_byte(line[i]);
 	if (!good)
 		return eco_fail(error, ECO_BAD_INPUT,
-			"%s: its first line is no token: %u to %u letters, digits or "
+			"%s: its first line is not a token: %u to %u letters, digits or "
 			"any of -._~+/=, as `openssl rand -hex 32` makes",
 			path, SRV_TOKEN_BYTES_LEAST, SRV_TOKEN_BYTES_MAX);
 	memset(token, 0, SRV_TOKEN_BYTES_MAX);
@@ -146,13 +146,13 @@ enum eco_code srv_access_check(const struct srv_access *access, const struct srv
 	for (uint32_t i = 0; i < access->token_count; i++)
 		if (!is_known(access->tokens[i].scene, store, sources))
 			return eco_fail(error, ECO_BAD_USAGE, "--token %s=FILE: there is no scene of this "
-				"name, and it would be served without a token under any other: name its "
+				"name, and under another name it would be served without a token: name its "
 				"pack, %s=OUT.eco", access->tokens[i].scene, access->tokens[i].scene);
 	for (uint32_t i = 0; i < store->count; i++) {
 		const struct srv_scene *old = opened_scene(access, store->scenes[i], before);
 		if (old)
-			return eco_fail(error, ECO_BAD_USAGE, "%s was scene '%s', which has a token, and is "
-				"'%s', which has none: name it, %s=OUT.eco, or give the other a token, too",
+			return eco_fail(error, ECO_BAD_USAGE, "%s was scene '%s', which has a token, and "
+				"is now '%s', which has none: name it, %s=OUT.eco, or give the other a token",
 				old->file.path, old->name, store->scenes[i]->name, old->name);
 	}
 	enum eco_code code = check_caps(&access->vertices, "cap-vertices", store, sources, error);
@@ -181,8 +181,8 @@ static enum eco_code check_origin(const char *option, const char *origin, struct
 	bool good = strcmp(origin, "*") == 0 || (scheme && *scheme);
 	for (const char *at = scheme; at && *at; at++)
 		good = good && (is_token_byte(*at) || strchr(":[]", *at)) && *at != '/';
-	return good ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be * or an origin as "
-		"browsers send it: https://HOST[:PORT], without a path", option, origin);
+	return good ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be * or an origin in the "
+		"form that browsers send: https://HOST[:PORT], without a path", option, origin);
 }
 
 enum eco_code srv_access_add_frame(const char *origin, void *to, struct eco_error *error)

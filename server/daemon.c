@@ -224,7 +224,7 @@ enum eco_code srv_daemon_reload_now(struct srv_daemon *daemon, struct srv_reload
 	struct srv_store store;
 	*report = (struct srv_reload){ 0 };
 	if (!daemon->config.sources)
-		return eco_fail(error, ECO_UNSUPPORTED, "this server has nothing to load again");
+		return eco_fail(error, ECO_UNSUPPORTED, "this server has no packs to load again");
 	sources = *daemon->config.sources;
 	sources.cancelled = &daemon->draining;
 	pthread_mutex_lock(&daemon->reloading);

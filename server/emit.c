@@ -204,7 +204,7 @@ static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t ch
 {
 	enum eco_code code = ECO_OK;
 	if (emit->cancelled && atomic_load_explicit(emit->cancelled, memory_order_relaxed))
-		return eco_fail(error, ECO_INTERRUPTED, "nobody waits for the answer any more");
+		return eco_fail(error, ECO_INTERRUPTED, "the client closed the connection");
 	if (emit->have[list] == 0 && chunks > 0) {
 		begin_item(emit);
 		eco_wire_bundle_list(&emit->bundle, &emit->scene->pack->scene, list);

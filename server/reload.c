@@ -32,9 +32,9 @@ static void say_confined(struct eco_error *why, const char *path)
 	size_t used = strlen(why->text), size = strlen(advice);
 	used -= used >= size && !strcmp(why->text + used - size, advice) ? size : 0;
 	if (real && !eco_confined_may_read(path))
-		snprintf(why->text + used, sizeof why->text - used, ": it lies at %s, outside of the folders of "
-			"packs that this server has been kept to since it started: put it into one of them, "
-			"or start ecoserve again", real);
+		snprintf(why->text + used, sizeof why->text - used, ": %s is outside the folders that the "
+			"sandbox of this server allows: move the pack into one of them, or start ecoserve "
+			"again", real);
 	free(real);
 }
 

@@ -117,7 +117,8 @@ static enum eco_code check_cancelled(const struct srv_stream *stream, struct eco
 {
 	const atomic_bool *cancelled = stream->input.cancelled;
 	return cancelled && atomic_load(cancelled) ? eco_fail(error, ECO_INTERRUPTED,
-		"nobody waits for the answer any more, or the server is stopping; ask again in a moment") : ECO_OK;
+		"the client closed the connection, or the server is stopping; ask again in a "
+		"moment") : ECO_OK;
 }
 
 /* Deussen's rule knows no bytes: vertices are searched for it. */

@@ -142,8 +142,8 @@ enum eco_code view_gpu_room(struct view_gpu *gpu, struct view_gpu_texels *stream
 {
 	uint64_t most = (uint64_t)gpu->side_max << shift_for(gpu, UINT64_MAX);
 	if (texels > most)
-		return eco_fail(error, ECO_TOO_LARGE, "what is in view needs %llu texels, the graphics "
-			"driver allows %llu", (unsigned long long)texels, (unsigned long long)most);
+		return eco_fail(error, ECO_TOO_LARGE, "the view needs %llu texels, the graphics driver "
+			"allows %llu", (unsigned long long)texels, (unsigned long long)most);
 	if (texels > stream->room || !stream->texture) {
 		uint64_t room = texels + texels / 2;
 		*stream = (struct view_gpu_texels){ stream->texture, kind, shift_for(gpu, room), 0 };

@@ -90,8 +90,8 @@ enum ecostream_code ecostream_client_end(struct ecostream_client *client, struct
 	uint64_t vertices;
 	if (!code && view_store_again(client->store, &vertices))
 		code = eco_fail(&own, ECO_TOO_LARGE,
-			"a part of what the plan needs had to go to stay within the memory: "
-			"ask again, with the holdings of now, or for fewer vertices");
+			"the cache evicted data that the plan needs: ask again with the current holdings, "
+			"or for fewer vertices");
 	end_stream(client);
 	return library_done(error, code, &own);
 }

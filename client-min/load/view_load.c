@@ -374,7 +374,8 @@ static enum eco_code read_extent(struct view_fetch *fetch, struct extent *e, str
 	free(text);
 	if (json_unpack(about, "{s:{s:[F,F,F],s:[F,F,F]}}", "bounds", "low", &e->low[0], &e->low[1],
 			&e->low[2], "high", &e->high[0], &e->high[1], &e->high[2]))
-		code = eco_fail(error, ECO_BAD_INPUT, "the scene does not say its bounds, as ecoserve does");
+		code = eco_fail(error, ECO_BAD_INPUT, "the scene's description has no bounds, which an "
+			"ecoserve sends");
 	json_array_foreach(json_object_get(about, "needs"), i, need)
 		e->has_ground |= json_is_string(need) && !strcmp(json_string_value(need), "ground");
 	json_decref(about);

@@ -156,7 +156,8 @@ static void print_faults(const struct view_load_report *r, FILE *out)
 		(unsigned long long)r->chunks, (unsigned long long)r->chunks_decoded,
 		(unsigned long long)r->chunks_named, (unsigned long long)r->chunks_twice, (unsigned long long)r->nothing);
 	if (r->renewed)
-		fprintf(out, "packs             %llu times a client began anew, as the scene had another\n",
+		fprintf(out, "packs             %llu times a client started again, because the scene's "
+			"pack changed\n",
 			(unsigned long long)r->renewed);
 	if (r->resumed)
 		fprintf(out, "resumed           %llu answers broke off, and came when asked for again\n",

@@ -360,7 +360,7 @@ void view_session_give_up(struct view_session *s)
 		if (s->phase == PHASE_IDLE)
 			begin(s);
 		record(s, VIEW_UNFINISHED);
-		note(s, "it was due before the end, and not answered after it");
+		note(s, "due before the end, and not answered after it");
 		clear(s);
 		wait_for_next(s, 0);
 	}

@@ -69,8 +69,8 @@ for at in 3 4; do
 	curl -fsS -X POST "http://127.0.0.1:$port/v1/admin/reload" >/dev/null || fail "no reload"
 	begin python3 "$dir/proxy.py" "$port" "$dir" "$at"
 	view "http://127.0.0.1:$said/v1/scenes/scene" "$dir/over$at" || fail "request $at: $(cat "$dir/over$at.err")"
-	grep -q 'frame 1: the server has another pack of the scene now: begins anew' "$dir/over$at.err" || fail "request $at: not said"
-	[ "$(grep -c 'begins anew' "$dir/over$at.err")" -eq 1 ] || fail "request $at: said again: $(cat "$dir/over$at.err")"
+	grep -q 'frame 1: the server has another pack of the scene now: the client starts again with it' "$dir/over$at.err" || fail "request $at: not said"
+	[ "$(grep -c 'starts again with it' "$dir/over$at.err")" -eq 1 ] || fail "request $at: said again: $(cat "$dir/over$at.err")"
 	[ "$(jq '.frames | length' "$dir/over$at/report.json")" -eq 4 ] || fail "request $at: not four frames"
 	jq -e 'all(.frames[]; .q == 1)' "$dir/over$at/report.json" >/dev/null || fail "request $at: pictures of two packs are mixed"
 done

@@ -261,7 +261,7 @@ UNIT_TEST(hosts_that_lack_chunks_or_have_others_are_told)
 		ask_named(cases[i].says, 0);
 	}
 	folder_empty(host.folder);
-	ask_named("the host answered 404; it needs what `ecopack export` made", 1);
+	ask_named("its host answered 404; it needs what `ecopack export` made", 1);
 }
 
 /* The rest of the stream is asked for again, when the host says; what came of it is held. */
@@ -269,8 +269,8 @@ UNIT_TEST(hosts_that_fail_or_are_asked_too_much_get_time)
 {
 	static const struct { const char *refusal, *says; } cases[] = {
 		{ NULL, NULL }, { "429 Too Many Requests\r\nRetry-After: 1", NULL },
-		{ "503 Slow Down\r\nRetry-After: 1", NULL }, { "429 Too Many Requests", "the host answered 429" },
-		{ "408 Request Timeout", "the host answered 408" } };
+		{ "503 Slow Down\r\nRetry-After: 1", NULL }, { "429 Too Many Requests", "its host answered 429" },
+		{ "408 Request Timeout", "its host answered 408" } };
 	assert_int_equal(run_export("300"), 0);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		bool good = !cases[i].says;

@@ -231,8 +231,8 @@ static bool has_landlock(void)
 /* By a link, as deployments do: the scene stays, the others are reloaded, and who asks is told. */
 UNIT_TEST(a_reload_that_names_a_pack_elsewhere_is_refused)
 {
-	static const char path[] = PACKS "/link.eco: cannot open: Permission denied: it lies at ",
-		advice[] = OTHERS "/there.eco, outside of the folders";
+	static const char path[] = PACKS "/link.eco: cannot open: Permission denied: ",
+		advice[] = OTHERS "/there.eco is outside the folders";
 	if (!has_landlock())
 		skip();
 	unlink(PACKS "/link.eco");
