@@ -148,7 +148,7 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 		code = view_digest_write(v->digest, store, &selection, error);
 	double ground_m;
 	struct view_draw_job job = { store, &selection, eye, view_store_near_m(store), 0,
-		&view_interrupted, (enum view_tint)v->options.tint };
+		&view_interrupted, (enum view_tint)v->options.tint, (uint32_t)v->options.samples };
 	if (!code)
 		code = v->gl ? view_gl_draw(v->gl, &job, picture, error)
 			: view_reference_draw(&job, picture, error);

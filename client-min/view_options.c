@@ -9,7 +9,7 @@
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 
-static struct view_options given = { .bytes = ECO_BYTES_UNBOUNDED, .sun_s = NAN };
+static struct view_options given = { .bytes = ECO_BYTES_UNBOUNDED, .samples = 8, .sun_s = NAN };
 
 static enum eco_code read_frames(const char *text, void *value, struct eco_error *error)
 {
@@ -130,6 +130,9 @@ static const struct eco_option option_table[] = {
 		.help = "write frame-0000.geojson: the plants in view, each with longitude and latitude "
 		"(metres where the scene has no CRS), species, the species whose model is shown, "
 		"height, pixels, distance, representation, and its row of its inventory" },
+	{ "samples", 0, ECO_OPTION_COUNT, "N", &given.samples, 1, LOD_SAMPLES_MAX,
+		.help = "places in each pixel whose light is averaged, 1 to 16; default 8. Masks, owners and "
+		"scores by pixel use the first, its middle" },
 	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_time_read,
 		.help = "place the sun by time and the scene's place, such as 2026-06-21T10:00Z" },
 	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = read_shadows,
@@ -161,7 +164,7 @@ static const struct eco_option option_table[] = {
 const struct eco_command view_command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--texel-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] "
-	"[--compare] [--tint NAME] "
+	"[--compare] [--samples N] [--tint NAME] "
 	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--geojson] "
 	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",

@@ -13,7 +13,7 @@ enum view_engine { VIEW_ENGINE_NONE, VIEW_ENGINE_AUTO, VIEW_ENGINE_CPU, VIEW_ENG
 struct view_options {
 	const char *url, *camera, *dir, *explain, *chunks;
 	uint32_t size[2], width, height;
-	uint64_t vertices, bytes, memory;
+	uint64_t vertices, bytes, memory, samples;
 	double ground_px, texel_px, ahead_s, sun_s, snap_m;
 	struct view_sky sky;                     /* but for the sun */
 	bool has_frames, compare, digest, owners, geojson;

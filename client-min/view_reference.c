@@ -13,11 +13,13 @@
 #include "client-min/draw/view_mesh.h"
 #include "client-min/draw/view_picture.h"
 #include "ecofiles/base/memory.h"
+#include "lod/light.h"
 #include "lod/raster/flip.h"
 
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
 #define TILE_TRIANGLES (2 * ECO_GROUND_CELLS * ECO_GROUND_CELLS)
-#define SAMPLES_MAX (1u << 22)           /* in one raster of a picture that is drawn in parts */
+#define COUNTED_MAX (1u << 22)           /* samples in one raster of a picture that is drawn in parts, ... */
+#define LIT_MAX (1u << 20)               /* ... and where they are lit */
 
 struct scene {
 	const struct view_draw_job *job;
@@ -28,13 +30,20 @@ struct scene {
 	struct view_table owners;
 };
 
+/* A picture of samples x samples a pixel is drawn in parts of whole pixels, that fit one raster. */
+struct parts { uint32_t width, height, samples, part[2]; };      /* in pixels */
+
 struct worker {
 	const struct scene *scene;
+	const struct lod_eye *eye;
 	struct lod_raster raster;
 	uint32_t count;                  /* of workers */
 	struct view_picture *picture;    /* that is looked up */
 	const struct lod_raster *drawn;
-	struct view_coverage *coverage;  /* that is counted */
+	struct parts parts;              /* of a picture of many samples a pixel, ... */
+	struct view_coverage *coverage;  /* that is counted, ... */
+	const struct view_lamp *lamp;    /* ... or lit */
+	struct view_picture *whole;
 	float ground[9 * TILE_TRIANGLES];        /* one tile's */
 };
 
@@ -105,7 +114,7 @@ static void draw_instances(struct worker *w, uint32_t first, uint32_t count)
 {
 	const struct scene *scene = w->scene;
 	const struct view_selection *s = scene->job->selection;
-	lod_raster_camera(&w->raster, scene->job->eye, scene->job->near_m);
+	lod_raster_camera(&w->raster, w->eye, scene->job->near_m);
 	draw_ground(w);
 	for (uint32_t n = first; n < s->instance_count && !stopped(scene->job); n += count) {
 		uint32_t i = scene->order[n];
@@ -130,16 +139,21 @@ static void into_plant(const struct lod_place *place, const double v[3], double 
 	out[2] = v[2];
 }
 
-static void rays_of(const struct view_draw_job *job, const struct view_picture *picture, uint32_t x,
-	uint32_t y, const struct lod_place *place, struct view_rays *rays)
+static void rays_of(const struct worker *w, uint32_t x, uint32_t y, const struct lod_place *place,
+	struct view_rays *rays)
 {
+	const struct lod_eye *eye = w->eye;
 	double ray[3], from[3];
 	for (int k = 0; k < 3; k++)
-		from[k] = (job->eye->at[k] - place->at[k]) / place->scale;
+		from[k] = (eye->at[k] - place->at[k]) / place->scale;
 	into_plant(place, from, rays->eye);
-	for (int i = 0; i < 3; i++) {
-		view_picture_ray(picture, job->eye, x + (i == 1), y + (i == 2), ray);
-		into_plant(place, ray, rays->ray[i]);
+	view_picture_ray(w->picture, eye, x, y, ray);
+	into_plant(place, ray, rays->ray[0]);
+	for (int i = 1; i < 3; i++) {
+		double step[3];
+		for (int k = 0; k < 3; k++)
+			step[k] = ray[k] + eye->pixel_rad * (i == 1 ? eye->right[k] : -eye->up[k]);
+		into_plant(place, step, rays->ray[i]);
 	}
 }
 
@@ -162,17 +176,17 @@ static void find_facet(const struct view_ground *ground, uint32_t item, struct f
 
 /* The samples' normals, mixed by where the pixel lies between them as seen from above. `f` is that of the
  * pixel before. */
-static uint32_t look_ground(const struct view_draw_job *job, const struct view_picture *picture,
-	uint32_t x, uint32_t y, uint32_t item, struct facet *f)
+static uint32_t look_ground(const struct worker *w, uint32_t x, uint32_t y, uint32_t item, struct facet *f)
 {
-	const struct view_ground *ground = &job->selection->ground;
+	const struct view_ground *ground = &w->scene->job->selection->ground;
+	const struct view_picture *picture = w->picture;
 	double ray[3], p[2], share[3], sum = 0, depth = picture->depth[(size_t)y * picture->width + x];
 	float mixed[3] = { 0, 0, 0 };
 	if (!f->made || f->item != item)
 		find_facet(ground, item, f);
-	view_picture_ray(picture, job->eye, x, y, ray);
+	view_picture_ray(picture, w->eye, x, y, ray);
 	for (int k = 0; k < 2; k++)
-		p[k] = job->eye->at[k] - ground->at[k] + ray[k] / depth;
+		p[k] = w->eye->at[k] - ground->at[k] + ray[k] / depth;
 	for (int c = 0; c < 3; c++) {
 		const float *a = f->corner[(c + 1) % 3], *b = f->corner[(c + 2) % 3];
 		double at = ((double)b[0] - a[0]) * (p[1] - a[1]) - ((double)b[1] - a[1]) * (p[0] - a[0]);
@@ -199,52 +213,85 @@ static uint32_t cut_of(const struct scene *scene, uint32_t item, uint32_t last)
 	return low;
 }
 
-static void look_plant(const struct scene *scene, struct view_picture *picture, uint32_t x, uint32_t y,
-	uint32_t item, uint32_t *cut)
+static void look_plant(const struct worker *w, uint32_t x, uint32_t y, uint32_t item, uint32_t *cut)
 {
+	const struct scene *scene = w->scene;
+	struct view_picture *picture = w->picture;
 	size_t i = (size_t)y * picture->width + x;
 	struct view_rays rays;
 	*cut = cut_of(scene, item, *cut);
 	const struct view_mesh *mesh = &scene->meshes[*cut];
 	if (mesh->image || mesh->geometry.half)
-		rays_of(scene->job, picture, x, y,
-			&view_owners_find(&scene->owners, scene->job->selection,
-			picture->owner[i])->place, &rays);
+		rays_of(w, x, y, &view_owners_find(&scene->owners, scene->job->selection, picture->owner[i])->place,
+			&rays);
 	view_mesh_look(mesh, item - scene->items[*cut], &rays, picture->rgb + 3 * i, &picture->surface[i]);
 	if (scene->job->tint == VIEW_TINT_KIND)
 		memcpy(picture->rgb + 3 * i, view_tint_colors[scene->job->selection->roles[*cut]], 3);
 }
 
-static void look_up(void *workers, uint32_t number)
+static void look_up(const struct worker *w, uint32_t first, uint32_t count)
 {
-	const struct worker *w = (struct worker *)workers + number;
-	struct view_picture *picture = w->picture;
+	const struct view_picture *picture = w->picture;
 	struct facet facet = { .made = false };
 	uint32_t cut = 0;
-	for (uint32_t y = number; y < picture->height; y += w->count)
+	for (uint32_t y = first; y < picture->height; y += count)
 		for (uint32_t x = 0; x < picture->width; x++) {
 			size_t i = (size_t)y * picture->width + x;
 			if (picture->owner[i])
-				look_plant(w->scene, picture, x, y, w->drawn->item[i], &cut);
+				look_plant(w, x, y, w->drawn->item[i], &cut);
 			else if (picture->depth[i] > 0)
-				picture->surface[i] = look_ground(w->scene->job, picture, x, y,
-					w->drawn->item[i], &facet);
+				picture->surface[i] = look_ground(w, x, y, w->drawn->item[i], &facet);
 		}
 }
 
-/* ---- Counting samples ---- */
-
-/* Parts of whole pixels, whose samples fit one raster. */
-static void part_size(const struct view_coverage *c, uint32_t part[2])
+static void look_share(void *workers, uint32_t number)
 {
-	uint32_t side = 4096 / c->samples, most = SAMPLES_MAX / (c->samples * c->samples);
-	part[0] = c->width < side ? c->width : side;
-	part[1] = most / part[0] < c->height ? most / part[0] : c->height;
+	const struct worker *w = (struct worker *)workers + number;
+	look_up(w, number, w->count);
 }
 
-static void count_samples(const struct view_coverage *c, const struct lod_raster *raster, uint32_t left,
-	uint32_t top)
+static void take_drawn(const struct lod_raster *drawn, struct view_picture *picture)
 {
+	size_t pixels = (size_t)picture->width * picture->height;
+	memcpy(picture->cover, drawn->cover, pixels);
+	memcpy(picture->owner, drawn->owner, pixels * sizeof *picture->owner);
+	memcpy(picture->depth, drawn->depth, pixels * sizeof *picture->depth);
+}
+
+/* ---- Many samples a pixel ---- */
+
+static struct parts parts_of(uint32_t width, uint32_t height, uint32_t samples, uint32_t room)
+{
+	uint32_t side = 4096 / samples, most = room / (samples * samples);
+	struct parts p = { width, height, samples, { width < side ? width : side, 0 } };
+	p.part[1] = most / p.part[0] < height ? most / p.part[0] : height;
+	return p;
+}
+
+/* Calls `work` for every part of a thread, which draws it all, so that what is in front hides what is behind. */
+static void each_part(struct worker *w, const struct parts *p, uint32_t number,
+	void (*work)(struct worker *w, const struct lod_eye *eye, uint32_t left, uint32_t top))
+{
+	uint32_t part = 0, size[2] = { w->raster.width, w->raster.height };
+	for (uint32_t top = 0; top < p->height; top += p->part[1])
+		for (uint32_t left = 0; left < p->width; left += p->part[0]) {
+			if (part++ % w->count != number)
+				continue;
+			struct lod_eye eye = *w->scene->job->eye;
+			lod_eye_part(&eye, p->width * p->samples, p->height * p->samples,
+				(const uint32_t[2]){ left * p->samples, top * p->samples }, size);
+			w->eye = &eye;
+			lod_raster_clear(&w->raster);
+			draw_instances(w, 0, 1);
+			work(w, &eye, left, top);
+		}
+}
+
+static void count_samples(struct worker *w, const struct lod_eye *eye, uint32_t left, uint32_t top)
+{
+	(void)eye;
+	const struct view_coverage *c = w->coverage;
+	const struct lod_raster *raster = &w->raster;
 	uint32_t rows = raster->height / c->samples, columns = raster->width / c->samples;
 	rows = rows < c->height - top ? rows : c->height - top;
 	columns = columns < c->width - left ? columns : c->width - left;
@@ -257,23 +304,42 @@ static void count_samples(const struct view_coverage *c, const struct lod_raster
 	}
 }
 
-/* Each thread draws whole parts, so that all that is in front hides what is behind. */
 static void count_parts(void *workers, uint32_t number)
 {
 	struct worker *w = (struct worker *)workers + number;
-	const struct view_coverage *c = w->coverage;
-	uint32_t part[2], parts = 0;
-	part_size(c, part);
-	for (uint32_t top = 0; top < c->height; top += part[1])
-		for (uint32_t left = 0; left < c->width; left += part[0]) {
-			if (parts++ % w->count != number)
-				continue;
-			lod_raster_clear(&w->raster);
-			lod_raster_window(&w->raster, c->width * c->samples, c->height * c->samples,
-				left * c->samples, top * c->samples);
-			draw_instances(w, 0, 1);
-			count_samples(c, &w->raster, left, top);
-		}
+	each_part(w, &w->parts, number, count_samples);
+}
+
+/* The mean light of a pixel's samples. */
+static void mean_light(const struct worker *w, uint32_t x, uint32_t y, uint8_t rgb[3])
+{
+	uint32_t samples = w->parts.samples, count = samples * samples, sum[3] = { 0, 0, 0 };
+	for (uint32_t i = 0; i < count; i++) {
+		const uint8_t *one = w->picture->rgb + 3 * ((size_t)(y * samples + i / samples)
+			* w->picture->width + x * samples + i % samples);
+		for (int k = 0; k < 3; k++)
+			sum[k] += lod_light_of[one[k]];
+	}
+	for (int k = 0; k < 3; k++)
+		rgb[k] = lod_light_byte((double)sum[k] / count);
+}
+
+static void light_samples(struct worker *w, const struct lod_eye *eye, uint32_t left, uint32_t top)
+{
+	const struct parts *p = &w->parts;
+	take_drawn(&w->raster, w->picture);
+	w->drawn = &w->raster;
+	look_up(w, 0, 1);
+	view_lamp_light(w->lamp, eye, w->picture, 1);
+	for (uint32_t y = 0; y < p->part[1] && top + y < p->height; y++)
+		for (uint32_t x = 0; x < p->part[0] && left + x < p->width; x++)
+			mean_light(w, x, y, w->whole->rgb + 3 * ((size_t)(top + y) * p->width + left + x));
+}
+
+static void light_parts(void *workers, uint32_t number)
+{
+	struct worker *w = (struct worker *)workers + number;
+	each_part(w, &w->parts, number, light_samples);
 }
 
 /* ---- Work ---- */
@@ -348,26 +414,28 @@ static struct worker *workers_make(const struct scene *scene, const struct lod_r
 
 static void workers_free(struct worker *workers)
 {
-	for (uint32_t i = 0, count = workers[0].count; i < count; i++)
+	for (uint32_t i = 0, count = workers ? workers[0].count : 0; i < count; i++)
 		lod_raster_free(&workers[i].raster);
 	free(workers);
 }
 
-static void draw_picture(struct worker *workers, struct view_picture *picture)
+static enum eco_code record(void *ctx, const struct view_draw_job *job, struct view_picture *picture,
+	struct eco_error *error)
 {
-	const struct lod_raster *drawn = &workers[0].raster;
-	size_t pixels = (size_t)picture->width * picture->height;
-	view_threads_run(workers[0].count, draw_share, workers);
-	for (uint32_t i = 0; i < workers[0].count; i++) {
-		if (i)
-			lod_raster_merge(&workers[0].raster, &workers[i].raster);
+	struct worker *workers = ctx;
+	uint32_t count = workers[0].count;
+	for (uint32_t i = 0; i < count; i++) {
+		workers[i].eye = job->eye;
 		workers[i].picture = picture;
-		workers[i].drawn = drawn;
+		workers[i].drawn = &workers[0].raster;
+		lod_raster_clear(&workers[i].raster);
 	}
-	memcpy(picture->cover, drawn->cover, pixels);
-	memcpy(picture->owner, drawn->owner, pixels * sizeof *picture->owner);
-	memcpy(picture->depth, drawn->depth, pixels * sizeof *picture->depth);
-	view_threads_run(workers[0].count, look_up, workers);
+	view_threads_run(count, draw_share, workers);
+	for (uint32_t i = 1; i < count; i++)
+		lod_raster_merge(&workers[0].raster, &workers[i].raster);
+	take_drawn(&workers[0].raster, picture);
+	view_threads_run(count, look_share, workers);
+	return stopped(job) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : ECO_OK;
 }
 
 enum eco_code view_reference_draw(const struct view_draw_job *job, struct view_picture *picture,
@@ -380,14 +448,60 @@ enum eco_code view_reference_draw(const struct view_draw_job *job, struct view_p
 	enum eco_code code = scene_make(&scene, job, error);
 	if (!code) {
 		struct worker *workers = workers_make(&scene, &options);
-		draw_picture(workers, picture);
+		code = view_light_samples(job, record, workers, picture, error);
 		workers_free(workers);
 	}
 	scene_free(&scene);
+	picture->vertices = job->selection->vertices;
+	picture->draw_ms = view_clock_ms() - start;
+	return code;
+}
+
+static enum eco_code draw_parts(const struct scene *scene, const struct view_lamp *lamp, uint32_t samples,
+	struct view_picture *whole, struct eco_error *error)
+{
+	const struct parts parts = parts_of(whole->width, whole->height, samples, LIT_MAX);
+	struct lod_raster_options options = { .width = parts.part[0] * samples, .height = parts.part[1] * samples,
+		.owner = true, .item = true };
+	struct worker *workers = workers_make(scene, &options);
+	uint32_t count = workers[0].count;
+	struct view_picture *pictures = eco_alloc(count, sizeof *pictures);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < count && !code; i++) {
+		workers[i].parts = parts;
+		workers[i].lamp = lamp;
+		workers[i].whole = whole;
+		workers[i].picture = &pictures[i];
+		code = view_picture_init(&pictures[i], options.width, options.height, error);
+	}
 	if (!code)
-		code = view_light_picture(job, picture, error);
-	if (!code && stopped(job))
-		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		view_threads_run(count, light_parts, workers);
+	for (uint32_t i = 0; i < count; i++)
+		view_picture_free(&pictures[i]);
+	free(pictures);
+	workers_free(workers);
+	return !code && stopped(scene->job) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
+}
+enum eco_code view_reference_fine(const struct view_draw_job *job, uint32_t samples, struct view_picture *picture,
+	struct eco_error *error)
+{
+	struct lod_raster_options options = { .width = picture->width, .height = picture->height,
+		.owner = true, .item = true };
+	struct view_lamp *lamp = NULL;
+	struct scene scene;
+	double start = view_clock_ms();
+	enum eco_code code = scene_make(&scene, job, error);
+	if (!code) {
+		struct worker *workers = workers_make(&scene, &options);
+		code = record(workers, job, picture, error);
+		workers_free(workers);
+	}
+	if (!code)
+		code = view_lamp_make(&lamp, job, picture, error);
+	if (!code)
+		code = draw_parts(&scene, lamp, samples, picture, error);
+	view_lamp_free(lamp);
+	scene_free(&scene);
 	picture->vertices = job->selection->vertices;
 	picture->draw_ms = view_clock_ms() - start;
 	return code;
@@ -396,17 +510,18 @@ enum eco_code view_reference_draw(const struct view_draw_job *job, struct view_p
 enum eco_code view_reference_count(const struct view_draw_job *job, struct view_coverage *coverage,
 	struct eco_error *error)
 {
-	uint32_t part[2];
+	const struct parts parts = parts_of(coverage->width, coverage->height, coverage->samples, COUNTED_MAX);
+	struct lod_raster_options options = { .width = parts.part[0] * parts.samples,
+		.height = parts.part[1] * parts.samples, .silhouette = true };
 	struct scene scene;
-	part_size(coverage, part);
-	struct lod_raster_options options = { .width = part[0] * coverage->samples,
-		.height = part[1] * coverage->samples, .silhouette = true };
 	memset(coverage->count, 0, (size_t)coverage->width * coverage->height);
 	enum eco_code code = scene_make(&scene, job, error);
 	if (!code) {
 		struct worker *workers = workers_make(&scene, &options);
-		for (uint32_t i = 0; i < workers[0].count; i++)
+		for (uint32_t i = 0; i < workers[0].count; i++) {
+			workers[i].parts = parts;
 			workers[i].coverage = coverage;
+		}
 		view_threads_run(workers[0].count, count_parts, workers);
 		workers_free(workers);
 	}

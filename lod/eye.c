@@ -100,6 +100,25 @@ void lod_eye_make(struct lod_eye *eye, const struct eco_view *view)
 	side_plane(eye->side[3], eye->forward, eye->up, -1, eye->tan_y);
 }
 
+void lod_eye_part(struct lod_eye *eye, uint32_t width, uint32_t height, const uint32_t at[2],
+	const uint32_t size[2])
+{
+	eye->middle[0] += eye->tan_x * ((2.0 * at[0] + size[0]) / width - 1);
+	eye->middle[1] -= eye->tan_y * ((2.0 * at[1] + size[1]) / height - 1);
+	eye->tan_x *= (double)size[0] / width;
+	eye->tan_y *= (double)size[1] / height;
+}
+
+void lod_eye_sample(struct lod_eye *eye, uint32_t number)
+{
+	static const int8_t places[LOD_SAMPLES_MAX][2] = { { 0, 0 }, { 29, -25 }, { -5, 27 }, { -26, -3 },
+		{ 19, 19 }, { 11, -19 }, { -19, 13 }, { -10, -13 }, { 26, -6 }, { 14, 5 }, { 22, 30 },
+		{ -14, -22 }, { 6, -30 }, { -2, 10 }, { -30, 22 }, { -22, -10 } };       /* 1/64 pixel */
+	for (int k = 0; k < 2; k++)
+		eye->middle[k] += places[number][k] / 64.0 * eye->pixel_rad;
+	eye->sample = number;
+}
+
 void lod_place_instance(struct lod_place *out, const struct eco_placement *placement,
 	const struct eco_list *list, const struct eco_place *place)
 {

@@ -23,10 +23,20 @@ struct lod_eye {
 	double at[3];
 	double right[3], up[3], forward[3];      /* orthonormal */
 	double tan_x, tan_y;                     /* half extents of the image plane at distance 1 */
+	double middle[2];                        /* of the picture there: right of and above where it looks */
+	uint32_t sample;                         /* opacity's hash varies with it */
 	double side[4][3];                       /* unit normals of the side planes through the eye, inward */
 	double pixel_rad;                        /* height of a pixel on the image plane at distance 1 */
 };
 void lod_eye_make(struct lod_eye *eye, const struct eco_view *view);   /* view must pass eco_view_check */
+/* The eye of a part of its picture: of width x height pixels, the part of size[0] x size[1] from column at[0] and
+ * row at[1] on. So a picture of any size is drawn in parts. */
+void lod_eye_part(struct lod_eye *eye, uint32_t width, uint32_t height, const uint32_t at[2],
+	const uint32_t size[2]);
+/* The eye that takes sample `number` of each pixel. Sample 0 is the pixel's middle; the first 4, 8 and 16 are
+ * spread evenly around it (lod/EXPERIMENTS.md, Samples). */
+#define LOD_SAMPLES_MAX 16u
+void lod_eye_sample(struct lod_eye *eye, uint32_t number);
 
 struct lod_place { double at[3]; double sine, cosine, scale; };        /* world = at + scale * turn(p) */
 void lod_place_instance(struct lod_place *out, const struct eco_placement *placement,

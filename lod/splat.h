@@ -74,8 +74,8 @@ static inline float lod_ellipse_farther(const struct lod_ellipse *ellipse, float
 	return ellipse->aside * u + ellipse->below * v - ellipse->bulge * (rest > 0 ? sqrtf(rest) : 0);
 }
 
-/* The salt of a splat, from its centre in object space. */
-static inline uint32_t lod_splat_salt(const float centre[3])
+/* The salt of a splat, from its centre in object space and the number of a pixel's sample. */
+static inline uint32_t lod_splat_salt(const float centre[3], uint32_t nth)
 {
 	uint32_t bits[3], salt;
 	memcpy(bits, centre, sizeof bits);

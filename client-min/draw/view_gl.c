@@ -233,6 +233,8 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 		glUniform3f(s->uniform[names[i]], (float)axes[i][0], (float)axes[i][1], (float)axes[i][2]);
 	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y),
 		(float)f->job->near_m, 0);
+	glUniform2f(s->uniform[VIEW_U_MIDDLE], (float)eye->middle[0], (float)eye->middle[1]);
+	glUniform1ui(s->uniform[VIEW_U_SAMPLE], eye->sample);
 	glUniform2f(s->uniform[VIEW_U_HALF], 0.5f * (float)f->picture->width,
 		0.5f * (float)f->picture->height);
 	glUniform1i(s->uniform[VIEW_U_FIRST], 0);
@@ -643,15 +645,16 @@ unsigned view_gl_target(const struct view_gl *gl)
 	return gl->seen;
 }
 
+static enum eco_code record(void *ctx, const struct view_draw_job *job, struct view_picture *picture,
+	struct eco_error *error)
+{
+	struct view_gl *gl = ctx;
+	enum eco_code code = view_gl_record(gl, job, picture, error);
+	return code ? code : view_gl_read(gl, picture, error);
+}
+
 enum eco_code view_gl_draw(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
-	double start = view_clock_ms();
-	enum eco_code code = view_gl_record(gl, job, picture, error);
-	if (!code)
-		code = view_gl_read(gl, picture, error);
-	if (!code)
-		code = view_light_picture(job, picture, error);
-	picture->draw_ms = view_clock_ms() - start;
-	return code;
+	return view_light_samples(job, record, gl, picture, error);
 }

@@ -294,17 +294,21 @@ uint32_t view_surface_cloud(double reach, double level)
 /* The last pixel's plant: most pixels follow one of the same plant. */
 struct owned { uint64_t owner; struct lod_place place; struct plant plant; };
 
-struct lamp {                            /* of one picture */
+struct view_lamp {
 	const struct view_draw_job *job;
-	struct view_picture *picture;
 	struct view_shade shade;
 	struct view_shadow shadow;
 	struct view_table owners;
 	struct sunlight sun;
-	uint32_t threads;
 	float haze_m;
-	vec3 right, up, forward;         /* the image plane's half extents, and its middle */
 	uint8_t bytes[65536];            /* lod_light_byte of every light */
+};
+struct shot {                            /* of one picture */
+	const struct view_lamp *lamp;
+	const struct lod_eye *eye;
+	struct view_picture *picture;
+	uint32_t threads;
+	vec3 right, up, forward;         /* the image plane's half extents, and its middle */
 };
 
 void view_light_plant(const struct view_store *store, const struct view_instance *instance, uint64_t owner,
@@ -319,12 +323,12 @@ void view_light_plant(const struct view_store *store, const struct view_instance
 		(float)(instance->hash / (double)ECO_SHARE_ONE) };
 }
 
-static void find_plant(const struct lamp *lamp, uint64_t owner, struct owned *p)
+static void find_plant(const struct shot *shot, uint64_t owner, struct owned *p)
 {
-	const struct view_instance *instance = view_owners_find(&lamp->owners, lamp->job->selection,
-		owner);
+	const struct view_instance *instance = view_owners_find(&shot->lamp->owners,
+		shot->lamp->job->selection, owner);
 	struct view_light_plant light;
-	view_light_plant(lamp->job->store, instance, owner, &light);
+	view_light_plant(shot->lamp->job->store, instance, owner, &light);
 	*p = (struct owned){ .owner = owner };
 	_Static_assert(sizeof light == sizeof p->plant, "view_light_plant is struct plant");
 	memcpy(&p->plant, &light, sizeof light);
@@ -339,93 +343,93 @@ static vec3 local_of(const struct lod_place *place, const double world[3])
 		(float)((y * place->cosine - x * place->sine) / place->scale), (float)(z / place->scale));
 }
 
-static struct crown cast_on_plant(const struct lamp *lamp, const struct owned *p, vec3 to,
+static struct crown cast_on_plant(const struct shot *shot, const struct owned *p, vec3 to,
 	const struct face *seen, struct crown own)
 {
 	float texel_m = 0, half_m = p->plant.half_width * (float)p->place.scale;
-	float lit = view_shadow_lit(&lamp->shadow, (const float[3]){ to.x, to.y, to.z },
+	float lit = view_shadow_lit(&shot->lamp->shadow, (const float[3]){ to.x, to.y, to.z },
 		seen->facet ? (const float[3]){ seen->n.x, seen->n.y, seen->n.z } : NULL, &texel_m);
 	return crown_by_map(p->plant, own, lit, texel_m / half_m, seen->reach);
 }
 
-static vec3 plant_color(const struct lamp *lamp, const struct owned *p, size_t pixel, vec3 to,
+static vec3 plant_color(const struct shot *shot, const struct owned *p, size_t pixel, vec3 to,
 	const double world[3])
 {
-	const enum view_tint tint = lamp->job->tint;
-	const uint8_t *own = lamp->picture->rgb + 3 * pixel;
+	const enum view_tint tint = shot->lamp->job->tint;
+	const uint8_t *own = shot->picture->rgb + 3 * pixel;
 	vec3 to_eye = scale(unit(to), -1), albedo = { lod_light_of[own[0]] / 65535.0f,
 		lod_light_of[own[1]] / 65535.0f, lod_light_of[own[2]] / 65535.0f };
-	struct face seen = face_of(lamp->sun, p->plant, lamp->picture->surface[pixel], to_eye);
+	struct face seen = face_of(shot->lamp->sun, p->plant, shot->picture->surface[pixel], to_eye);
 	vec3 local = p->plant.half_height > 0 ? local_of(&p->place, world) : vec3(0, 0, 0);
-	struct crown around = tint == VIEW_TINT_UNSHADED ? crown_alone(lamp->sun, to_eye)
-		: crown_of(lamp->sun, p->plant, local, to_eye, seen.reach);
-	if (lamp->shadow.top && tint != VIEW_TINT_UNSHADED)
-		around = cast_on_plant(lamp, p, to, &seen, around);
-	vec3 color = plant_light(lamp->sun, p->plant, albedo, seen.sun, around, tint == VIEW_TINT_KIND);
-	return tint == VIEW_TINT_KIND ? color : haze(lamp->sun, color, to, length(to), lamp->haze_m);
+	struct crown around = tint == VIEW_TINT_UNSHADED ? crown_alone(shot->lamp->sun, to_eye)
+		: crown_of(shot->lamp->sun, p->plant, local, to_eye, seen.reach);
+	if (shot->lamp->shadow.top && tint != VIEW_TINT_UNSHADED)
+		around = cast_on_plant(shot, p, to, &seen, around);
+	vec3 color = plant_light(shot->lamp->sun, p->plant, albedo, seen.sun, around, tint == VIEW_TINT_KIND);
+	return tint == VIEW_TINT_KIND ? color : haze(shot->lamp->sun, color, to, length(to), shot->lamp->haze_m);
 }
 
-static vec3 ground_albedo_at(const struct lamp *lamp, vec3 n, vec3 to, const double world[3])
+static vec3 ground_albedo_at(const struct shot *shot, vec3 n, vec3 to, const double world[3])
 {
-	const struct view_selection *selection = lamp->job->selection;
+	const struct view_selection *selection = shot->lamp->job->selection;
 	const double *origin = selection->ground.origin;
-	struct footprint foot = footprint_of(n, to, (float)lamp->job->eye->pixel_rad);
+	struct footprint foot = footprint_of(n, to, (float)shot->eye->pixel_rad);
 	struct view_image_color image = view_image_at(&selection->image, &(struct view_image_spot){
 		{ world[0], world[1] }, { (double)foot.x, (double)foot.y }, (double)foot.across });
 	return imaged_albedo((ground_place){ world[0] - origin[0], world[1] - origin[1] }, n.z, length(to),
 		vec3(image.light[0], image.light[1], image.light[2]), image.alpha, image.texel_m);
 }
 
-static vec3 ground_pixel(const struct lamp *lamp, size_t pixel, vec3 to, const double world[3])
+static vec3 ground_pixel(const struct shot *shot, size_t pixel, vec3 to, const double world[3])
 {
-	vec3 n = direction_of(lamp->picture->surface[pixel]);
+	vec3 n = direction_of(shot->picture->surface[pixel]);
 	float below[2];
-	view_shade_at(&lamp->shade, world, below);
-	if (lamp->shadow.top) {
-		float texel_m, lit = view_shadow_lit(&lamp->shadow, (const float[3]){ to.x, to.y, to.z },
+	view_shade_at(&shot->lamp->shade, world, below);
+	if (shot->lamp->shadow.top) {
+		float texel_m, lit = view_shadow_lit(&shot->lamp->shadow, (const float[3]){ to.x, to.y, to.z },
 			(const float[3]){ n.x, n.y, n.z }, &texel_m);
 		below[0] = lit < 0 ? below[0] : 1 - lit;
 	}
-	vec3 lit = times(ground_albedo_at(lamp, n, to, world),
-		ground_light(lamp->sun, n, below[0], below[1]));
-	return ground_color(lamp->sun, lit, to, lamp->haze_m, lamp->job->tint == VIEW_TINT_KIND);
+	vec3 lit = times(ground_albedo_at(shot, n, to, world),
+		ground_light(shot->lamp->sun, n, below[0], below[1]));
+	return ground_color(shot->lamp->sun, lit, to, shot->lamp->haze_m, shot->lamp->job->tint == VIEW_TINT_KIND);
 }
 
-static uint8_t encode(const struct lamp *lamp, float c)
+static uint8_t encode(const struct shot *shot, float c)
 {
-	return lamp->bytes[(uint32_t)(65535 * shown(c) + 0.5f)];
+	return shot->lamp->bytes[(uint32_t)(65535 * shown(c) + 0.5f)];
 }
 
-static void light_pixel(const struct lamp *lamp, struct owned *owned, uint32_t x, uint32_t y)
+static void light_pixel(const struct shot *shot, struct owned *owned, uint32_t x, uint32_t y)
 {
-	struct view_picture *picture = lamp->picture;
+	struct view_picture *picture = shot->picture;
 	size_t i = (size_t)y * picture->width + x;
 	float depth = picture->depth[i], u = ((float)x + 0.5f) / (float)picture->width * 2 - 1,
 		v = 1 - ((float)y + 0.5f) / (float)picture->height * 2;
-	vec3 ray = add(add(scale(lamp->right, u), scale(lamp->up, v)), lamp->forward), color;
+	vec3 ray = add(add(scale(shot->right, u), scale(shot->up, v)), shot->forward), color;
 	if (depth > 0) {
 		vec3 to = scale(ray, 1 / depth);
-		const double *eye = lamp->job->eye->at;
+		const double *eye = shot->eye->at;
 		const double world[3] = { eye[0] + to.x, eye[1] + to.y, eye[2] + to.z };
 		uint64_t owner = picture->owner[i];
 		if (owner && owner != owned->owner)
-			find_plant(lamp, owner, owned);
-		color = owner ? plant_color(lamp, owned, i, to, world) : ground_pixel(lamp, i, to, world);
+			find_plant(shot, owner, owned);
+		color = owner ? plant_color(shot, owned, i, to, world) : ground_pixel(shot, i, to, world);
 	} else {
-		color = sky_color(lamp->sun, ray, lamp->job->tint == VIEW_TINT_KIND);
+		color = sky_color(shot->lamp->sun, ray, shot->lamp->job->tint == VIEW_TINT_KIND);
 	}
-	picture->rgb[3 * i] = encode(lamp, color.x);
-	picture->rgb[3 * i + 1] = encode(lamp, color.y);
-	picture->rgb[3 * i + 2] = encode(lamp, color.z);
+	picture->rgb[3 * i] = encode(shot, color.x);
+	picture->rgb[3 * i + 1] = encode(shot, color.y);
+	picture->rgb[3 * i + 2] = encode(shot, color.z);
 }
 
 static void light_rows(void *ctx, uint32_t first)
 {
-	const struct lamp *lamp = ctx;
+	const struct shot *shot = ctx;
 	struct owned owned = { .owner = 0 };
-	for (uint32_t y = first; y < lamp->picture->height; y += lamp->threads)
-		for (uint32_t x = 0; x < lamp->picture->width; x++)
-			light_pixel(lamp, &owned, x, y);
+	for (uint32_t y = first; y < shot->picture->height; y += shot->threads)
+		for (uint32_t x = 0; x < shot->picture->width; x++)
+			light_pixel(shot, &owned, x, y);
 }
 
 static vec3 axis_of(const double axis[3], double t)
@@ -433,29 +437,24 @@ static vec3 axis_of(const double axis[3], double t)
 	return vec3((float)(axis[0] * t), (float)(axis[1] * t), (float)(axis[2] * t));
 }
 
-static void lamp_init(struct lamp *lamp, const struct view_draw_job *job, struct view_picture *picture)
+void view_lamp_light(const struct view_lamp *lamp, const struct lod_eye *eye, struct view_picture *picture,
+	uint32_t threads)
 {
-	const struct lod_eye *eye = job->eye;
-	lamp->job = job;
-	lamp->picture = picture;
-	lamp->sun = sunlight_of(job->selection->sky.sun);
-	lamp->threads = view_thread_count(job->threads);
-	lamp->haze_m = haze_of(&job->selection->sky, eye->at[2]);
-	lamp->right = axis_of(eye->right, eye->tan_x);
-	lamp->up = axis_of(eye->up, eye->tan_y);
-	lamp->forward = axis_of(eye->forward, 1);
-	for (uint32_t light = 0, byte = 0; light < 65536; light++) {
-		while (byte < 255 && 2 * light > (uint32_t)lod_light_of[byte] + lod_light_of[byte + 1])
-			byte++;
-		lamp->bytes[light] = (uint8_t)byte;
-	}
+	struct shot shot = { .lamp = lamp, .eye = eye, .picture = picture, .threads = threads,
+		.right = axis_of(eye->right, eye->tan_x), .up = axis_of(eye->up, eye->tan_y) };
+	shot.forward = add(axis_of(eye->forward, 1), add(axis_of(eye->right, eye->middle[0]),
+		axis_of(eye->up, eye->middle[1])));
+	for (size_t i = 0; lamp->job->tint == VIEW_TINT_OWN && i < (size_t)picture->width * picture->height; i++)
+		if (!picture->owner[i])
+			memset(picture->rgb + 3 * i, picture->depth[i] > 0 ? VIEW_OWN_GROUND : 0, 3);
+	if (lamp->job->tint != VIEW_TINT_OWN)
+		view_threads_run(threads, light_rows, &shot);
 }
 
-static enum eco_code cast_shadows(struct lamp *lamp, struct eco_error *error)
+static enum eco_code cast_shadows(struct view_lamp *lamp, struct view_picture *picture, struct eco_error *error)
 {
 	const struct view_draw_job *job = lamp->job;
 	const struct view_sky *sky = &job->selection->sky;
-	struct view_picture *picture = lamp->picture;
 	double start = view_clock_ms();
 	enum eco_code code = view_shadow_make(&lamp->shadow, &(struct view_shadow_job){ job->store,
 		sky->casters ? sky->casters : job->selection, job->eye, picture,
@@ -467,35 +466,93 @@ static enum eco_code cast_shadows(struct lamp *lamp, struct eco_error *error)
 	return code;
 }
 
-static void show_own_colors(struct view_picture *picture)
-{
-	for (size_t i = 0; i < (size_t)picture->width * picture->height; i++)
-		if (!picture->owner[i])
-			memset(picture->rgb + 3 * i, picture->depth[i] > 0 ? VIEW_OWN_GROUND : 0, 3);
-}
-
-enum eco_code view_light_picture(const struct view_draw_job *job, struct view_picture *picture,
+enum eco_code view_lamp_make(struct view_lamp **out, const struct view_draw_job *job, struct view_picture *first,
 	struct eco_error *error)
 {
-	if (job->tint == VIEW_TINT_OWN) {
-		show_own_colors(picture);
-		return ECO_OK;
-	}
-	struct lamp *lamp = calloc(1, sizeof *lamp);
-	if (!lamp)
+	struct view_lamp *lamp = *out = calloc(1, sizeof *lamp);
+	if (!lamp || !view_owners_make(&lamp->owners, job->selection))
 		return eco_no_memory(error, "the light of a picture");
-	lamp_init(lamp, job, picture);
-	enum eco_code code = view_owners_make(&lamp->owners, job->selection) ? ECO_OK
-		: eco_no_memory(error, "the light of a picture");
-	if (!code && job->selection->ground.count)
+	lamp->job = job;
+	lamp->sun = sunlight_of(job->selection->sky.sun);
+	lamp->haze_m = haze_of(&job->selection->sky, job->eye->at[2]);
+	for (uint32_t light = 0, byte = 0; light < 65536; light++) {
+		while (byte < 255 && 2 * light > (uint32_t)lod_light_of[byte] + lod_light_of[byte + 1])
+			byte++;
+		lamp->bytes[light] = (uint8_t)byte;
+	}
+	enum eco_code code = ECO_OK;
+	if (job->selection->ground.count && job->tint != VIEW_TINT_OWN)
 		code = view_shade_make(&lamp->shade, job->store, job->selection, error);
-	if (!code && job->selection->sky.shadows)
-		code = cast_shadows(lamp, error);
-	if (!code)
-		view_threads_run(lamp->threads, light_rows, lamp);
+	if (!code && job->selection->sky.shadows && job->tint != VIEW_TINT_OWN)
+		code = cast_shadows(lamp, first, error);
+	return code;
+}
+
+void view_lamp_free(struct view_lamp *lamp)
+{
+	if (!lamp)
+		return;
 	view_shade_free(&lamp->shade);
 	view_shadow_free(&lamp->shadow);
 	view_table_free(&lamp->owners);
 	free(lamp);
+}
+
+/* ---- Samples ---- */
+
+/* Adds the light of sRGB bytes; the last of `count` pictures is replaced by the mean. */
+static void add_light(const struct view_lamp *lamp, uint32_t *sums, uint8_t *rgb, size_t bytes, uint32_t count)
+{
+	for (size_t i = 0; i < bytes; i++) {
+		sums[i] += lod_light_of[rgb[i]];
+		if (count)
+			rgb[i] = lamp->bytes[(sums[i] + count / 2) / count];
+	}
+}
+
+/* The others, whose mean with the first takes its place. */
+static enum eco_code more_samples(const struct view_draw_job *job, const struct view_lamp *lamp, view_record *record,
+	void *ctx, struct view_picture *first, struct eco_error *error)
+{
+	size_t bytes = 3 * (size_t)first->width * first->height;
+	uint32_t *sums = calloc(bytes, sizeof *sums), threads = view_thread_count(job->threads);
+	struct view_picture picture = { 0 };
+	enum eco_code code = sums ? view_picture_init(&picture, first->width, first->height, error)
+		: eco_no_memory(error, "the samples of a picture");
+	if (!code)
+		add_light(lamp, sums, first->rgb, bytes, 0);
+	for (uint32_t i = 1; i < job->samples && !code; i++) {
+		struct lod_eye eye = *job->eye;
+		struct view_draw_job at = *job;
+		at.eye = &eye;
+		lod_eye_sample(&eye, i);
+		code = record(ctx, &at, &picture, error);
+		if (!code) {
+			view_lamp_light(lamp, &eye, &picture, threads);
+			add_light(lamp, sums, picture.rgb, bytes, i + 1 == job->samples ? job->samples : 0);
+		}
+	}
+	if (!code)
+		memcpy(first->rgb, picture.rgb, bytes);
+	view_picture_free(&picture);
+	free(sums);
+	return code;
+}
+
+enum eco_code view_light_samples(const struct view_draw_job *job, view_record *record, void *ctx,
+	struct view_picture *picture, struct eco_error *error)
+{
+	struct view_lamp *lamp = NULL;
+	double start = view_clock_ms();
+	enum eco_code code = record(ctx, job, picture, error);
+	if (!code)
+		code = view_lamp_make(&lamp, job, picture, error);
+	if (!code) {
+		view_lamp_light(lamp, job->eye, picture, view_thread_count(job->threads));
+		if (job->samples > 1)
+			code = more_samples(job, lamp, record, ctx, picture, error);
+	}
+	view_lamp_free(lamp);
+	picture->draw_ms = view_clock_ms() - start;
 	return code;
 }

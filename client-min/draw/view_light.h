@@ -47,10 +47,25 @@ struct view_draw_job {                   /* of drawing by OpenGL or in software,
 	uint32_t threads;                        /* 0: 2 */
 	const volatile sig_atomic_t *stop;       /* software: not 0: end with ECO_INTERRUPTED; may be NULL */
 	enum view_tint tint;
+	uint32_t samples;                        /* of each pixel's colour, 1 to LOD_SAMPLES_MAX; 0: 1 */
 };
-/* Replaces the own colours in picture->rgb by what is seen. The ground needs none: it has its own. */
-enum eco_code view_light_picture(const struct view_draw_job *job, struct view_picture *picture,
+
+/* What lights the pictures of one view: the sun, and the shadows that `first`, drawn by the job, needs. */
+struct view_lamp;
+enum eco_code view_lamp_make(struct view_lamp **lamp, const struct view_draw_job *job, struct view_picture *first,
 	struct eco_error *error);
+/* Replaces the own colours in picture->rgb, drawn from `eye`, by what is seen. The ground needs none: it has
+ * its own. By several threads (view_thread_count); others may use the lamp. */
+void view_lamp_light(const struct view_lamp *lamp, const struct lod_eye *eye, struct view_picture *picture,
+	uint32_t threads);
+void view_lamp_free(struct view_lamp *lamp);                     /* NULL is fine */
+
+/* record draws own colours, surfaces, depths and owners of a picture, without light. */
+typedef enum eco_code view_record(void *ctx, const struct view_draw_job *job, struct view_picture *picture,
+	struct eco_error *error);
+/* Draws and lights the job's samples. Colours are the mean of their light, all else is that of the first. */
+enum eco_code view_light_samples(const struct view_draw_job *job, view_record *record, void *ctx,
+	struct view_picture *picture, struct eco_error *error);
 
 /* Inputs of the same light on the GPU, where view_light.glsl is a part of a shader (web/web_light.h):
  * sunlight with its haze, plants, and where the octaves of the ground's noise have a place of the ground. */

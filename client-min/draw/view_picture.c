@@ -35,8 +35,8 @@ void view_picture_free(struct view_picture *picture)
 void view_picture_ray(const struct view_picture *picture, const struct lod_eye *eye, double x, double y,
 	double ray[3])
 {
-	double u = ((x + 0.5) / picture->width * 2 - 1) * eye->tan_x,
-		v = (1 - (y + 0.5) / picture->height * 2) * eye->tan_y;
+	double u = ((x + 0.5) / picture->width * 2 - 1) * eye->tan_x + eye->middle[0],
+		v = (1 - (y + 0.5) / picture->height * 2) * eye->tan_y + eye->middle[1];
 	for (int k = 0; k < 3; k++)
 		ray[k] = eye->forward[k] + u * eye->right[k] + v * eye->up[k];
 }

@@ -75,7 +75,9 @@ static const char splat_common[] =
 
 static const char vertex_common[] =
 	"uniform vec4 u_lens;            // 1/tan_x, 1/tan_y, near\n"
+	"uniform vec2 u_middle;          // lod_eye\n"
 	"vec4 project(vec3 v) {\n"
+	"	v.xy -= u_middle * v.z;\n"
 	"#ifdef ZERO_TO_ONE\n"
 	"	return vec4(v.x * u_lens.x, -v.y * u_lens.y, u_lens.z, v.z);\n"
 	"#else\n"
@@ -219,8 +221,9 @@ static const char vertex_points[] =
 	"uniform uint u_level;\n"
 	"uniform vec2 u_half, u_window;  // of the picture and of the viewport, pixels\n"
 	"uniform int u_corners, u_count; // of an ellipse; of a plant's ellipses\n"
+	"uniform uint u_sample;\n"
 	"uint salt_of(uvec3 bits) {\n"
-	"	uint x = bits.x, y = bits.y, z = bits.z, salt;\n"
+	"	uint x = bits.x, y = bits.y, z = bits.z, nth = u_sample, salt;\n"
 	"	" TEXT(LOD_HASH_SALT) ";\n"
 	"	return salt;\n"
 	"}\n"
@@ -286,7 +289,7 @@ static const char vertex_points[] =
 	"	xx = (xx + to_z.x * to_z.x * part) * part;\n"
 	"	xy = (xy + to_z.x * to_z.y * part) * part;\n"
 	"	yy = (yy + to_z.y * to_z.y * part) * part;\n"
-	"	middle -= to_z * part;\n"
+	"	middle -= to_z * part + vec2(u_middle.x, -u_middle.y) * focal;\n"
 	"	float lean = xy / yy, cloud = p.half_width > 0.0 ? min(reach / p.half_width, 1.0) : 1.0;\n"
 	"	float height = sqrt(yy);\n"
 	"	v_ellipse = vec4(middle, lean, sqrt(max(xx - lean * xy, 0.0)));\n"
@@ -462,7 +465,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_members",
 	"u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
-	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map" };
+	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map", "u_middle", "u_sample" };
 
 static unsigned compile(unsigned program, unsigned type, const char *const *parts, int count)
 {

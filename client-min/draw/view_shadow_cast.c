@@ -261,7 +261,7 @@ static void draw_points(const struct caster *c, const struct object *o, const st
 		const float *center = g->position + 3 * (size_t)i;
 		vec3 half[3];
 		struct outline e;
-		uint32_t salt = lod_splat_salt(center);
+		uint32_t salt = lod_splat_salt(center, 0);
 		for (size_t k = 0; k < 3 && g->half; k++)
 			half[k] = vec_of(g->half + 9 * (size_t)i + 3 * k);
 		if (!g->half)

@@ -471,6 +471,8 @@ static void set_rays(const struct web_light *light, const struct lod_eye *eye)
 	float ray[9];
 	for (int i = 0; i < 9; i++)
 		ray[i] = (float)(axes[i / 3][i % 3] * lengths[i / 3]);
+	for (int i = 0; i < 3; i++)
+		ray[6 + i] += (float)(eye->middle[0] * eye->right[i] + eye->middle[1] * eye->up[i]);
 	glUniformMatrix3fv(uniform(light, "u_ray"), 1, GL_FALSE, ray);
 }
 

@@ -36,7 +36,6 @@ void lod_raster_init(struct lod_raster *raster, const struct lod_raster_options 
 		.depth = eco_alloc(pixels, sizeof *raster->depth), .cover = eco_alloc(pixels, 1),
 		.owner = options->owner ? eco_alloc(pixels, sizeof *raster->owner) : NULL,
 		.item = options->item ? eco_alloc(pixels, sizeof *raster->item) : NULL };
-	lod_raster_window(raster, raster->width, raster->height, 0, 0);
 }
 
 void lod_raster_free(struct lod_raster *raster)
@@ -73,18 +72,9 @@ void lod_raster_clear(struct lod_raster *raster)
 /* 1/256 pixels from the picture's middle per unit on the image plane at distance 1; y down. */
 static void plane_scale(const struct lod_raster *raster, double scale[3])
 {
-	scale[0] = raster->state->full[0] * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_x;
-	scale[1] = -(raster->state->full[1] * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_y);
+	scale[0] = (double)raster->width * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_x;
+	scale[1] = -((double)raster->height * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_y);
 	scale[2] = 1;
-}
-
-void lod_raster_window(struct lod_raster *raster, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
-{
-	struct lod_raster_state *state = raster->state;
-	state->full[0] = width;
-	state->full[1] = height;
-	state->shift[0] = (x + 0.5 * raster->width - 0.5 * width) * LOD_SUBPIXEL;
-	state->shift[1] = (y + 0.5 * raster->height - 0.5 * height) * LOD_SUBPIXEL;
 }
 
 void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m)
@@ -100,7 +90,7 @@ void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, dou
 	for (int i = 0; i < 3; i++)
 		state->project[i][i] = (float)scale[i];
 	for (int i = 0; i < 2; i++)
-		state->project[i][2] = (float)(0 - state->shift[i]);
+		state->project[i][2] = (float)(0 - eye->middle[i] * scale[i]);
 	struct lod_place place = state->place;
 	lod_raster_object(raster, &place);
 }
@@ -124,7 +114,7 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 	}
 	for (int i = 0; i < 3; i++)
 		for (int k = 0; k < 4; k++) {
-			double shift = i < 2 ? state->shift[i] * row[2][k] : 0;
+			double shift = i < 2 ? eye->middle[i] * scale[i] * row[2][k] : 0;
 			state->view[i][k] = (float)row[i][k];
 			state->clip[i][k] = (float)(row[i][k] * scale[i] - shift);
 		}
@@ -202,7 +192,6 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 {
 	const struct lod_eye *eye = &raster->state->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
-	const struct lod_raster_state *state = raster->state;
 	double x = 0, y = 0, z = 0;
 	for (int i = 0; i < 3; i++) {
 		x += d[i] * eye->right[i];
@@ -215,16 +204,15 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 		return true;
 	if (z - radius <= raster->state->near_m)
 		return false;
-	double across[2], upward[2], half_x = 0.5 * state->full[0], half_y = 0.5 * state->full[1];
-	double middle_x = 0.5 * raster->width - state->shift[0] / LOD_SUBPIXEL,
-		middle_y = 0.5 * raster->height - state->shift[1] / LOD_SUBPIXEL;
+	double across[2], upward[2], wide = 0.5 * raster->width / eye->tan_x,
+		high = 0.5 * raster->height / eye->tan_y,
+		middle_x = 0.5 * raster->width - eye->middle[0] * wide,
+		middle_y = 0.5 * raster->height + eye->middle[1] * high;
 	sphere_slopes(x, z, radius, across);
 	sphere_slopes(y, z, radius, upward);
 	uint32_t columns[2], rows[2];
-	if (!pixel_range(middle_x + half_x * across[0] / eye->tan_x,
-			middle_x + half_x * across[1] / eye->tan_x, raster->width, columns)
-		|| !pixel_range(middle_y - half_y * upward[1] / eye->tan_y,
-		middle_y - half_y * upward[0] / eye->tan_y, raster->height, rows))
+	if (!pixel_range(middle_x + wide * across[0], middle_x + wide * across[1], raster->width, columns)
+		|| !pixel_range(middle_y - high * upward[1], middle_y - high * upward[0], raster->height, rows))
 		return true;
 	return lod_blocks_hide(raster, columns, rows, (float)(1.000001 / (z - radius)));
 }

@@ -13,7 +13,8 @@
  *
  * Another program draws the same by these rules. v(p) is an object point in metres along right, up and forward
  * from the eye; the picture has W x H pixels; w = forward, clipped below near_m; `scale` is the place's.
- *   pixel     x = W/2 + W/2 v.right / (w tan_x),  y = H/2 - H/2 v.up / (w tan_y), rounded to 1/256
+ *   pixel     x = W/2 + W/2 (v.right / w - middle_x) / tan_x,  y = H/2 - H/2 (v.up / w - middle_y) / tan_y,
+ *             rounded to 1/256
  *   line      a, b = v(ends), m = (a + b) / 2, o = cross(b - a, m), o *= width * scale / 2 / |o|:
  *             the quad a-o, b-o, b+o, a+o (two triangles); nothing if |o| is 0
  *   splat     the ellipse of lod/splat.h around the centre's pixel, at the depth of its near side, but no nearer
@@ -50,9 +51,6 @@ void lod_raster_init(struct lod_raster *raster, const struct lod_raster_options 
 void lod_raster_free(struct lod_raster *raster);
 void lod_raster_clear(struct lod_raster *raster);
 void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m);
-/* From the next lod_raster_camera on: what is drawn is a part of a picture of width x height pixels, that
- * from column x and row y on. So a picture of any size is drawn in parts. */
-void lod_raster_window(struct lod_raster *raster, uint32_t width, uint32_t height, uint32_t x, uint32_t y);
 void lod_raster_object(struct lod_raster *raster, const struct lod_place *place);
 /* Clears the picture and sets the camera, for an object as it is in its own space. */
 void lod_raster_look(struct lod_raster *raster, const struct lod_eye *eye, double near_m);

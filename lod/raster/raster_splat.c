@@ -49,8 +49,8 @@ static bool project_ball(const struct lod_raster_state *state, float radius, con
 	struct disc *disc)
 {
 	float pixel = radius * (1.0f / LOD_SUBPIXEL) / disc->w;
-	const float across[3] = { state->project[0][0] * pixel, 0, -at[0] * pixel },
-		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel },
+	const float across[3] = { state->project[0][0] * pixel, 0, (state->project[0][2] - at[0]) * pixel },
+		down[3] = { 0, state->project[1][1] * pixel, (state->project[1][2] - at[1]) * pixel },
 		farther[3] = { 0, 0, radius / disc->w };
 	return lod_ellipse_make(&disc->outline.ellipse, across, down, farther, disc->w);
 }
@@ -137,7 +137,7 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 	for (uint32_t i = 0; i < batch->count; i++) {
 		const float *centre = batch->position + 3 * (size_t)i;
 		struct disc disc = { .opacity = batch->opacity ? batch->opacity[i] : 1,
-			.salt = lod_splat_salt(centre) };
+			.salt = lod_splat_salt(centre, state->eye.sample) };
 		float at[2];
 		if (!place(state, centre, &disc, at) || !(batch->half
 				? project(state, batch->half + 9 * (size_t)i, at, &disc)
@@ -165,18 +165,20 @@ static void turn_back(const struct lod_place *place, const double d[3], double s
 	out[2] = d[2] * scale;
 }
 
-static void rays_make(struct rays *rays, const struct lod_raster_state *state)
+static void rays_make(struct rays *rays, const struct lod_raster *raster)
 {
+	const struct lod_raster_state *state = raster->state;
 	const struct lod_eye *eye = &state->eye;
-	double across[3], down[3], forward[3];
-	turn_back(&state->place, eye->right, 2 * eye->tan_x / state->full[0], across);
-	turn_back(&state->place, eye->up, -2 * eye->tan_y / state->full[1], down);
-	turn_back(&state->place, eye->forward, 1, forward);
+	double across[3], down[3], middle[3], forward[3];
+	turn_back(&state->place, eye->right, 2 * eye->tan_x / raster->width, across);
+	turn_back(&state->place, eye->up, -2 * eye->tan_y / raster->height, down);
+	for (int k = 0; k < 3; k++)
+		middle[k] = eye->forward[k] + eye->middle[0] * eye->right[k] + eye->middle[1] * eye->up[k];
+	turn_back(&state->place, middle, 1, forward);
 	for (int k = 0; k < 3; k++) {
 		rays->across[k] = (float)across[k];
 		rays->down[k] = (float)down[k];
-		rays->middle[k] = (float)(forward[k] + state->shift[0] / LOD_SUBPIXEL * across[k]
-			+ state->shift[1] / LOD_SUBPIXEL * down[k]);
+		rays->middle[k] = (float)forward[k];
 	}
 }
 
@@ -230,7 +232,7 @@ void lod_raster_impostor(struct lod_raster *raster, const struct lod_impostor *i
 			|| !project_ball(state, (float)(impostor->radius * state->place.scale), at, &disc))
 		return;
 	put_outline(&disc.outline, at);
-	rays_make(&rays, state);
+	rays_make(&rays, raster);
 	look_from(&look, impostor, state);
 	outline_rows(&disc.outline, raster, rows);
 	for (uint32_t row = rows[0]; row < rows[1]; row++)

@@ -20,8 +20,6 @@ struct lod_raster_state {
 	struct lod_eye eye;
 	struct lod_place place;
 	double near_m;
-	double full[2];                  /* pixels of the picture that this is a part of */
-	double shift[2];                 /* from its middle to the part's, 1/256 pixel */
 	float near_w;
 	float clip[3][4]; /* object -> x w, y w in 1/256 pixel from the picture's middle (y down), and w */
 	float view[3][4];                /* object -> right, up, forward; metres from the eye */

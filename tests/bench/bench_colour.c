@@ -105,7 +105,7 @@ static struct view_picture draw_gl(const struct frame *frame, enum view_tint tin
 		return picture;
 	must(view_picture_init(&picture, width, height, must_error));
 	must(view_gl_draw(gl, &(struct view_draw_job){ frame->store, &frame->drawing.selection,
-		&frame->drawing.eye, frame->drawing.job.near_m, 0, NULL, tint }, &picture, must_error));
+		&frame->drawing.eye, frame->drawing.job.near_m, 0, NULL, tint, 1 }, &picture, must_error));
 	view_gl_close(gl);
 	return picture;
 }

@@ -356,7 +356,7 @@ UNIT_TEST(a_silhouette_covers_what_a_picture_covers)
 }
 
 /* But for corners that floats snap to another 1/256 pixel. */
-UNIT_TEST(windows_make_up_the_picture)
+UNIT_TEST(parts_make_up_the_picture)
 {
 	enum { WIDTH = 150, HEIGHT = 110, PART_X = 47, PART_Y = 60 };
 	FREED(lod_raster) whole, part;
@@ -369,8 +369,10 @@ UNIT_TEST(windows_make_up_the_picture)
 	for (uint32_t y = 0; y < HEIGHT; y += PART_Y)
 		for (uint32_t x = 0; x < WIDTH; x += PART_X) {
 			lod_raster_clear(&part);
-			lod_raster_window(&part, WIDTH, HEIGHT, x, y);
-			lod_raster_camera(&part, &eye, 1.0 / 1024);
+			struct lod_eye of_part = eye;
+			lod_eye_part(&of_part, WIDTH, HEIGHT, (const uint32_t[2]){ x, y },
+				(const uint32_t[2]){ PART_X, PART_Y });
+			lod_raster_camera(&part, &of_part, 1.0 / 1024);
 			rnd_seed = 11;
 			draw_anything(&part, 64, NULL, 1);
 			for (uint32_t i = 0; i < PART_X * PART_Y; i++)

@@ -28,8 +28,11 @@ static void light_leaf(const struct scene_held *h, const float sun[3], const flo
 	one.owner[0] = plant->owner;
 	one.depth[0] = (float)(1 / plant->distance_m);
 	one.surface[0] = view_surface_direction(VIEW_FACET, turned);
-	struct view_draw_job job = { h->store, &s, &h->eye, 0.1, 1, NULL, VIEW_TINT_UNSHADED };
-	assert_good(view_light_picture(&job, &one, &cause));
+	struct view_draw_job job = { h->store, &s, &h->eye, 0.1, 1, NULL, VIEW_TINT_UNSHADED, 1 };
+	struct view_lamp *lamp;
+	assert_good(view_lamp_make(&lamp, &job, &one, &cause));
+	view_lamp_light(lamp, &h->eye, &one, 1);
+	view_lamp_free(lamp);
 	memcpy(rgb, one.rgb, 3);
 }
 

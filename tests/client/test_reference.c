@@ -1,5 +1,6 @@
 /* The two ways to draw agree: OpenGL and the software rasteriser, pixel by pixel, mask and owners, and as
  * people see them. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +54,7 @@ static void draw_software(const struct scene_held *d, const struct eco_view *vie
 	struct view_picture *picture)
 {
 	struct view_draw_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL,
-		VIEW_TINT_NONE };
+		VIEW_TINT_NONE, 1 };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
 }
@@ -88,6 +89,55 @@ UNIT_TEST(opengl_and_software_agree)
 	}
 }
 
+/* Mean difference of bytes, and its part that has one sign. */
+static void differ(const struct view_picture *a, const struct view_picture *b, double mean[2])
+{
+	size_t bytes = 3 * (size_t)a->width * a->height;
+	mean[0] = mean[1] = 0;
+	for (size_t i = 0; i < bytes; i++) {
+		double apart = (double)a->rgb[i] - b->rgb[i];
+		mean[0] += fabs(apart) / (double)bytes;
+		mean[1] += apart / (double)bytes;
+	}
+}
+
+/* Colours are nearer to those of many samples the more there are; all else is the first sample's. Engines agree,
+ * and threads and parts leave no trace. */
+UNIT_TEST(samples_are_averaged)
+{
+	static const uint32_t counts[] = { 1, 4, 8, 16 };
+	AT_END(scene_release) struct scene_held d = scene_hold(&grove);
+	scene_select(&d);
+	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 2, NULL, VIEW_TINT_NONE, 1 };
+	FREED(view_picture) one, some, fine, other;
+	size_t pixels = (size_t)d.view.width * d.view.height;
+	struct view_picture *const pictures[4] = { &one, &some, &fine, &other };
+	for (int i = 0; i < 4; i++)
+		assert_good(view_picture_init(pictures[i], d.view.width, d.view.height, &cause));
+	assert_good(view_reference_fine(&job, 8, &fine, &cause));
+	job.threads = 3;
+	assert_good(view_reference_fine(&job, 8, &other, &cause));
+	assert_memory_equal(fine.rgb, other.rgb, 3 * pixels);
+	double apart[2], before = INFINITY;
+	for (int i = 0; i < 4; i++) {
+		job.samples = counts[i];
+		assert_good(view_reference_draw(&job, i ? &some : &one, &cause));
+		differ(i ? &some : &one, &fine, apart);
+		print_message("%u samples: %.3f from 64, %.3f with its sign\n", counts[i], apart[0], apart[1]);
+		assert_true(apart[0] < 0.75 * before && fabs(apart[1]) <= 0.5);
+		before = apart[0];
+	}
+	assert_memory_equal(one.owner, some.owner, pixels * sizeof *one.owner);
+	assert_memory_equal(one.cover, some.cover, pixels);
+	assert_memory_equal(one.owner, fine.owner, pixels * sizeof *one.owner);
+	if (!scene_gl)
+		return;
+	assert_good(view_gl_draw(scene_gl, &job, &other, &cause));
+	struct picture_difference engines = picture_compare(&some, &other);
+	print_message("engines: masks %.5f, bytes %.4f, seen %.5f\n", engines.masks, engines.bytes, engines.seen);
+	assert_true(engines.masks <= TOLERANCE && engines.seen <= SEEN && engines.bytes < 0.3);
+}
+
 static uint64_t sum_of(const uint8_t *counts, uint32_t pixels)
 {
 	uint64_t sum = 0;
@@ -106,7 +156,7 @@ UNIT_TEST(samples_count_what_is_covered)
 	AT_END(scene_release) struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	draw_software(&d, &view, 2, &p);
-	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE };
+	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE, 1 };
 	struct view_coverage coverage = { view.width, view.height, 1, counts };
 	assert_int_equal(view_reference_count(&job, &coverage, NULL), ECO_OK);
 	for (uint32_t i = 0; i < pixels; i++)

@@ -425,11 +425,11 @@ struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view
 	assert_good(view_picture_init(&picture, h->view.width, h->view.height, &cause));
 	if (by_gl)
 		assert_good(view_gl_draw(scene_gl, &(struct view_draw_job){ h->store, &h->selection, &h->eye, 0.1, 2,
-			NULL, tint },
+			NULL, tint, 1 },
 			&picture, &cause));
 	else
 		assert_good(view_reference_draw(&(struct view_draw_job){ h->store, &h->selection, &h->eye, 0.1, 2,
-			NULL, tint }, &picture, &cause));
+			NULL, tint, 1 }, &picture, &cause));
 	return picture;
 }
 
