@@ -11,6 +11,7 @@
 #include "client-min/view_options.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
+#include "client-min/view_truth.h"
 #include "ecofiles/base/json_read.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/options.h"
@@ -31,8 +32,11 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_store *store, *full;
 	struct view_gl *gl;                      /* NULL: all is drawn in software */
 	struct view_picture picture, reference;
+	struct view_picture fine, rough;         /* if they are compared: its cuts and full detail, at as many
+	                                          * samples as the other */
+	uint8_t *before[2];                      /* colours of picture and reference of the last frame */
 	float *error_map;                        /* of the two, if they are compared */
-	double ceiling;                          /* of the reference */
+	double ceiling, truth_cpu_ms;            /* of the reference */
 	struct view_report report;
 	struct view_explain explain;
 	struct view_progress progress;
@@ -87,7 +91,7 @@ static enum eco_code save_owners(struct viewer *v, uint32_t frame, struct eco_er
 static enum eco_code save_comparison(struct viewer *v, const struct view_frame *f, struct eco_error *error)
 {
 	const struct lod_score *score = &f->measures.score;
-	char ours[200], full[200], wrong[80], q[4][VIEW_SCORE_BYTES];
+	char ours[200], full[200], wrong[200], q[6][VIEW_SCORE_BYTES];
 	uint32_t size[2];
 	uint8_t *rgb;
 	if (!v->error_map)
@@ -102,8 +106,11 @@ static enum eco_code save_comparison(struct viewer *v, const struct view_frame *
 		(unsigned long long)v->reference.vertices, view_report_score(q[0], score->precision),
 		view_report_score(q[1], score->recall), view_report_score(q[2], score->skill),
 		view_report_score(q[3], score->owner_q));
-	snprintf(wrong, sizeof wrong, "picture_error %.4f\nblack: none, pale yellow: 1",
-		f->measures.picture_error);
+	snprintf(wrong, sizeof wrong, "picture_error %s  floor %s  bias %s\nm16 %s  s16 %s  s16_abs %s",
+		view_report_score(q[0], f->measures.picture_error), view_report_score(q[1], f->floor),
+		view_report_score(q[2], f->bias), view_report_score(q[3], f->measures.blocks.color),
+		view_report_score(q[4], f->measures.blocks.contrast),
+		view_report_score(q[5], f->measures.blocks.contrast_abs));
 	struct view_compare compare = { &v->picture, &v->reference, v->error_map, { ours, full, wrong } };
 	enum eco_code code = view_compare_draw(&compare, &rgb, size, error);
 	if (code)
@@ -123,13 +130,18 @@ static void step(struct viewer *v, uint32_t frame, const char *what)
 	view_progress_show(&v->progress, v->part++, v->parts, text);
 }
 
-/* Counts the samples that scores need beside the pictures. */
-static enum eco_code count_samples(struct viewer *v, const struct view_draw_job *job,
-	struct view_picture *picture, struct eco_error *error)
+/* Draws in software what scores need beside the pictures. */
+static enum eco_code draw_samples(struct viewer *v, const struct view_draw_job *job, struct view_picture *picture,
+	struct eco_error *error)
 {
+	bool lit = job->tint == VIEW_TINT_NONE, full = picture == &v->reference;
 	enum eco_code code = view_measure_soft(job, picture, error);
-	return code || picture != &v->reference ? code
-		: view_measure_ceiling(job, picture, &v->ceiling, error);
+	if (!code && v->error_map && lit)
+		code = full ? view_reference_draw(job, &v->rough, error)
+			: view_reference_fine(job, VIEW_TRUTH_SIDE, &v->fine, error);
+	if (!code && full && lit)
+		code = view_truth_draw(job, v->options.truths, picture, &v->truth_cpu_ms, error);
+	return code || !full ? code : view_measure_ceiling(job, picture, &v->ceiling, error);
 }
 
 /* Draws a store's plan into `picture`, with OpenGL if there is one. */
@@ -149,14 +161,17 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	double ground_m;
 	struct view_draw_job job = { store, &selection, eye, view_store_near_m(store), 0,
 		&view_interrupted, (enum view_tint)v->options.tint, (uint32_t)v->options.samples };
+	bool shown = store == v->store || job.tint != VIEW_TINT_NONE;   /* the truth's colours are drawn later */
+	job.samples = shown ? job.samples : 1;
 	if (!code)
 		code = v->gl ? view_gl_draw(v->gl, &job, picture, error)
 			: view_reference_draw(&job, picture, error);
 	if (!code && v->options.geojson && store == v->store && view_store_complete(store))
 		code = view_geojson_save(&(struct view_geojson_job){ store, &selection, picture, &v->map,
 			v->asks }, v->options.dir, v->frame->frame, error);
+	job.samples = (uint32_t)v->options.samples;
 	if (!code && v->options.reference)
-		code = count_samples(v, &job, picture, error);
+		code = draw_samples(v, &job, picture, error);
 	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
 		? ground_m - eye->at[2] : 0;
 	view_select_free(&selection);
@@ -320,12 +335,33 @@ static enum eco_code draw_reference(struct viewer *v, const struct eco_request *
 	return code;
 }
 
+static void measure_motion(struct viewer *v, struct view_frame *f)
+{
+	const uint8_t *const now[2] = { v->picture.rgb, v->reference.rgb };
+	const size_t bytes = 3 * (size_t)v->options.width * v->options.height;
+	if (v->before[0])
+		view_measure_motion(v->options.width, v->options.height,
+			(const uint8_t *const[2]){ v->before[0], now[0] },
+			(const uint8_t *const[2]){ v->before[1], now[1] }, &f->motion);
+	for (int i = 0; i < 2; i++) {
+		v->before[i] = v->before[i] ? v->before[i] : eco_alloc(bytes, 1);
+		memcpy(v->before[i], now[i], bytes);
+	}
+}
+
 static enum eco_code score_frame(struct viewer *v, struct view_frame *f, struct eco_error *error)
 {
 	view_measure_pair(&v->picture, &v->reference, v->error_map, &f->measures);
-	if (v->options.tint == VIEW_TINT_KIND)   /* colours that stand for something else */
-		f->measures.picture_error = NAN;
 	f->ceiling = v->ceiling;
+	f->truth_cpu_ms = v->truth_cpu_ms > 0 ? v->truth_cpu_ms : NAN;
+	if (v->options.tint != VIEW_TINT_NONE) {         /* there is no truth of such colours */
+		f->measures.picture_error = NAN;
+		f->measures.blocks = (struct lod_block_error){ NAN, NAN, NAN };
+	} else if (v->error_map) {
+		f->bias = view_picture_error(&v->fine, &v->reference);
+		f->floor = view_picture_error(&v->rough, &v->reference);
+	}
+	measure_motion(v, f);
 	enum eco_code code = save_masks(v, f->frame, error);
 	return code ? code : save_comparison(v, f, error);
 }
@@ -517,15 +553,23 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 		code = view_picture_init(&v->picture, o->width, o->height, error);
 	if (!code && o->reference)
 		code = view_picture_init(&v->reference, o->width, o->height, error);
-	if (!code && o->compare)
+	if (!code && o->compare) {
 		v->error_map = eco_alloc((size_t)o->width * o->height, sizeof *v->error_map);
-	return code;
+		code = view_picture_init(&v->fine, o->width, o->height, error);
+	}
+	if (!code && o->compare)
+		code = view_picture_init(&v->rough, o->width, o->height, error);
+	return code || !o->truths ? code : view_save_dir(o->truths, error);
 }
 
 static void finish(struct viewer *v)
 {
 	view_picture_free(&v->picture);
 	view_picture_free(&v->reference);
+	view_picture_free(&v->fine);
+	view_picture_free(&v->rough);
+	free(v->before[0]);
+	free(v->before[1]);
 	free(v->error_map);
 	view_gl_close(v->gl);
 	view_report_free(&v->report);

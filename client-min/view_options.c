@@ -126,6 +126,9 @@ static const struct eco_option option_table[] = {
 	{ "compare", 0, ECO_OPTION_FLAG, NULL, &given.compare,
 		.help = "with --reference: write compare-0000.png, which shows the frame, full detail "
 		"and the visible error (FLIP) side by side with their scores" },
+	{ "truths", 0, ECO_OPTION_TEXT, "DIR", &given.truths,
+		.help = "with --reference: keep the reference's colours in DIR, and take them from there when the "
+		"same program draws the same view of the same pack again" },
 	{ "geojson", 0, ECO_OPTION_FLAG, NULL, &given.geojson,
 		.help = "write frame-0000.geojson: the plants in view, each with longitude and latitude "
 		"(metres where the scene has no CRS), species, the species whose model is shown, "
@@ -164,7 +167,7 @@ static const struct eco_option option_table[] = {
 const struct eco_command view_command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--texel-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] "
-	"[--compare] [--samples N] [--tint NAME] "
+	"[--compare] [--truths DIR] [--samples N] [--tint NAME] "
 	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--geojson] "
 	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
@@ -173,7 +176,9 @@ const struct eco_command view_command = { .name = "ecoview", .options = option_t
 	"Scores: P and R, Precision and Recall of covered pixels; Q = 1 - distance of (P, R) from (1, 1); "
 	"skill, gain over a picture that is covered everywhere; owner_q, Q that counts only pixels of the "
 	"right plant; soft_q, Q by the covered part of each pixel; ceiling, the highest Q that the sampling "
-	"noise of the reference permits; picture_error, visible difference (mean FLIP), 0 to 1.\n" };
+	"noise of the reference permits; picture_error, visible difference (mean FLIP), 0 to 1; m16 and s16, "
+	"difference of colour (CIELAB) and of contrast (deviation of L*) in blocks of 16 x 16 pixels. The last "
+	"three compare with the truth: full detail at 64 samples a pixel, drawn in software.\n" };
 
 enum eco_code view_options_read(int argc, char **argv, struct view_options *o, struct eco_error *error)
 {
@@ -181,8 +186,8 @@ enum eco_code view_options_read(int argc, char **argv, struct view_options *o, s
 	*o = given;
 	o->width = given.size[0];
 	o->height = given.size[1];
-	if (!code && o->compare && !o->reference)
-		code = eco_fail(error, ECO_BAD_USAGE, "--compare: needs --reference");
+	if (!code && (o->compare || o->truths) && !o->reference)
+		code = eco_fail(error, ECO_BAD_USAGE, "--%s: needs --reference", o->compare ? "compare" : "truths");
 	if (!code && o->chunks && o->marks.bytes_count + o->marks.ms_count)
 		code = eco_fail(error, ECO_BAD_USAGE, "--progressive: not with --chunks, whose streams are "
 			"drawn once they are whole");

@@ -11,7 +11,7 @@
 enum view_engine { VIEW_ENGINE_NONE, VIEW_ENGINE_AUTO, VIEW_ENGINE_CPU, VIEW_ENGINE_EGL };
 
 struct view_options {
-	const char *url, *camera, *dir, *explain, *chunks;
+	const char *url, *camera, *dir, *explain, *chunks, *truths;
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory, samples;
 	double ground_px, texel_px, ahead_s, sun_s, snap_m;

@@ -7,6 +7,7 @@
  * Items number the ground's triangles first, TILE_TRIANGLES a tile, then the primitives of all cuts. */
 #include "client-min/view_reference.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -560,6 +561,48 @@ enum eco_code view_measure_ceiling(const struct view_draw_job *job, const struct
 	return code;
 }
 
+/* Mean change of bytes, and of blocks. */
+static void find_change(uint32_t width, uint32_t height, const uint8_t *const rgb[2], double *bytes, double *pop)
+{
+	uint32_t count = lod_block_count(width, height);
+	struct lod_block *blocks = eco_alloc(2 * (size_t)count, sizeof *blocks);
+	uint64_t sum = 0;
+	for (size_t i = 0; i < 3 * (size_t)width * height; i++)
+		sum += (uint64_t)abs(rgb[0][i] - rgb[1][i]);
+	for (int i = 0; i < 2; i++)
+		lod_blocks_make(blocks + (size_t)i * count, width, height, rgb[i]);
+	*bytes = (double)sum / (3.0 * width * height);
+	*pop = lod_blocks_pop(blocks, blocks + count, count);
+	free(blocks);
+}
+
+void view_measure_motion(uint32_t width, uint32_t height, const uint8_t *const rgb[2], const uint8_t *const truth[2],
+	struct view_motion *motion)
+{
+	double bytes[2], pop[2];
+	find_change(width, height, rgb, &bytes[0], &pop[0]);
+	find_change(width, height, truth, &bytes[1], &pop[1]);
+	*motion = (struct view_motion){ bytes[1] > 0 ? bytes[0] / bytes[1] : NAN, pop[1] > 0 ? pop[0] / pop[1] : NAN };
+}
+
+/* Colours and contrast of blocks. */
+static void compare_blocks(const struct view_picture *picture, const struct view_picture *reference,
+	struct lod_block_error *error)
+{
+	uint32_t count = lod_block_count(picture->width, picture->height);
+	struct lod_block *blocks = eco_alloc(2 * (size_t)count, sizeof *blocks);
+	lod_blocks_make(blocks, picture->width, picture->height, picture->rgb);
+	lod_blocks_make(blocks + count, picture->width, picture->height, reference->rgb);
+	lod_blocks_compare(error, blocks, blocks + count, count);
+	free(blocks);
+}
+
+double view_picture_error(const struct view_picture *picture, const struct view_picture *reference)
+{
+	return lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb, reference->rgb,
+		NULL });
+}
+
 void view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
 	float *error_map, struct view_measures *measures)
 {
@@ -569,4 +612,5 @@ void view_measure_pair(const struct view_picture *picture, const struct view_pic
 		(size_t)picture->width * picture->height);
 	measures->picture_error = lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
 		reference->rgb, error_map });
+	compare_blocks(picture, reference, &measures->blocks);
 }

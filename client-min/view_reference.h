@@ -7,6 +7,7 @@
 #include "client-min/draw/view_light.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
+#include "lod/raster/blocks.h"
 #include "lod/raster/raster.h"
 
 /* Fills the picture, lit (view_light.h); vertices are those of the selection: hidden ones count as drawn. */
@@ -35,7 +36,19 @@ enum eco_code view_measure_soft(const struct view_draw_job *job, struct view_pic
 /* lod_q_ceiling of a reference, from 8 x 8 samples a pixel. */
 enum eco_code view_measure_ceiling(const struct view_draw_job *job, const struct view_picture *reference,
 	double *ceiling, struct eco_error *error);
-struct view_measures { struct lod_score score; double soft_q, picture_error; };  /* lod_soft_q; mean of lod_flip */
+/* How unsteady two frames of a camera are, over the truth's own motion (view_truth.h): shimmer, by the mean change of
+ * sRGB bytes; pop, by that of whole blocks (lod_blocks_pop). They mean something for slow cameras only. rgb: before,
+ * after. NaN: the truth does not change. */
+struct view_motion { double shimmer, pop; };
+void view_measure_motion(uint32_t width, uint32_t height, const uint8_t *const rgb[2], const uint8_t *const truth[2],
+	struct view_motion *motion);
+struct view_measures {
+	struct lod_score score;
+	double soft_q;                           /* lod_soft_q */
+	double picture_error;                    /* mean of lod_flip */
+	struct lod_block_error blocks;
+};
+double view_picture_error(const struct view_picture *picture, const struct view_picture *reference);
 /* Both pictures have their soft counts. `error_map`, if not NULL, receives lod_flip's error of each pixel. */
 void view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
 	float *error_map, struct view_measures *measures);

@@ -156,16 +156,23 @@ static double lab_root(double t)
 	return t > delta * delta * delta ? cbrt(t) : t / (3 * delta * delta) + 4.0 / 29;
 }
 
-/* Lab with Hunt's effect, of linear RGB. */
-static void lab_of(const double rgb[3], double lab[3])
+void lod_lab(const double rgb[3], double lab[3])
 {
 	double xyz[3];
 	xyz_of(rgb, xyz);
 	for (int k = 0; k < 3; k++)
 		xyz[k] = lab_root(xyz[k]);
 	lab[0] = 116 * xyz[1] - 16;
-	lab[1] = 0.01 * lab[0] * 500 * (xyz[0] - xyz[1]);
-	lab[2] = 0.01 * lab[0] * 200 * (xyz[1] - xyz[2]);
+	lab[1] = 500 * (xyz[0] - xyz[1]);
+	lab[2] = 200 * (xyz[1] - xyz[2]);
+}
+
+/* With Hunt's effect. */
+static void lab_of(const double rgb[3], double lab[3])
+{
+	lod_lab(rgb, lab);
+	lab[1] *= 0.01 * lab[0];
+	lab[2] *= 0.01 * lab[0];
 }
 
 /* L*a*b* of a blurred colour, clamped to the colours of a screen. */

@@ -17,4 +17,7 @@ struct lod_flip_input {
  * that memory grows with its width only. */
 double lod_flip(const struct lod_flip_input *input);
 
+/* CIELAB under D65 of linear sRGB, 0 to 1. */
+void lod_lab(const double rgb[3], double lab[3]);
+
 #endif

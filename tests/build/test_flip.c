@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "lod/raster/blocks.h"
 #include "lod/raster/flip.h"
 #include "tests/support/unit_test.h"
 
@@ -88,4 +89,45 @@ UNIT_TEST(error_is_local)
 	for (uint32_t y = MARGIN; y < PART - MARGIN; y++)
 		assert_memory_equal(part + y * PART + MARGIN, whole + (TOP + y) * WIDTH + LEFT + MARGIN,
 			(PART - 2 * MARGIN) * sizeof *part);
+}
+
+static struct lod_block_error blocks(double *pop)
+{
+	enum { COUNT = WIDTH / LOD_BLOCK_SIDE * (HEIGHT / LOD_BLOCK_SIDE) };
+	struct lod_block test[COUNT], reference[COUNT];
+	struct lod_block_error error;
+	assert_int_equal(lod_block_count(WIDTH, HEIGHT), COUNT);
+	lod_blocks_make(test, WIDTH, HEIGHT, b);
+	lod_blocks_make(reference, WIDTH, HEIGHT, a);
+	lod_blocks_compare(&error, test, reference, COUNT);
+	*pop = lod_blocks_pop(reference, test, COUNT);
+	return error;
+}
+
+static void noise(uint32_t x, uint32_t y, uint8_t *p, uint8_t *q)
+{
+	noisy(x, y, p, q);
+	memset(p, 128, 3);
+	memset(q, q[0] & 1 ? 160 : 87, 3);
+}
+
+/* Moved leaves are no error of blocks; another colour is one of colour, and another contrast one of contrast. */
+UNIT_TEST(blocks_tell_colour_from_contrast)
+{
+	double pop;
+	make(shifted);
+	struct lod_block_error moved = blocks(&pop);
+	print_message("moved: %.3f %.3f %.3f\n", moved.color, moved.contrast, moved.contrast_abs);
+	assert_true(moved.color < 0.01 && moved.contrast_abs < 0.01 && pop < 0.01);
+	make(flat);
+	struct lod_block_error colour = blocks(&pop);
+	/* CIELAB of (128, 128, 128) and (128, 148, 128): 53.585, 0, 0 and 59.276, -11.148, 8.205 */
+	print_message("colour: %.3f %.3f %.3f\n", colour.color, colour.contrast, colour.contrast_abs);
+	assert_true(fabs(colour.color - 14.966) < 0.01 && colour.contrast_abs < 1e-3);
+	assert_true(fabs(pop - colour.color) < 1e-9);
+	make(noise);
+	struct lod_block_error contrast = blocks(&pop);
+	print_message("contrast: %.3f %.3f %.3f\n", contrast.color, contrast.contrast, contrast.contrast_abs);
+	assert_true(contrast.contrast > 13 && contrast.contrast < 16 && contrast.color < 2);
+	assert_true(fabs(contrast.contrast - contrast.contrast_abs) < 1e-9);
 }

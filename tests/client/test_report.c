@@ -32,7 +32,7 @@ UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 	view_report_line(&f, false, out);
 	fclose(out);
 	assert_string_equal(text, "frame 0007  vertices 999 of 1000  bytes 1234  P -  R -  Q 0.2500  skill "
-		"-  owner_q -  soft_q -  ceiling -  picture_error -\n");
+		"-  owner_q -  soft_q -  ceiling -  picture_error -  m16 -  s16 -\n");
 }
 
 static json_t *written(const struct view_report *report)
@@ -51,14 +51,15 @@ UNIT_TEST(report_has_every_figure)
 		"bytes", "requests", "broken_answers", "cancelled_bytes", "named_chunks", "named_bytes",
 		"memory_bytes", "evicted_chunks",
 		"refetched_bytes", "precision", "recall",
-		"q", "skill", "owner_q", "soft_q", "ceiling", "picture_error", "predicted_q", "plan_ms",
+		"q", "skill", "owner_q", "soft_q", "ceiling", "picture_error", "m16", "s16", "s16_abs",
+		"bias_error", "floor_error", "shimmer", "pop", "truth_cpu_ms", "predicted_q", "plan_ms",
 		"first_byte_ms", "stream_ms", "decode_ms",
 		"draw_ms", "shadow_ms", "shadow_texels_per_pixel", "reference_ms",
 		"reference_summaries" };
 	FREED(view_report) report = { .scene = "park", .renderer = "software", .width = 800, .height = 600,
 		.complete = true };
 	struct view_measures measures = { .score = { .precision = 0.5, .recall = 0.75, .q = 0.4, .skill = NAN,
-		.owner_q = 0.3 }, .soft_q = 0.6, .picture_error = 0.1 };
+		.owner_q = 0.3 }, .soft_q = 0.6, .picture_error = 0.1, .blocks = { .color = 0.2 } };
 	for (uint32_t i = 0; i < 3; i++) {
 		struct view_frame f = view_frame_empty(i, i / 2.0, &request);
 		f.vertices = 900 + i;
@@ -85,7 +86,7 @@ UNIT_TEST(report_has_every_figure)
 		&& json_is_null(json_object_get(last, "plan_ms")));
 	const struct { const json_t *of; const char *name; double value; } rows[] = { { first, "recall", 0.75 },
 		{ first, "soft_q", 0.6 }, { first, "ceiling", 0.9 }, { summary, "mean_q", 0.4 },
-		{ summary, "mean_picture_error", 0.1 }, { summary, "total_bytes", 30 },
+		{ summary, "mean_picture_error", 0.1 }, { summary, "mean_m16", 0.2 }, { summary, "total_bytes", 30 },
 		{ summary, "evicted_chunks", 300 }, { summary, "refetched_bytes", 12 },
 		{ summary, "repeated_requests", 3 }, { summary, "broken_answers", 3 },
 		{ summary, "cancelled_bytes", 30 }, { last, "broken_answers", 2 }, { last, "evicted_chunks", 200 } };
