@@ -50,7 +50,7 @@ struct view_draw_job {                   /* of drawing by OpenGL or in software,
 	uint32_t samples;                        /* of each pixel's colour, 1 to LOD_SAMPLES_MAX; 0: 1 */
 };
 
-/* What lights the pictures of one view: the sun, and the shadows that `first`, drawn by the job, needs. */
+/* The light of the pictures of one view: the sun, and the shadows that `first`, drawn by the job, needs. */
 struct view_lamp;
 enum eco_code view_lamp_make(struct view_lamp **lamp, const struct view_draw_job *job, struct view_picture *first,
 	struct eco_error *error);
