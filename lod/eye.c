@@ -72,6 +72,7 @@ static void side_plane(double out[3], const double forward[3], const double axis
 void lod_eye_make(struct lod_eye *eye, const struct eco_view *view)
 {
 	double up[3];
+	*eye = (struct lod_eye){ .sample = 0 };
 	for (int i = 0; i < 3; i++) {
 		eye->at[i] = view->eye[i];
 		eye->forward[i] = view->target[i] - view->eye[i];
