@@ -148,13 +148,9 @@ static void rays_of(const struct worker *w, uint32_t x, uint32_t y, const struct
 	for (int k = 0; k < 3; k++)
 		from[k] = (eye->at[k] - place->at[k]) / place->scale;
 	into_plant(place, from, rays->eye);
-	view_picture_ray(w->picture, eye, x, y, ray);
-	into_plant(place, ray, rays->ray[0]);
-	for (int i = 1; i < 3; i++) {
-		double step[3];
-		for (int k = 0; k < 3; k++)
-			step[k] = ray[k] + eye->pixel_rad * (i == 1 ? eye->right[k] : -eye->up[k]);
-		into_plant(place, step, rays->ray[i]);
+	for (int i = 0; i < 3; i++) {
+		view_picture_ray(w->picture, eye, x + (i == 1), y + (i == 2), ray);
+		into_plant(place, ray, rays->ray[i]);
 	}
 }
 

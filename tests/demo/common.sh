@@ -45,13 +45,14 @@ page() {
 		right, orange what is too much, blue what is missing. Precision is the share of what is drawn that is right, Recall the share
 		of what should be drawn that is, Q both in one, skill what Q wins over covering everything, owner Q asks for the right plant, too; soft Q
 		looks at how much of each pixel is covered, and the ceiling is the Q of a picture that only misses what single samples hit by chance.
-		1 is the full scene. The picture error is what people see of the difference (FLIP): 0 is the full scene.</p>
+		1 is the full scene. The picture error is what people see of the difference (FLIP) to the truth: full detail, 64 samples a pixel; m16 and
+		s16 are differences of colour and of contrast in blocks of 16 x 16 pixels. 0 is the truth.</p>
 		HTML
 		for dir in "$@"; do
 			name=$(basename "$dir")
-			echo "<h2>$name</h2><table><tr><th>frame<th>vertices<th>of<th>bytes<th>Precision<th>Recall<th>Q<th>skill<th>owner Q<th>soft Q<th>ceiling<th>picture error</tr>"
+			echo "<h2>$name</h2><table><tr><th>frame<th>vertices<th>of<th>bytes<th>Precision<th>Recall<th>Q<th>skill<th>owner Q<th>soft Q<th>ceiling<th>picture error<th>m16<th>s16</tr>"
 			jq -r 'def r: if . == null then "–" else (. * 1000 | round / 1000 | tostring) end;
-				.frames[] | "<tr><td>\(.frame)<td>\(.vertices)<td>\(.budget_vertices)<td>\(.bytes)<td>\(.precision|r)<td>\(.recall|r)<td>\(.q|r)<td>\(.skill|r)<td>\(.owner_q|r)<td>\(.soft_q|r)<td>\(.ceiling|r)<td>\(.picture_error|r)</tr>"' "$dir/report.json"
+				.frames[] | "<tr><td>\(.frame)<td>\(.vertices)<td>\(.budget_vertices)<td>\(.bytes)<td>\(.precision|r)<td>\(.recall|r)<td>\(.q|r)<td>\(.skill|r)<td>\(.owner_q|r)<td>\(.soft_q|r)<td>\(.ceiling|r)<td>\(.picture_error|r)<td>\(.m16|r)<td>\(.s16|r)</tr>"' "$dir/report.json"
 			echo "</table>"
 			for frame in "$dir"/frame-[0-9][0-9][0-9][0-9].png; do
 				n=$(basename "$frame" .png); n=${n#frame-}
@@ -71,5 +72,5 @@ page() {
 # frame_lines DIR : one PR line per frame
 frame_lines() {
 	jq -r --arg name "$(basename "$1")" 'def r: if . == null then "-" else (. * 10000 | round / 10000 | tostring) end;
-		.frames[] | "\($name) frame \(.frame): \(.vertices)/\(.budget_vertices) vertices, \(.bytes) bytes, P \(.precision|r) R \(.recall|r) Q \(.q|r) skill \(.skill|r) owner_q \(.owner_q|r) soft_q \(.soft_q|r) picture_error \(.picture_error|r)"' "$1/report.json"
+		.frames[] | "\($name) frame \(.frame): \(.vertices)/\(.budget_vertices) vertices, \(.bytes) bytes, P \(.precision|r) R \(.recall|r) Q \(.q|r) skill \(.skill|r) owner_q \(.owner_q|r) soft_q \(.soft_q|r) picture_error \(.picture_error|r) m16 \(.m16|r) s16 \(.s16|r)"' "$1/report.json"
 }
