@@ -61,7 +61,8 @@ for at in $(places "$count"); do
 		tried=$((tried + 1))
 		wait $server
 		status=$?
-		[ $status -eq 1 ] && [ -s "$DIR/said" ] || complain "allocation $at: no start, status $status: $(cat "$DIR/said")"
+		# glibc 2.36 asserts that its own table of name services is read
+		{ [ $status -eq 1 ] && [ -s "$DIR/said" ]; } || grep -q 'nss_database.c.*Assertion' "$DIR/said" || complain "allocation $at: no start, status $status: $(cat "$DIR/said")"
 		continue
 	fi
 	ask_all >/dev/null
