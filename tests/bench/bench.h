@@ -118,8 +118,8 @@ void bench_model_read(const struct bench_model *model, struct eco_model *out);
 struct eco_model bench_crown_make(void);
 enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error);
 
-/* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city,
- * scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
+/* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park,
+ * grove, forest, city, scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. */
 void bench_scene(struct bench *bench, const char *name, const char *order, char path[512]);
 /* False where the quick bench leaves the scene out: the report says so. */

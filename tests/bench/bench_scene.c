@@ -32,6 +32,8 @@ static const struct scene { const char *name; enum origin origin; const char *ki
 	{ "trees1276", GENERATED, "grove", 1276, 1, false },
 	{ "trees5000", GENERATED, "grove", 5000, 7, false },
 	{ "park", GENERATED, "park", 60, 1, true },
+	{ "grove", GENERATED, "grove", 320, 1, true },
+	{ "forest", GENERATED, "forest", 2000, 1, true },
 	{ "city", GENERATED, "city", 4000, 1, false },
 	{ "scbi", SCBI, NULL, 0, 1, false } };
 #define SCENES (sizeof scenes / sizeof *scenes)
