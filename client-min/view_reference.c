@@ -604,8 +604,8 @@ void view_measure_pair(const struct view_picture *picture, const struct view_pic
 {
 	lod_score(&measures->score, &(struct lod_score_input){ picture->width, picture->height,
 		picture->cover, reference->cover, picture->owner, reference->owner });
-	measures->soft_q = lod_soft_q(picture->soft, reference->soft,
-		(size_t)picture->width * picture->height);
+	measures->soft_q = picture->soft && reference->soft ? lod_soft_q(picture->soft, reference->soft,
+		(size_t)picture->width * picture->height) : NAN;
 	measures->picture_error = lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
 		reference->rgb, error_map });
 	compare_blocks(picture, reference, &measures->blocks);

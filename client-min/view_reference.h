@@ -49,7 +49,7 @@ struct view_measures {
 	struct lod_block_error blocks;
 };
 double view_picture_error(const struct view_picture *picture, const struct view_picture *reference);
-/* Both pictures have their soft counts. `error_map`, if not NULL, receives lod_flip's error of each pixel. */
+/* soft_q is NaN where a picture has no soft counts. `error_map`, if not NULL, receives lod_flip's error of each pixel. */
 void view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
 	float *error_map, struct view_measures *measures);
 

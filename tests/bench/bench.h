@@ -14,6 +14,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "client-min/view_reference.h"
 #include "ecofiles/base/status.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/plan.h"
@@ -145,37 +146,50 @@ double bench_plan_time(struct lod_planner_stats *stats, struct eco_plan *plan, c
 /* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step
  * timed ---- */
 
-struct view_picture;
-/* zero with rule, occlusion and request set asks; the rest is the answer */
+#define BENCH_SAMPLES 8u                 /* a pixel of pictures that are judged: what ecoview draws */
+
+/* Of full detail of a view: processor time of drawing the truth, also where it was kept; picture error of full
+ * detail with BENCH_SAMPLES samples (F8) and with one (F1); lod_q_ceiling. */
+struct bench_truth { double cpu_ms, floor, floor_one, ceiling; };
+#define BENCH_TRUTH_FIGURES 4u
+
+/* zero with rule, occlusion, bias and request set asks; the rest is the answer */
 struct bench_frame {
 	const char *method;          /* for the tables */
 	lod_rule *rule;
 	bool ignore_occlusion;
+	bool biased;                 /* asks for bias: 64 samples take long */
 	uint64_t cut;                /* as in bench_fetch.h */
 	struct eco_request request;
-	struct lod_score score;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
-	/* view_reference.h; NaN unless asked for */
-	double soft_q, ceiling, picture_error, widest_px;
+	/* Against the truth; all but the score is NaN of a client that does not see. one_error: picture error with
+	 * one sample a pixel (S1), beside BENCH_SAMPLES (S8) in measures; bias: with 64 (B). */
+	struct view_measures measures;
+	struct bench_truth truth;
+	double one_error, bias, widest_px;
 	uint64_t vertices, bytes, plan_bytes;
 	double plan_ms, decode_ms, draw_ms;
 };
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 struct bench_client *bench_client_open(const char *pack);
 void bench_client_close(struct bench_client *client);                /* NULL is fine */
-/* From now on frames have soft_q, ceiling, picture_error and widest_px: they take a few times longer. */
-void bench_client_see(struct bench_client *client);
+/* From now on frames are judged by the truth of their view, which `bench` keeps: they take many times longer. */
+void bench_client_see(struct bench_client *client, struct bench *bench);
 /* From now on OpenGL draws nothing: draw_ms is the rasteriser's. */
 void bench_client_untimed(struct bench_client *client);
 /* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser
- * and kept for this view. */
+ * and kept for this view; with the colours of the truth where the client sees. */
 void bench_client_reference(struct bench_client *client, const struct eco_request *request);
 /* The last reference. */
 const struct view_picture *bench_client_full(const struct bench_client *client);
-/* Scores a picture of the last reference's view that was drawn elsewhere: fills score, soft_q, picture_error,
- * ceiling and colour_rms. A client that sees wants its soft counts. */
+/* Scores a picture of the last reference's view that was drawn elsewhere: fills measures, truth and colour_rms. A
+ * client that sees wants BENCH_SAMPLES and soft counts. */
 void bench_client_score(const struct bench_client *client, struct bench_frame *frame,
 	const struct view_picture *picture);
+/* Draws a job of that view with so many samples a pixel and judges it; soft_q is NaN. Returns the processor time of
+ * drawing, in milliseconds. */
+double bench_client_sample(const struct bench_client *client, const struct view_draw_job *job, uint32_t samples,
+	struct view_measures *measures);
 /* Tiles that are points even in the last reference; 0: it is full detail. */
 uint32_t bench_client_summaries(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller frees it. Draws from an empty client: bytes are those of a first
@@ -190,7 +204,7 @@ struct view_store;
 struct view_selection;
 double bench_gl_ms(const struct view_store *store, const struct view_selection *selection,
 	const struct eco_view *view);
-/* Writes that picture beside full detail of the same view and the error that people see, as `file` of the
+/* Writes that picture beside the truth of the same view and the error that people see, as `file` of the
  * report's folder, with words under each (ASCII). Only of a client that sees. */
 void bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
 	const struct view_picture *picture, const char *const words[3]);

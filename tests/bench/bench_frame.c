@@ -1,16 +1,20 @@
 /* One picture, each step timed, and scored. The same rasteriser draws both pictures that are compared, the
- * one within its budget and full detail, so that no difference between renderers counts as error. The time of
- * drawing is OpenGL's where there is one: of the second time that the same picture is drawn, when its shaders
- * are compiled and its data is on the card, as in all but the first frame of a viewer; else the rasteriser's.
- */
+ * one within its budget and full detail, so that no difference between renderers counts as error. A client that
+ * sees compares a picture of BENCH_SAMPLES samples a pixel with the truth (view_truth.h).
+ *
+ * The time of drawing is OpenGL's where there is one, for one sample: of the second time that the same picture is
+ * drawn, when its shaders are compiled and its data is on the card, as in all but the first frame of a viewer;
+ * else the rasteriser's. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <xxhash.h>
 
 #include "client-min/draw/view_gl.h"
-#include "client-min/view_reference.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_report.h"
+#include "client-min/view_truth.h"
 #include "ecofiles/base/memory.h"
 #include "lod/scattered.h"
 #include "tests/bench/bench.h"
@@ -112,16 +116,19 @@ struct bench_client {
 	struct srv_store scenes;
 	struct view_store *full;             /* holds full detail of all views so far */
 	struct view_store *steps;            /* holds what came in steps; NULL: nothing did */
-	struct view_picture reference;       /* full detail of the view `of` */
+	struct view_picture reference;       /* full detail of the view `of`, with the colours of the truth if it sees */
 	struct eco_view of;
-	double ceiling;                      /* of the reference; NaN: not measured */
-	bool has_reference, sees, untimed;
+	struct bench_truth truth;            /* of the reference */
+	const char *pack;
+	struct bench *bench;                 /* whose cache holds truths; NULL: it does not see */
+	bool has_reference, untimed;
 };
 
 struct bench_client *bench_client_open(const char *pack)
 {
 	struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
 	struct bench_client *c = eco_alloc(1, sizeof *c);
+	c->pack = pack;
 	srv_store_init(&c->scenes);
 	must(srv_store_add(&c->scenes, "bench", pack, must_error));
 	must(view_store_new(&c->full, &options, must_error));
@@ -139,7 +146,7 @@ void bench_client_close(struct bench_client *client)
 	free(client);
 }
 
-void bench_client_see(struct bench_client *client) { client->sees = true; }
+void bench_client_see(struct bench_client *client, struct bench *bench) { client->bench = bench; }
 void bench_client_untimed(struct bench_client *client) { client->untimed = true; }
 
 /* ---- Drawing ---- */
@@ -279,13 +286,48 @@ static double find_widest_px(const struct view_store *store, const struct view_s
 
 /* ---- Full detail ---- */
 
-/* Draws what the store holds, and the soft counts of a client that sees. */
-static void draw(const struct bench_client *client, struct bench_drawing *drawing, const struct view_store *store,
-	const struct eco_view *view, struct view_picture *picture)
+/* Colours become those of a still picture; soft counts come with them. */
+static void draw_samples(struct view_draw_job *job, struct view_picture *picture)
 {
-	must(bench_draw(drawing, store, view, picture, must_error));
-	if (client->sees)
-		must(view_measure_soft(&drawing->job, picture, must_error));
+	job->samples = BENCH_SAMPLES;
+	must(view_reference_draw(job, picture, must_error));
+	must(view_measure_soft(job, picture, must_error));
+}
+
+struct sight { struct bench_client *client; const struct view_draw_job *job; char dir[512]; };
+
+/* The unit of a truth: figures of struct bench_truth. Draws and keeps the truth itself. */
+static json_t *judge_full(void *ctx)
+{
+	const struct sight *s = ctx;
+	struct view_draw_job job = *s->job;
+	struct view_picture *reference = &s->client->reference, rough = { 0 };
+	size_t bytes = 3 * (size_t)reference->width * reference->height;
+	struct bench_truth t;
+	must(view_picture_init(&rough, reference->width, reference->height, must_error));
+	memcpy(rough.rgb, reference->rgb, bytes);
+	must(view_truth_draw(&job, s->dir, reference, &t.cpu_ms, must_error));
+	t.floor_one = view_picture_error(&rough, reference);
+	job.samples = BENCH_SAMPLES;
+	must(view_reference_draw(&job, &rough, must_error));
+	t.floor = view_picture_error(&rough, reference);
+	must(view_measure_ceiling(&job, reference, &t.ceiling, must_error));
+	view_picture_free(&rough);
+	return bench_reals(&t.cpu_ms, BENCH_TRUTH_FIGURES);
+}
+
+/* Gives the reference the colours of the truth, and says how it was drawn. */
+static void find_truth(struct bench_client *client, const struct view_draw_job *job, const struct eco_view *view)
+{
+	struct sight s = { .client = client, .job = job };
+	char name[64];
+	double cpu_ms;
+	snprintf(s.dir, sizeof s.dir, "%s/truths", client->bench->cache);
+	snprintf(name, sizeof name, "truth-%016llx", (unsigned long long)XXH3_64bits(view, sizeof *view));
+	bench_cells(bench_unit(client->bench, name, bench_pack_stamp(client->pack), judge_full, &s),
+		&client->truth.cpu_ms, BENCH_TRUTH_FIGURES);
+	must(view_truth_draw(job, s.dir, &client->reference, &cpu_ms, must_error));
+	must(view_measure_soft(job, &client->reference, must_error));
 }
 
 void bench_client_reference(struct bench_client *client, const struct eco_request *request)
@@ -296,11 +338,10 @@ void bench_client_reference(struct bench_client *client, const struct eco_reques
 	if (client->has_reference && !memcmp(&client->of, &request->view, sizeof client->of))
 		return;
 	view_picture_free(&client->reference);
-	client->ceiling = NAN;
 	must(bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, must_error));
-	draw(client, &drawing, client->full, &full.view, &client->reference);
-	if (client->sees)
-		must(view_measure_ceiling(&drawing.job, &client->reference, &client->ceiling, must_error));
+	must(bench_draw(&drawing, client->full, &full.view, &client->reference, must_error));
+	if (client->bench)
+		find_truth(client, &drawing.job, &full.view);
 	view_select_free(&drawing.selection);
 	client->of = request->view;
 	client->has_reference = true;
@@ -336,17 +377,46 @@ void bench_client_score(const struct bench_client *client, struct bench_frame *f
 	const struct view_picture *picture)
 {
 	const struct view_picture *reference = &client->reference;
-	struct view_measures measures = { .soft_q = NAN, .picture_error = NAN };
-	if (client->sees)
-		view_measure_pair(picture, reference, NULL, &measures);
+	frame->measures = (struct view_measures){ .soft_q = NAN, .picture_error = NAN, .blocks = { NAN, NAN, NAN } };
+	if (client->bench)
+		view_measure_pair(picture, reference, NULL, &frame->measures);
 	else
-		lod_score(&measures.score, &(struct lod_score_input){ picture->width, picture->height,
+		lod_score(&frame->measures.score, &(struct lod_score_input){ picture->width, picture->height,
 			picture->cover, reference->cover, picture->owner, reference->owner });
-	frame->score = measures.score;
-	frame->soft_q = measures.soft_q;
-	frame->picture_error = measures.picture_error;
-	frame->ceiling = client->ceiling;
+	frame->truth = client->truth;
 	frame->colour_rms = colour_rms(picture, reference);
+}
+
+double bench_client_sample(const struct bench_client *client, const struct view_draw_job *job, uint32_t samples,
+	struct view_measures *measures)
+{
+	struct view_draw_job now = *job;
+	struct view_picture picture = { 0 };
+	clock_t begun = clock();
+	now.samples = samples;
+	must(view_picture_init(&picture, client->reference.width, client->reference.height, must_error));
+	must(view_reference_draw(&now, &picture, must_error));
+	double cpu_ms = 1e3 * (double)(clock() - begun) / CLOCKS_PER_SEC;
+	view_measure_pair(&picture, &client->reference, NULL, measures);
+	view_picture_free(&picture);
+	return cpu_ms;
+}
+
+/* Draws a picture of one sample a pixel again, with BENCH_SAMPLES, and judges what only the drawing tells. */
+static void see(const struct bench_client *client, struct bench_frame *frame, const struct bench_drawing *drawing,
+	struct view_picture *picture)
+{
+	struct view_draw_job job = drawing->job;
+	struct view_picture fine = { 0 };
+	frame->one_error = view_picture_error(picture, &client->reference);
+	frame->widest_px = find_widest_px(job.store, job.selection, job.eye, picture);
+	draw_samples(&job, picture);
+	if (!frame->biased)
+		return;
+	must(view_picture_init(&fine, picture->width, picture->height, must_error));
+	must(view_reference_fine(&job, VIEW_TRUTH_SIDE, &fine, must_error));
+	frame->bias = view_picture_error(&fine, &client->reference);
+	view_picture_free(&fine);
 }
 
 /* One answer into the store, which is made where it is NULL. False where no answer has so few bytes. */
@@ -381,13 +451,14 @@ bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, 
 	bench_client_reference(client, &frame->request);
 	bool answered = answer(client, frame, &store);
 	if (answered) {
-		draw(client, &drawing, store, view, &drawn);
-		bench_client_score(client, frame, &drawn);
+		must(bench_draw(&drawing, store, view, &drawn, must_error));
 		double gl_ms = client->untimed ? NAN : bench_gl_ms(store, &drawing.selection, view);
-		frame->widest_px = !client->sees ? NAN : find_widest_px(store, &drawing.selection, &drawing.eye,
-			&drawn);
 		frame->vertices = drawn.vertices;
 		frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
+		frame->one_error = frame->bias = frame->widest_px = NAN;
+		if (client->bench)
+			see(client, frame, &drawing, &drawn);
+		bench_client_score(client, frame, &drawn);
 	}
 	view_select_free(&drawing.selection);
 	view_store_free(store);
@@ -403,7 +474,9 @@ void bench_client_step(struct bench_client *client, struct bench_frame *frame, s
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	answer(client, frame, &client->steps);
 	if (picture)
-		draw(client, &drawing, client->steps, &frame->request.view, picture);
+		must(bench_draw(&drawing, client->steps, &frame->request.view, picture, must_error));
+	if (picture && client->bench)
+		draw_samples(&drawing.job, picture);
 	view_select_free(&drawing.selection);
 }
 

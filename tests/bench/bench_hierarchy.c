@@ -69,9 +69,9 @@ static void draw_height(struct bench *bench, const struct forest *f, const char 
 	bench_picture(bench, name, caption);
 	bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h,
 		(unsigned long long)frame.vertices, (unsigned long long)frame.bytes,
-		plan_ms(bench, pack, &frame.request), frame.predicted_q, scored ? frame.score.q : NAN,
+		plan_ms(bench, pack, &frame.request), frame.predicted_q, scored ? frame.measures.score.q : NAN,
 		scored ? bench_client_summaries(client) : NAN);
-	*worst_q = scored ? fmin(*worst_q, frame.score.q) : *worst_q;
+	*worst_q = scored ? fmin(*worst_q, frame.measures.score.q) : *worst_q;
 	view_picture_free(&picture);
 }
 

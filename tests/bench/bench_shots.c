@@ -74,12 +74,17 @@ double bench_shot_number(const json_t *row, const char *key)
 
 json_t *bench_shot_row(const struct bench_frame *f)
 {
+	const struct view_measures *m = &f->measures;
+	const struct bench_truth *t = &f->truth;
 	const struct { const char *key; double value; } figures[] = { { "vertices", (double)f->vertices },
-		{ "bytes", (double)f->bytes }, { "plan_bytes", (double)f->plan_bytes }, { "q", f->score.q },
-		{ "p", f->score.precision }, { "r", f->score.recall },
-		{ "wrong", (double)(f->score.fp + f->score.fn) }, { "skill", f->score.skill },
-		{ "owner_q", f->score.owner_q }, { "colour", f->colour_rms }, { "soft_q", f->soft_q },
-		{ "ceiling", f->ceiling }, { "picture_error", f->picture_error }, { "widest_px", f->widest_px },
+		{ "bytes", (double)f->bytes }, { "plan_bytes", (double)f->plan_bytes }, { "q", m->score.q },
+		{ "p", m->score.precision }, { "r", m->score.recall },
+		{ "wrong", (double)(m->score.fp + m->score.fn) }, { "skill", m->score.skill },
+		{ "owner_q", m->score.owner_q }, { "colour", f->colour_rms }, { "soft_q", m->soft_q },
+		{ "picture_error", m->picture_error }, { "m16", m->blocks.color }, { "s16", m->blocks.contrast },
+		{ "s16_abs", m->blocks.contrast_abs }, { "one_error", f->one_error }, { "bias_error", f->bias },
+		{ "floor_error", t->floor }, { "one_floor", t->floor_one }, { "ceiling", t->ceiling },
+		{ "truth_cpu_ms", t->cpu_ms }, { "widest_px", f->widest_px },
 		{ "predicted_q", f->predicted_q }, { "plan_ms", f->plan_ms },
 		{ "decode_ms", f->decode_ms }, { "draw_ms", f->draw_ms } };
 	json_t *row = json_object();
@@ -99,7 +104,8 @@ static json_t *make_row(const struct work *w, struct bench_client *client, uint3
 	const struct bench_shoot *shoot = w->shoot;
 	const struct bench_method *method = shoot->method ? shoot->method : &bench_methods[BENCH_OURS];
 	struct bench_frame frame = { .method = method->name, .rule = method->rule,
-		.ignore_occlusion = method->ignore_occlusion, .cut = shoot->cuts ? shoot->cuts[row] : 0,
+		.ignore_occlusion = method->ignore_occlusion, .biased = shoot->biased && w->bench->full,
+		.cut = shoot->cuts ? shoot->cuts[row] : 0,
 		.request = { .view = w->view->view,
 			.vertices = shoot->vertices ? shoot->vertices[row] : 1000000,
 		.bytes = shoot->bytes ? shoot->bytes[row] : ECO_BYTES_UNBOUNDED } };
@@ -117,7 +123,7 @@ static json_t *make_rows(void *ctx)
 	const struct work *w = ctx;
 	struct bench_client *client = bench_client_open(w->view->pack);
 	json_t *rows = json_array();
-	bench_client_see(client);
+	bench_client_see(client, w->bench);
 	if (!w->shoot->method)
 		bench_client_untimed(client);
 	for (uint32_t i = 0; i < w->shoot->count; i++)

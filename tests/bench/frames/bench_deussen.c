@@ -66,8 +66,8 @@ static void draw(struct study *s, double px, struct paper_deussen how, const cha
 	bench_client_score(s->client, &frame, &drawn.picture);
 	const double figures[FIGURES] = { [VERTICES] = (double)drawn.picture.vertices, [PX] = x / one,
 		[FULL] = (double)bench_client_full(s->client)->vertices / 3,
-		[WRONG] = (double)(frame.score.fp + frame.score.fn), [P] = frame.score.precision,
-		[R] = frame.score.recall, [Q] = frame.score.q,
+		[WRONG] = (double)(frame.measures.score.fp + frame.measures.score.fn), [P] = frame.measures.score.precision,
+		[R] = frame.measures.score.recall, [Q] = frame.measures.score.q,
 		[MS] = bench_gl_ms(s->scene->store, &drawn.selection, view) };
 	memcpy(figure, figures, sizeof figures);
 	count_kinds(s->scene->store, &drawn.selection, figure);

@@ -86,10 +86,10 @@ static struct bench_frame search(struct rivals *s, int which, const struct bench
 {
 	double low = log(LEAST), high = 0;
 	struct bench_frame best = draw_ours(s, which, (double)cook->vertices);
-	for (uint32_t i = 0; i < halvings && best.score.q >= cook->score.q; i++) {
+	for (uint32_t i = 0; i < halvings && best.measures.score.q >= cook->measures.score.q; i++) {
 		double at = (low + high) / 2;
 		struct bench_frame frame = draw_ours(s, which, (double)cook->vertices * exp(at));
-		bool enough = frame.score.q >= cook->score.q;
+		bool enough = frame.measures.score.q >= cook->measures.score.q;
 		*(enough ? &high : &low) = at;
 		best = enough && frame.vertices < best.vertices ? frame : best;
 	}
@@ -113,11 +113,11 @@ static json_t *shoot_path(void *ctx)
 	double vertices[FIGURES];
 	open_rivals(s, false);
 	const struct bench_frame plain = draw_cook(s, false, false), depth = draw_cook(s, true, false),
-		*cook = depth.score.q > plain.score.q ? &depth : &plain;
+		*cook = depth.measures.score.q > plain.measures.score.q ? &depth : &plain;
 	vertices[COOK] = (double)cook->vertices;
 	for (int i = 0; i < 2; i++) {
 		struct bench_frame best = search(s, i, cook, PATH_HALVINGS);
-		vertices[OURS + i] = best.score.q >= cook->score.q ? fmin((double)best.vertices,
+		vertices[OURS + i] = best.measures.score.q >= cook->measures.score.q ? fmin((double)best.vertices,
 			vertices[COOK])
 			: vertices[COOK];
 	}
@@ -215,8 +215,8 @@ static json_t *shoot_speed(void *ctx)
 		s->request.vertices = speed_budgets[i];
 		struct bench_frame cook = draw_cook(s, true, true), ours = search(s, 0, &cook,
 			SPEED_HALVINGS);
-		const double figures[6] = { (double)cook.vertices, cook.score.q, cook.draw_ms,
-			(double)ours.vertices, ours.score.q, ours.draw_ms };
+		const double figures[6] = { (double)cook.vertices, cook.measures.score.q, cook.draw_ms,
+			(double)ours.vertices, ours.measures.score.q, ours.draw_ms };
 		memcpy(row[i], figures, sizeof figures);
 	}
 	return bench_reals(*row, 6 * SPEED_BUDGETS);

@@ -122,7 +122,7 @@ static void plot_over(struct bench *bench, const struct study *s, int x, const c
 
 /* ---- A picture of each scene ---- */
 
-/* Ours, full detail, and the error that people see. */
+/* Ours, the truth, and the error that people see. */
 static void show_picture(struct bench *bench, const char *scene, const char *pack,
 	const struct eco_request *request)
 {
@@ -133,13 +133,13 @@ static void show_picture(struct bench *bench, const char *scene, const char *pac
 	struct view_picture ours = { 0 };
 	frame.request.vertices = vertices;
 	snprintf(file, sizeof file, "frames-%s-%llu.png", scene, vertices);
-	snprintf(caption, sizeof caption, "%s at %llu vertices; full detail; error", scene, vertices);
+	snprintf(caption, sizeof caption, "%s at %llu vertices; truth; error", scene, vertices);
 	client = bench_client_open(pack);
-	bench_client_see(client);
+	bench_client_see(client, bench);
 	bench_client_untimed(client);
 	bench_client_frame(client, &frame, &ours);
 	bench_client_compare(client, bench, file, &ours,
-		(const char *const[]){ "ours", "full detail", "error" });
+		(const char *const[]){ "ours", "truth", "error" });
 	bench_picture(bench, file, caption);
 	view_picture_free(&ours);
 	bench_client_close(client);

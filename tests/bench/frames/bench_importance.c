@@ -78,7 +78,7 @@ static void try_pack(struct bench *bench, size_t which, struct bench_table *tabl
 		share[b] = shown(&picture, bench_client_full(client));
 		bench_table_row(table, "%g,%llu,%llu,%.4f,%.4f", importances[which],
 			(unsigned long long)budgets[b], (unsigned long long)frame.vertices, share[b],
-			frame.score.q);
+			frame.measures.score.q);
 		if (b == SHOWN)
 			pictures[which + 1] = picture;
 		else

@@ -58,10 +58,10 @@ static json_t *row_of(const struct bench_frame *theirs, const struct bench_frame
 	double row[FIGURES], *at = row;
 	for (const struct bench_frame *f = theirs;; f = ours) {
 		*at++ = (double)f->vertices;
-		*at++ = (double)(f->score.fp + f->score.fn);
-		*at++ = f->score.q;
-		*at++ = f->score.owner_q;
-		*at++ = f->picture_error;
+		*at++ = (double)(f->measures.score.fp + f->measures.score.fn);
+		*at++ = f->measures.score.q;
+		*at++ = f->measures.score.owner_q;
+		*at++ = f->measures.picture_error;
 		if (f == ours)
 			return bench_reals(row, FIGURES);
 	}
@@ -137,7 +137,7 @@ static void open_packs(struct shot *shot)
 	if (shot->client)
 		return;
 	shot->client = bench_client_open(shot->ours);
-	bench_client_see(shot->client);
+	bench_client_see(shot->client, shot->bench);
 	bench_client_untimed(shot->client);
 	must(paper_scene_open(&shot->papers, shot->stochastic, must_error));
 	shot->tables = paper_tables_make(shot->papers);

@@ -177,8 +177,8 @@ static void step(const struct flight *flight, struct bench_client *client, uint3
 	bench_client_step(client, &frame, scored ? &picture : NULL);
 	if (scored) {
 		bench_client_score(client, &frame, &picture);
-		sums[QUALITY] += share * frame.score.q;
-		sums[SEEN] += share * frame.picture_error;
+		sums[QUALITY] += share * frame.measures.score.q;
+		sums[SEEN] += share * frame.measures.picture_error;
 	}
 	view_picture_free(&picture);
 	sums[BYTES] += (double)frame.bytes;
@@ -193,7 +193,7 @@ static json_t *fly(void *ctx)
 	struct bench_client *client = NULL;
 	double sums[FIGURES] = { 0 };
 	client = bench_client_open(flight->pack);
-	bench_client_see(client);
+	bench_client_see(client, flight->bench);
 	bench_client_untimed(client);
 	for (uint32_t f = 0; f < flight->count; f++)
 		step(flight, client, f, f % flight->every == flight->every / 2, sums);
