@@ -153,12 +153,15 @@ double bench_plan_time(struct lod_planner_stats *stats, struct eco_plan *plan, c
 struct bench_truth { double cpu_ms, floor, floor_one, ceiling; };
 #define BENCH_TRUTH_FIGURES 4u
 
-/* zero with rule, occlusion, bias and request set asks; the rest is the answer */
+/* zero with rule, occlusion, bias, look and request set asks; the rest is the answer */
 struct bench_frame {
 	const char *method;          /* for the tables */
 	lod_rule *rule;
 	bool ignore_occlusion;
 	bool biased;                 /* asks for bias: 64 samples take long */
+	/* called with the job of the picture, while it can be drawn; may be NULL */
+	void (*look)(void *ctx, const struct view_draw_job *job);
+	void *ctx;
 	uint64_t cut;                /* as in bench_fetch.h */
 	struct eco_request request;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */

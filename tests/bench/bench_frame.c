@@ -459,6 +459,8 @@ bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, 
 		if (client->bench)
 			see(client, frame, &drawing, &drawn);
 		bench_client_score(client, frame, &drawn);
+		if (frame->look)
+			frame->look(frame->ctx, &drawing.job);
 	}
 	view_select_free(&drawing.selection);
 	view_store_free(store);

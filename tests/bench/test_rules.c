@@ -181,7 +181,7 @@ static uint64_t solve(paper_rule *rule, void *ctx, uint64_t budget, struct paper
 {
 	struct eco_request request = { .view = view, .vertices = budget };
 	double x = 0;
-	paper_shoot(scene, &request, rule, ctx, &x, false, frame);
+	paper_shoot(scene, &request, rule, ctx, &x, 0, frame);
 	assert_true(frame->picture.vertices <= budget);
 	return frame->picture.vertices;
 }

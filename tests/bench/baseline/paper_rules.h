@@ -25,7 +25,7 @@
  * pack holds.
  *
  *   paper_scene_open(&s, path, &error);
- *   paper_shoot(s, &request, rule, ctx, &x, soft, &frame, &error);       calls the rule as often as it likes:
+ *   paper_shoot(s, &request, rule, ctx, &x, samples, &frame);       calls the rule as often as it likes:
  *     paper_open(&p, d, &error);                    opens tiles and counts plants by slot
  *     paper_cut(&p, slot, &cut);                    a cut for all plants of a slot, or by share of hash
  *
@@ -80,19 +80,20 @@ bool paper_open(struct paper *p, double d);
 void paper_cut(struct paper *p, const struct lod_slot *slot, const struct eco_cut *cut);
 /* Whether a ladder is drawn in a slot: some only where a plant's cells are not. */
 bool paper_applies(const struct paper *p, const struct eco_ladder *ladder, const struct lod_slot *slot);
-struct paper_frame { /* owns both */
+struct paper_frame { /* owns picture and selection */
 	struct view_picture picture;
 	struct view_selection selection;
+	double bytes; /* of the plan and of the chunks that it needs; NaN: no pack has all of its lists */
 };
 void paper_frame_free(struct paper_frame *frame);
 
 /* A rule at one value of its only parameter makes cuts; false as paper_open. */
 typedef bool paper_rule(struct paper *p, double x, void *ctx);
-/* Draws the plan of a rule, with soft counts where `soft`. *x is its parameter; 0: the value with most
+/* Draws the plan of a rule with so many samples a pixel and soft counts; 0: one, and no counts. *x is its parameter; 0: the value with most
  * vertices within the budget, which *x becomes. It is searched in proportion; nothing is drawn if all are too
  * many. */
 void paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule, void *ctx,
-	double *x, bool soft, struct paper_frame *frame);
+	double *x, uint32_t samples, struct paper_frame *frame);
 
 /* ---- Deussen 2002, section 5 ---- */
 

@@ -7,6 +7,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/format/wire.h"
 #include "lod/ladder.h"
+#include "server/stream.h"
 #include "tests/bench/baseline/paper_rules.h"
 
 static struct eco_error failure;
@@ -139,20 +140,32 @@ void paper_scene_close(struct paper_scene *s)
 
 /* ---- Drawing ---- */
 
-static void draw(struct paper_scene *s, struct eco_plan *plan, const struct eco_view *view, bool soft,
+static double bytes_of(const struct eco_scene *scene, const struct eco_plan *plan)
+{
+	struct eco_holdings needs = { 0 };
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		if (plan->cuts[i].list >= scene->list_count)
+			return NAN;
+	paper_must(lod_plan_needs(scene, plan, &needs, paper_error));
+	uint64_t bytes = srv_missing_bytes(scene, NULL, &needs) + eco_wire_plan_bytes(plan);
+	free(needs.items);
+	return (double)bytes;
+}
+
+static void draw(struct paper_scene *s, struct eco_plan *plan, const struct eco_view *view, uint32_t samples,
 	struct paper_frame *frame)
 {
 	struct lod_eye eye;
-	*frame = (struct paper_frame){ 0 };
+	*frame = (struct paper_frame){ .bytes = bytes_of(s->scene, plan) };
 	lod_eye_make(&eye, view);
 	view_store_begin(s->store);
 	paper_must(view_store_events.plan(s->store, plan, paper_error));
 	paper_must(view_select_make(&frame->selection, s->store, &eye, paper_error));
 	struct view_draw_job job = { .store = s->store, .selection = &frame->selection, .eye = &eye,
-		.near_m = view_store_near_m(s->store) };
+		.near_m = view_store_near_m(s->store), .samples = samples };
 	paper_must(view_picture_init(&frame->picture, view->width, view->height, paper_error));
 	paper_must(view_reference_draw(&job, &frame->picture, paper_error));
-	if (soft)
+	if (samples)
 		paper_must(view_measure_soft(&job, &frame->picture, paper_error));
 }
 
@@ -347,7 +360,7 @@ static double solve(struct paper *p, paper_rule *rule, void *ctx, double few, do
 }
 
 void paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule, void *ctx,
-	double *x, bool soft, struct paper_frame *frame)
+	double *x, uint32_t samples, struct paper_frame *frame)
 {
 	struct paper p = { .s = s, .request = *request };
 	struct eco_plan plan = { 0 };
@@ -362,5 +375,5 @@ void paper_shoot(struct paper_scene *s, const struct eco_request *request, paper
 	make_plan(&p, &plan);
 	lod_planner_end(&p.p);
 	free(p.cuts);
-	draw(s, &plan, &request->view, soft, frame);
+	draw(s, &plan, &request->view, samples, frame);
 }

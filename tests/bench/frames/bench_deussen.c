@@ -8,7 +8,7 @@
 #include "tests/bench/bench_shots.h"
 
 /* Figures of a frame; FULL: triangles in sight at full detail; PX: d'. */
-enum { TRIANGLES, LINES, POINTS, VERTICES, FULL, WRONG, P, R, Q, MS, PX, FIGURES };
+enum { TRIANGLES, LINES, POINTS, VERTICES, FULL, WRONG, P, R, Q, S8, M16, S16, MS, PX, FIGURES };
 
 /* A scene's pack, and the view at hand. */
 struct study {
@@ -16,6 +16,7 @@ struct study {
 	struct eco_request request;
 	struct bench_client *client;
 	struct paper_scene *scene;
+	bool sees;                   /* S8, M16, S16 are measured */
 	char pack[512], stamp[64];
 };
 
@@ -55,19 +56,23 @@ static void draw(struct study *s, double px, struct paper_deussen how, const cha
 	struct bench_frame frame = { .request = s->request };
 	struct paper_frame drawn;
 	const struct eco_view *view = &s->request.view;
+	const struct view_measures *m = &frame.measures;
 	double one = 2 * tan(view->fov_y_deg * M_PI / 360) / view->height, x = px * one;
 	if (!s->client) {
 		s->client = bench_client_open(s->pack);
 		bench_client_untimed(s->client);
+		if (s->sees)
+			bench_client_see(s->client, s->bench);
 		must(paper_scene_open(&s->scene, s->pack, must_error));
 	}
 	bench_client_reference(s->client, &s->request);
-	paper_shoot(s->scene, &s->request, paper_deussen, &how, &x, false, &drawn);
+	paper_shoot(s->scene, &s->request, paper_deussen, &how, &x, s->sees ? BENCH_SAMPLES : 0, &drawn);
 	bench_client_score(s->client, &frame, &drawn.picture);
 	const double figures[FIGURES] = { [VERTICES] = (double)drawn.picture.vertices, [PX] = x / one,
 		[FULL] = (double)bench_client_full(s->client)->vertices / 3,
-		[WRONG] = (double)(frame.measures.score.fp + frame.measures.score.fn), [P] = frame.measures.score.precision,
-		[R] = frame.measures.score.recall, [Q] = frame.measures.score.q,
+		[WRONG] = (double)(m->score.fp + m->score.fn), [P] = m->score.precision,
+		[R] = m->score.recall, [Q] = m->score.q, [S8] = m->picture_error, [M16] = m->blocks.color,
+		[S16] = m->blocks.contrast,
 		[MS] = bench_gl_ms(s->scene->store, &drawn.selection, view) };
 	memcpy(figure, figures, sizeof figures);
 	count_kinds(s->scene->store, &drawn.selection, figure);
@@ -166,17 +171,19 @@ static void write_sweep(struct bench *bench)
 	find_pack(&s, bench, "outdoor", requests);
 	s.request = requests[0];
 	s.request.vertices = ECO_VERTICES_MAX;
+	s.sees = true;
 	bench_head(bench, "Sample distance and splat factor (figure 5)");
 	bench_progress(bench, 0.6, "sample distances and splat factors");
 	bench_cells(bench_unit(bench, "deussen-sweep", s.stamp, sweep, &s), *figure, SWEEP * FIGURES);
 	close_study(&s);
 	struct bench_table *table = bench_table_open(bench, "deussen_sweep",
-		"d' px,c_p,triangles,lines,points,vertices,wrong pixels,P,R,Q", true);
+		"d' px,c_p,triangles,lines,points,vertices,wrong pixels,P,R,Q,S8,m16,s16", true);
 	for (size_t i = 0; i < SWEEP; i++) {
 		const double *d = figure[i];
-		bench_table_row(table, "%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.3f",
+		bench_table_row(table, "%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.3f,%.4f,%.3f,%.3f",
 			distances[i / FACTORS], factors[i % FACTORS], d[TRIANGLES], d[LINES], d[POINTS],
-			d[VERTICES], d[WRONG], d[P], d[R], d[Q]);
+			d[VERTICES], d[WRONG], d[P], d[R], d[Q],
+			d[S8], d[M16], d[S16]);
 	}
 	bench_table_close(table);
 	for (size_t i = 0; i < sizeof shown / sizeof *shown; i++)

@@ -61,7 +61,7 @@ static struct bench_frame draw_cook(struct rivals *s, bool depth, bool timed)
 	struct paper_cook cook = { .tables = depth ? s->tables : NULL };
 	struct paper_frame drawn;
 	double x = 0;
-	paper_shoot(s->papers, &s->request, paper_cook, &cook, &x, false, &drawn);
+	paper_shoot(s->papers, &s->request, paper_cook, &cook, &x, 0, &drawn);
 	struct bench_frame frame = { .request = s->request, .vertices = drawn.picture.vertices };
 	bench_client_reference(s->client[0], &s->request);
 	bench_client_score(s->client[0], &frame, &drawn.picture);

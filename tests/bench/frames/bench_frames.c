@@ -1,6 +1,7 @@
 /* Error against run time: every method at every budget, on whole scenes, with the time to plan, send, decode
  * and draw. The error is that of the covered pixels against full detail of the same view (Neubert 2011,
- * equations 1 and 4), beside measures that a few large blobs cannot win: skill, owner_q, colour. */
+ * equations 1 and 4), beside measures that a few large blobs cannot win: skill, owner_q, colour, and
+ * those of the truth (S8, m16, s16). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +22,7 @@ static const struct { const char *name, *title; } scenes[] = {
 #define SCENES (sizeof scenes / sizeof *scenes)
 
 static const struct bench_column columns[] = { { "1-Q", 5 }, { "P", 5 }, { "R", 5 }, { "wrong pixels", 0 },
-	{ "skill", 4 }, { "owner_q", 4 }, { "soft Q", 4 }, { "ceiling", 4 }, { "picture error", 4 },
+	{ "skill", 4 }, { "owner_q", 4 }, { "soft Q", 4 }, { "ceiling", 4 }, { "S8", 4 }, { "m16", 3 }, { "s16", 3 },
 	{ "colour RMS", 4 }, { "predicted Q", 4 }, { "plan ms", 2 }, { "transfer at 10 Mbit/s ms", 2 },
 	{ "transfer at 100 Mbit/s ms", 2 }, { "decode ms", 2 }, { "draw ms", 2 }, { "total at 10 Mbit/s ms",
 	2 },
@@ -29,9 +30,9 @@ static const struct bench_column columns[] = { { "1-Q", 5 }, { "P", 5 }, { "R", 
 #define COLUMNS (sizeof columns / sizeof *columns)
 /* of bench_shots, for each column; NULL: made of others */
 static const char *const keys[COLUMNS] = { "q", "p", "r", "wrong", "skill", "owner_q", "soft_q", "ceiling",
-	"picture_error", "colour", "predicted_q", "plan_ms", NULL, NULL, "decode_ms", "draw_ms", NULL, NULL,
+	"picture_error", "m16", "s16", "colour", "predicted_q", "plan_ms", NULL, NULL, "decode_ms", "draw_ms", NULL, NULL,
 	"vertices", "bytes" };
-enum { ERROR = 0, PLAN = 11, SENT_10, SENT_100, DECODE, DRAW, TOTAL_10, TOTAL_100, VERTICES, BYTES };
+enum { ERROR = 0, PLAN = 13, SENT_10, SENT_100, DECODE, DRAW, TOTAL_10, TOTAL_100, VERTICES, BYTES };
 
 static void read_row(const json_t *row, double value[COLUMNS])
 {
