@@ -23,7 +23,9 @@ struct view_gl {
 	struct view_gpu gpu;
 	struct view_shader shaders[VIEW_PROGRAM_COUNT], casting[VIEW_PROGRAM_COUNT];
 	unsigned quads;                  /* index buffer: two triangles of four vertices, QUADS times */
-	unsigned framebuffer, seen, depth, vertex_array;
+	/* of a picture's first sample, and, once there is one, of another: they share depths */
+	unsigned framebuffers[2], seen[2], depth;
+	unsigned vertex_array;
 	float point_max;                 /* pixels across */
 	int viewport_max[2];
 	struct view_gpu_texels instances, members;
@@ -50,39 +52,46 @@ static unsigned texture_target(unsigned format, uint32_t width, uint32_t height,
 	return texture;
 }
 
-static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
+static enum eco_code make_target(struct view_gl *gl, bool other, struct eco_error *error)
 {
-	GLint most = 0;
-	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-	if (gl->width > (uint32_t)most || gl->height > (uint32_t)most)
-		return eco_fail(error, ECO_UNSUPPORTED, "a picture of %u x %u pixels: the graphics driver "
-			"draws at most %d x %d", gl->width, gl->height, most, most);
-	glGenFramebuffers(1, &gl->framebuffer);
-	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
-	gl->seen = texture_target(GL_RGBA32UI, gl->width, gl->height, GL_COLOR_ATTACHMENT0);
-	gl->depth = texture_target(GL_DEPTH_COMPONENT32F, gl->width, gl->height, GL_DEPTH_ATTACHMENT);
+	if (gl->framebuffers[other])
+		return ECO_OK;
+	glGenFramebuffers(1, &gl->framebuffers[other]);
+	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffers[other]);
+	gl->seen[other] = texture_target(GL_RGBA32UI, gl->width, gl->height, GL_COLOR_ATTACHMENT0);
+	if (gl->depth)
+		glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, gl->depth, 0);
+	else
+		gl->depth = texture_target(GL_DEPTH_COMPONENT32F, gl->width, gl->height, GL_DEPTH_ATTACHMENT);
 	if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
 		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver cannot draw whole numbers");
 	return ECO_OK;
 }
 
-static void free_target(struct view_gl *gl)
+static void free_targets(struct view_gl *gl)
 {
-	const unsigned textures[] = { gl->seen, gl->depth };
-	glDeleteTextures(2, textures);
-	glDeleteFramebuffers(1, &gl->framebuffer);
+	glDeleteTextures(2, gl->seen);
+	glDeleteTextures(1, &gl->depth);
+	glDeleteFramebuffers(2, gl->framebuffers);
+	memset(gl->framebuffers, 0, sizeof gl->framebuffers);
+	gl->depth = 0;
 }
 
 enum eco_code view_gl_resize(struct view_gl *gl, const struct view_gl_options *options,
 	struct eco_error *error)
 {
-	if (gl->framebuffer && gl->width == options->width && gl->height == options->height)
+	GLint most = 0;
+	if (gl->framebuffers[0] && gl->width == options->width && gl->height == options->height)
 		return ECO_OK;
 	view_context_use(&gl->context);
-	free_target(gl);
+	free_targets(gl);
 	gl->width = options->width;
 	gl->height = options->height;
-	return make_target(gl, error);
+	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+	if (gl->width > (uint32_t)most || gl->height > (uint32_t)most)
+		return eco_fail(error, ECO_UNSUPPORTED, "a picture of %u x %u pixels: the graphics driver "
+			"draws at most %d x %d", gl->width, gl->height, most, most);
+	return make_target(gl, false, error);
 }
 
 static void prepare_points(struct view_gl *gl)
@@ -144,7 +153,7 @@ void view_gl_close(struct view_gl *gl)
 			glDeleteProgram(gl->shaders[i].program);
 			glDeleteProgram(gl->casting[i].program);
 		}
-		free_target(gl);
+		free_targets(gl);
 		glDeleteTextures(2, textures);
 		glDeleteBuffers(1, &gl->quads);
 		glDeleteVertexArrays(1, &gl->vertex_array);
@@ -555,14 +564,15 @@ static void read_pixel(const struct view_gl *gl, const uint32_t words[4], struct
 		picture->rgb[3 * i + (size_t)k] = (uint8_t)(words[3] >> 8 * k);
 }
 
-enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, struct eco_error *error)
+enum eco_code view_gl_read(struct view_gl *gl, uint32_t sample, struct view_picture *picture,
+	struct eco_error *error)
 {
 	size_t pixels = (size_t)picture->width * picture->height;
 	uint32_t *words = malloc(pixels * 16);
 	if (!words)
 		return eco_no_memory(error, "a picture");
 	view_context_use(&gl->context);
-	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
+	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffers[sample > 0]);
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);
 	glReadBuffer(GL_COLOR_ATTACHMENT0);
 	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA_INTEGER,
@@ -611,10 +621,13 @@ enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job
 			picture->width, picture->height, gl->width, gl->height);
 	picture->vertices = 0;
 	view_context_use(&gl->context);
-	begin(gl, gl->framebuffer, picture);
+	enum eco_code code = make_target(gl, job->eye->sample > 0, error);
+	if (code)
+		return code;
+	begin(gl, gl->framebuffers[job->eye->sample > 0], picture);
 	glClearBufferuiv(GL_COLOR, 0, (const unsigned[]){ 0, 0, 0, 0 });
 	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
-	enum eco_code code = note_owners(&f);
+	code = note_owners(&f);
 	if (!code)
 		code = upload_selection(&f);
 	if (!code && job->selection->ground.count)
@@ -640,9 +653,9 @@ enum eco_code view_gl_cast(struct view_gl *gl, const struct view_gl_map *map, st
 	return code ? code : draw_cuts(&f);
 }
 
-unsigned view_gl_target(const struct view_gl *gl)
+unsigned view_gl_target(const struct view_gl *gl, uint32_t sample)
 {
-	return gl->seen;
+	return gl->seen[sample > 0];
 }
 
 static enum eco_code record(void *ctx, const struct view_draw_job *job, struct view_picture *picture,
@@ -650,7 +663,7 @@ static enum eco_code record(void *ctx, const struct view_draw_job *job, struct v
 {
 	struct view_gl *gl = ctx;
 	enum eco_code code = view_gl_record(gl, job, picture, error);
-	return code ? code : view_gl_read(gl, picture, error);
+	return code ? code : view_gl_read(gl, job->eye->sample, picture, error);
 }
 
 enum eco_code view_gl_draw(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,

@@ -42,18 +42,21 @@ uint64_t view_gl_bytes(const struct view_gl *gl);                /* of records o
 enum eco_code view_gl_draw(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error);
 
-/* Its parts, for who lights pictures on the GPU (web/web_light.h): records what each pixel shows, which stays
- * in textures until the next picture or size; reads that, own colours and no light, into `picture`. */
+/* Its parts, for light on the GPU (web/web_light.h): records what each pixel shows, which stays in textures
+ * until the next picture or size; reads that, own colours and no light, into `picture`. The first sample of a
+ * picture (lod_eye_sample) stays while others are recorded; `sample` 0 is that one, any other number the one
+ * that was recorded last. */
 enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error);
-enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, struct eco_error *error);
+enum eco_code view_gl_read(struct view_gl *gl, uint32_t sample, struct view_picture *picture,
+	struct eco_error *error);
 /* A texture of four words a pixel (RGBA32UI), 0 where nothing is:
  *   0  1 + the number of the instance that is seen; 0: the ground; of a summary's point, bits 30..61 of its
  *      owner
  *   1  its surface, as view_light.h has it; the upper byte is VIEW_GL_SUMMARY where it is a summary's point
  *   2  1 / distance, a float
  *   3  its own colour, r | g << 8 | b << 16; the upper byte means nothing */
-unsigned view_gl_target(const struct view_gl *gl);
+unsigned view_gl_target(const struct view_gl *gl, uint32_t sample);
 #define VIEW_GL_SUMMARY 0x81u            /* a cloud, and bit 24 */
 
 /* A shadow map (view_shadow.h), for who lights pictures on the GPU: its programs are compiled when something

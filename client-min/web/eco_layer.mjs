@@ -21,6 +21,7 @@ export const SHADOWS = { none: 0, standard: 1, perspective: 2 };
 // a view that is out of date is given up when something of it came so long ago: else who moves on a slow line
 // would never get anything
 const PATIENCE_MS = 400;
+const SAMPLES_MAX = 16;          // lod_eye_sample has so many places in a pixel
 const FIRST_MS = 250;            // coarser pictures are shown while a view takes longer than this
 
 
@@ -79,6 +80,9 @@ function stateOf(gl) {
 	const mask = gl.getParameter(gl.DEPTH_WRITEMASK);
 	const viewport = gl.getParameter(gl.VIEWPORT);
 	const color = gl.getParameter(gl.COLOR_WRITEMASK);
+	const [equations, factors] = [[gl.BLEND_EQUATION_RGB, gl.BLEND_EQUATION_ALPHA],
+		[gl.BLEND_SRC_RGB, gl.BLEND_DST_RGB, gl.BLEND_SRC_ALPHA, gl.BLEND_DST_ALPHA]]
+		.map((names) => names.map((name) => gl.getParameter(name)));
 	const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT);
 	const clip = gl.getExtension('EXT_clip_control');
 	const clips = clip && [clip.CLIP_ORIGIN_EXT, clip.CLIP_DEPTH_MODE_EXT].map((name) => gl.getParameter(name));
@@ -96,6 +100,8 @@ function stateOf(gl) {
 		gl.depthMask(mask);
 		gl.viewport(...viewport);
 		gl.colorMask(...color);
+		gl.blendEquationSeparate(...equations);
+		gl.blendFuncSeparate(...factors);
 		gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
 	};
 	return { framebuffer, restore };
@@ -106,6 +112,8 @@ export class EcoLayer {
 	 * which the rest comes (firstBytes Infinity: all comes at once); tint: 'none' or 'kind'; sky: draw one where
 	 * nothing is; ground: draw it, else plants alone, which it still hides; scale: pixels drawn for each
 	 * of the page's, either way; memoryBytes: of decoded data;
+	 * samples: of each pixel's colour, up to 16, once all of a view is here: each draw() of the same view adds
+	 * one, and onChange() asks for it; what draws no half floats keeps one;
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
 	 * shadows: 'none', 'standard' or 'perspective', by a map of shadowSize texels a side (0: 1024);
 	 * haze: metres after which it hides all but 1/e (0: as usual);
@@ -115,14 +123,16 @@ export class EcoLayer {
 	 * onChange(): there is more to draw; onError(error): an EcoError, `offline` if the
 	 * server does not answer and will be asked again. */
 	constructor({ url, gl, vertices = 300000, bytes = -1, firstVertices = 80000, firstBytes = 65536,
-		tint = 'none', sky = true, ground = true, scale = 1, memoryBytes, sun = null, shadows = 'none',
+		tint = 'none', sky = true, ground = true, scale = 1, samples = 1, memoryBytes, sun = null, shadows = 'none',
 		shadowSize = 0, haze = 0, keep = false, token, first, onChange, onError }) {
-		Object.assign(this, { gl, vertices, bytes, firstVertices, firstBytes, tint, sky, ground, scale, sun, shadows,
-			shadowSize, haze, onChange, onError });
+		Object.assign(this, { gl, vertices, bytes, firstVertices, firstBytes, tint, sky, ground, scale, samples,
+			sun, shadows, shadowSize, haze, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.offline = false;           // the server did not answer, and is asked again in a while
 		this.version = 0;               // of what is drawn
+		this.sampled = 0;               // samples of the picture that was drawn last
+		this.most = SAMPLES_MAX;        // of them, as far as is known
 		this.ahead = { asked: 0, aborted: 0 };   // requests that said where the eye will be
 		this.source = { url, memoryBytes, keep, token };
 		this.ready = this.open(first);
@@ -210,7 +220,24 @@ export class EcoLayer {
 			return false;
 		const { view, depth } = cameraOf(viewProjection, eye);
 		this.ask(view, width, height, next);
-		return this.stream.selected && this.present(view, depth, width, height);
+		const there = this.stream.selected && this.present(view, depth, width, height);
+		if (there && this.refines)
+			queueMicrotask(() => this.onChange?.());
+		return there;
+	}
+
+	/** Whether the next draw() of the same view adds a sample. */
+	get refines() {
+		return this.complete && this.sampled < Math.min(this.samples, this.most);
+	}
+
+	/** Adds a sample to the picture that was drawn last; false: it has all that it can have. */
+	sample() {
+		const { module, stream } = this, failed = module._web_sample(stream.web);
+		this.sampled += !failed;
+		this.most = failed ? this.sampled : SAMPLES_MAX;
+		stream.check(failed > 0);
+		return !failed;
 	}
 
 	/** A picture's key: pictures of the same key look the same. */
@@ -232,7 +259,9 @@ export class EcoLayer {
 				stream.check(module._web_sky(stream.web, SHADOWS[this.shadows], this.shadowSize,
 					this.haze));
 				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint]));
-				this.drawn = key;
+				[this.drawn, this.sampled, this.most] = [key, 1, SAMPLES_MAX];
+			} else if (this.refines) {
+				this.sample();
 			}
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);
 			module.HEAPF64.set([...depth, x, y, width, height], stream.view / 8);

@@ -182,6 +182,10 @@ const heard = {
 			redraw();
 		settled ||= message.complete;
 		canvas.dataset.complete = message.complete && message.number === asked && !frame;
+		canvas.dataset.samples = message.sampled;
+	},
+	sampled({ sampled }) {
+		canvas.dataset.samples = sampled;
 	},
 	named({ species }) {
 		nameSpecies(species);

@@ -5,12 +5,13 @@
 //                                                  first: EcoLayer's, or its body comes later:
 //   { type: 'answer', body }                        that
 //   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, sun, shadows, haze }
-//                                                  the view from now on
+//                                                  the view from now on; at rest its picture gets more
+//                                                  samples, and 'sampled' says how many it has
 //   { type: 'pick', at }                            what is seen there? 'picked', then of a plant 'identified':
 //                                                  its row, and 'explained': why so
 //   'named', once a picture is complete, brings the species that its plants stand for
 //   { type: 'explain' }                             why is the picture what it is?
-//   { type: 'save' }                                the picture as a PNG, once it is whole: 'saved'
+//   { type: 'save' }                                the picture as a PNG, once it has all samples: 'saved'
 //
 // and from it these answers, 'drawn' with what there is to say of the picture, and 'failed'.
 import { EcoLayer } from './eco_layer.mjs';
@@ -20,6 +21,7 @@ import './eco_keep.mjs';
 import './eco_stream.mjs';
 
 const PIXELS_MAX = 1.6e6;
+const SAMPLES = 16;                              // of a picture at rest
 // a moving picture may take so long; it has fewer pixels for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const ROWS_MAX = 40;                             // of an explanation that are shown
@@ -126,30 +128,35 @@ class Engine {
 	}
 
 	/** False: nothing is here yet. */
-	draw() {
+	draw(samples = SAMPLES) {
 		const { layer, gl, canvas, wanted } = this, { matrix, eye, next, size, moving } = wanted;
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
 		const { vertices, bytes, tint, sun, shadows, haze } = wanted;
 		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, sun, shadows, haze,
+		Object.assign(layer, { vertices, bytes, tint, sun, shadows, haze, samples: moving ? 1 : samples,
 			scale: moving ? scale * this.movingScale : scale });
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 		const there = layer.draw(matrix, eye, size, next), { complete, offline, stream } = layer;
-		this.said = { number: wanted.number, moving, facts: layer.facts(), complete, offline,
+		this.said = { number: wanted.number, moving, facts: layer.facts(), complete, offline, sampled: layer.sampled,
 			received: stream.received, ahead: layer.ahead,
 			ground: stream.selected ? stream.ground(eye[0], eye[1]) : null };
 		return there;
 	}
 
-	/** Says of what was drawn that it is there, and once it is complete, what stands there. */
+	/** Says of what was drawn that it is there, and once it is complete, what stands there; of more samples
+	 * only how many there are. */
 	tell() {
+		const { number, complete, sampled } = this.said;
+		if (this.told === number && sampled > 1)
+			return this.post({ type: 'sampled', sampled });
+		this.told = complete ? number : null;
 		this.post({ type: 'drawn', ...this.said });
-		if (this.said.complete && this.named !== this.layer.stream)
+		if (complete && this.named !== this.layer.stream)
 			this.name(this.layer.stream);
 	}
 
@@ -162,8 +169,10 @@ class Engine {
 	}
 
 	async pick({ at }) {
-		if (!this.layer?.stream?.selected || !this.draw())
+		// a click waits for no sample
+		if (!this.layer?.stream?.selected || !this.draw(1))
 			return;
+		this.layer.samples = SAMPLES;
 		const picked = this.layer.pick(...at);
 		this.post({ type: 'picked', picked });
 		if (picked.kind === 'plant')
@@ -193,7 +202,8 @@ class Engine {
 			rows: rows.slice(0, ROWS_MAX) });
 	}
 
-	/** The next picture that is whole is saved: not a coarse one of a motion, nor an incomplete one. */
+	/** The next picture that is whole is saved: not a coarse one of a motion, nor an incomplete one, nor one that
+	 * gets more samples. */
 	save() {
 		this.saving = true;
 		this.redraw();
@@ -201,7 +211,7 @@ class Engine {
 
 	async offer() {
 		const { moving, complete, offline } = this.said;
-		if (!this.saving || moving || !(complete || offline))
+		if (!this.saving || moving || !(complete || offline) || this.layer.refines)
 			return;
 		this.saving = false;
 		const { canvas } = this;

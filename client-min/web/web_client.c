@@ -26,6 +26,8 @@ struct web {
 	uint8_t *owners;                         /* of it */
 	struct web_light light;
 	struct lod_eye eye;                      /* of the picture */
+	enum view_tint tint;
+	uint32_t samples;                        /* of each of its pixels; 0: what it shows is not here any more */
 	struct view_sky sky;
 	struct eco_writer body, text;
 	uint64_t bytes;                          /* of answers */
@@ -82,6 +84,7 @@ static void keep_selection(struct web *web)
 		return;
 	view_select_free(&web->selection);
 	view_select_free(&web->casters);
+	web->samples = 0;
 }
 
 static struct eco_view view_of(const double view[10], double width, double height)
@@ -185,6 +188,7 @@ int web_select(struct web *web)
 		return (int)code;
 	view_select_free(&web->selection);
 	web->selection = selection;
+	web->samples = 0;
 	web_light_forget(&web->light);
 	web->evictions = view_store_stats(web->store).evictions;
 	web->predicted_q = eco_predicted_q(&plan->prediction);
@@ -221,6 +225,20 @@ int web_prepare(struct web *web, double width, double height)
 	return (int)code;
 }
 
+static enum eco_code draw_sample(struct web *web, uint32_t sample)
+{
+	struct lod_eye eye = web->eye;
+	const struct view_draw_job job = { .store = web->store, .selection = &web->selection, .eye = &eye,
+		.near_m = view_store_near_m(web->store), .tint = web->tint };
+	lod_eye_sample(&eye, sample);
+	enum eco_code code = view_gl_record(web->gl, &job, &web->picture, &web->error);
+	if (!code)
+		code = web_light_draw(&web->light, web->gl, &job, web->picture.width, web->picture.height,
+			&web->error);
+	web->samples = code ? 0 : sample + 1;
+	return code;
+}
+
 int web_draw(struct web *web, const double view[10], double width, double height, double tint)
 {
 	struct eco_view v = view_of(view, width, height);
@@ -231,19 +249,23 @@ int web_draw(struct web *web, const double view[10], double width, double height
 	web->selection.sky = web->sky;
 	web->selection.sky.casters = web->casters.instance_count ? &web->casters : NULL;
 	web->read = false;
-	const struct view_draw_job job = { .store = web->store, .selection = &web->selection,
-		.eye = &web->eye, .near_m = view_store_near_m(web->store), .tint = (enum view_tint)tint };
-	enum eco_code code = view_gl_record(web->gl, &job, &web->picture, &web->error);
-	if (!code)
-		code = web_light_draw(&web->light, web->gl, &job, v.width, v.height, &web->error);
-	return (int)code;
+	web->tint = (enum view_tint)tint;
+	return (int)draw_sample(web, 0);
+}
+
+int web_sample(struct web *web)
+{
+	forget_error(web);
+	if (!web->samples || web->samples == LOD_SAMPLES_MAX || !web_mean_prepare(&web->light.mean, &web->light.lit))
+		return -1;
+	return (int)draw_sample(web, web->samples);
 }
 
 /* Reads the last picture into memory; false, with an error: it cannot be read. */
 static bool read_picture(struct web *web)
 {
 	forget_error(web);
-	web->read = web->read || !view_gl_read(web->gl, &web->picture, &web->error);
+	web->read = web->read || !view_gl_read(web->gl, 0, &web->picture, &web->error);
 	return web->read;
 }
 

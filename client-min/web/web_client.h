@@ -14,6 +14,8 @@
  *   web_select(web)                                 what the plan that has come draws from now on; -1: none
  *                                                   has
  *   web_draw(web, view, width, height, tint)        a picture, by the WebGL context that is current
+ *   web_sample(web)                                 adds a sample of each pixel's colour to that picture; -1: it
+ *                                                   has all, or this driver cannot
  *   web_present(web, depth, viewport, sky, ground)  puts it into the page's framebuffer (web_program.h)
  *   web_facts(web)                                  JSON: what a page shows of it
  *   web_pick(web, x, y)                             JSON: what is seen at a pixel of it
@@ -45,6 +47,7 @@ int web_finish(struct web *web);
 int web_prepare(struct web *web, double width, double height);
 int web_select(struct web *web);
 int web_draw(struct web *web, const double view[10], double width, double height, double tint);
+int web_sample(struct web *web);
 /* From now on the sun is where it is at a place and time (view_sun_at); NaN: where it usually is. */
 void web_sun(struct web *web, double longitude_deg, double latitude_deg, double convergence_deg,
 	double unix_s);
@@ -54,7 +57,8 @@ int web_sky(struct web *web, double shadows, double shadow_size, double haze_m);
 /* depth: 2 numbers, viewport: 4. */
 void web_present(struct web *web, const double *depth, const double *viewport, double sky, double ground);
 /* The last picture, rows from the top: 3 bytes of colour a pixel; 255 where a plant is, else 0; owners as
- * view_picture_owners has them. They and web_pick read it from the GPU, once. NULL: see web_error. */
+ * view_picture_owners has them. Only colours are of all samples, all else is the first's. They and web_pick
+ * read it from the GPU, once. NULL: see web_error. */
 const uint8_t *web_colors(struct web *web);
 const uint8_t *web_cover(struct web *web);
 const uint8_t *web_owners(struct web *web);

@@ -109,12 +109,7 @@ static const char pixels[] = FRAME
 	"	ivec2 at = ivec2(int(i) & ((1 << shift) - 1), int(i) >> shift);\n"
 	"	return uintBitsToFloat(texelFetch(u_plants, at, 0));\n"
 	"}\n"
-	"vec3 light_of_bytes(vec3 c) {\n"
-	"	return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));\n"
-	"}\n"
-	"vec3 bytes_of_light(vec3 c) {\n"
-	"	return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));\n"
-	"}\n"
+	WEB_SRGB
 	/* of a pixel; foot: of the plant, and its scale */
 	"plant plant_of(uvec4 seen, out vec4 foot) {\n"
 	"	foot = vec4(0.0, 0.0, 0.0, 1.0);\n"
@@ -313,10 +308,10 @@ enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadow
 {
 	unsigned *program = &light->programs[image][shadows];
 	char metre[1024];
-	if (!light->vertex_array) {
+	if (!light->lit.vertex_array) {
 		view_gpu_init(&light->gpu);
-		glGenVertexArrays(1, &light->vertex_array);
-		glGenFramebuffers(1, &light->framebuffer);
+		glGenVertexArrays(1, &light->lit.vertex_array);
+		glGenFramebuffers(1, &light->lit.framebuffer);
 		light->present = web_program(NULL, (const char *const[]){ present_text }, 1, "pictures", error);
 	}
 	if (!light->present)
@@ -333,28 +328,29 @@ enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadow
 	return light->program ? ECO_OK : error->code;
 }
 
-static void resize(struct web_light *light, uint32_t width, uint32_t height)
+static void resize(struct web_lit *lit, uint32_t width, uint32_t height)
 {
-	if (light->lit && light->width == width && light->height == height)
+	if (lit->texture && lit->width == width && lit->height == height)
 		return;
-	glDeleteTextures(1, &light->lit);
-	light->lit = view_gpu_texture(GL_RGBA8, width, height, GL_LINEAR);
-	light->width = width;
-	light->height = height;
-	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
-	glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, light->lit, 0);
+	glDeleteTextures(1, &lit->texture);
+	lit->texture = view_gpu_texture(GL_RGBA8, width, height, GL_LINEAR);
+	lit->width = width;
+	lit->height = height;
+	glBindFramebuffer(GL_FRAMEBUFFER, lit->framebuffer);
+	glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, lit->texture, 0);
 }
 
 void web_light_free(struct web_light *light)
 {
-	const unsigned textures[] = { light->lit, light->shade, light->plants.texture };
+	const unsigned textures[] = { light->lit.texture, light->shade, light->plants.texture };
 	glDeleteTextures(3, textures);
-	glDeleteFramebuffers(1, &light->framebuffer);
-	glDeleteVertexArrays(1, &light->vertex_array);
+	glDeleteFramebuffers(1, &light->lit.framebuffer);
+	glDeleteVertexArrays(1, &light->lit.vertex_array);
 	for (int i = 0; i < 4; i++)
 		glDeleteProgram(light->programs[i / 2][i % 2]);
 	glDeleteProgram(light->present);
 	web_shadow_free(&light->shadow);
+	web_mean_free(&light->mean);
 	free_image(&light->image);
 	view_gpu_free(&light->gpu);
 	*light = (struct web_light){ 0 };
@@ -529,8 +525,9 @@ enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const 
 	uint32_t width, uint32_t height, struct eco_error *error)
 {
 	bool shadows = web_shadow_wanted(&light->shadow, &job->selection->sky);
+	uint32_t sample = job->eye->sample;
 	enum eco_code code = web_light_prepare(light, job->selection->image.count > 0, shadows, error);
-	if (!code && shadows)
+	if (!code && shadows && !sample)
 		code = web_shadow_draw(&light->shadow, gl, job, (const uint32_t[2]){ width, height }, error);
 	if (!code)
 		code = upload_selection(light, job, error);
@@ -538,33 +535,38 @@ enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const 
 		code = upload_shade(light, job, error);
 	if (code)
 		return code;
-	resize(light, width, height);
-	set_all(light, job, view_gl_target(gl));
-	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
-	web_program_fill(light->vertex_array, (const int[4]){ 0, 0, (int)width, (int)height });
+	resize(&light->lit, width, height);
+	if (sample == 1)
+		web_mean_first(&light->mean, &light->lit);
+	set_all(light, job, view_gl_target(gl, sample));
+	glBindFramebuffer(GL_FRAMEBUFFER, light->lit.framebuffer);
+	web_program_fill(light->lit.vertex_array, (const int[4]){ 0, 0, (int)width, (int)height });
+	if (sample)
+		web_mean_add(&light->mean, &light->lit, sample + 1);
 	return ECO_OK;
 }
 
 void web_light_present(const struct web_light *light, const struct view_gl *gl, const struct web_place *place)
 {
 	glUseProgram(light->present);
-	web_program_texture(light->present, "u_lit", 0, light->lit);
-	web_program_texture(light->present, "u_seen", 1, view_gl_target(gl));
+	web_program_texture(light->present, "u_lit", 0, light->lit.texture);
+	web_program_texture(light->present, "u_seen", 1, view_gl_target(gl, 0));
 	glUniform4f(glGetUniformLocation(light->present, "u_depth"), place->depth[0], place->depth[1],
 		place->sky, place->ground);
 	glEnable(GL_DEPTH_TEST);
 	glDepthFunc(GL_LEQUAL);
-	web_program_fill(light->vertex_array, place->viewport);
+	web_program_fill(light->lit.vertex_array, place->viewport);
 }
 
 enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct eco_error *error)
 {
-	size_t count = (size_t)light->width * light->height;
+	const struct web_lit *lit = &light->lit;
+	size_t count = (size_t)lit->width * lit->height;
 	uint8_t *rgba = malloc(count * 4);
 	if (!rgba)
 		return eco_no_memory(error, "the colours of a picture");
-	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
-	glReadPixels(0, 0, (GLsizei)light->width, (GLsizei)light->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+	glBindFramebuffer(GL_FRAMEBUFFER, lit->framebuffer);
+	glReadPixels(0, 0, (GLsizei)lit->width, (GLsizei)lit->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
 	for (size_t i = 0; i < count; i++)
 		memcpy(rgb + 3 * i, rgba + 4 * i, 3);
 	free(rgba);

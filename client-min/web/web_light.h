@@ -1,7 +1,7 @@
 /* Light on the GPU, as view_light_picture makes it in memory and by the same text (draw/view_light.glsl):
  * from what view_gl_record has left in textures to the colours of a picture, without reading a pixel.
  *
- *   web_light_draw(&light, gl, &job, &error);       `light.lit` is the picture, its first row at the top
+ *   web_light_draw(&light, gl, &job, &error);       `light.lit` is the picture
  *   web_light_present(&light, gl, &place);          puts it into the page
  *   web_light_forget(&light);                       another selection comes */
 #ifndef WEB_LIGHT_H
@@ -11,6 +11,7 @@
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_light.h"
 #include "client-min/view_ground.h"
+#include "client-min/web/web_mean.h"
 #include "client-min/web/web_program.h"
 
 /* The image on the ground on the GPU: levels of tiles are uploaded once, one after the other, and stay until
@@ -27,11 +28,11 @@ struct web_image {                       /* zero is empty */
 };
 
 struct web_light {                       /* zero is empty */
-	unsigned lit;                    /* RGBA8 */
-	uint32_t width, height;
+	struct web_lit lit;
+	struct web_mean mean;            /* of its samples, once there are some */
 	unsigned programs[2][2];         /* of an image on the ground, or none, and of shadows, or none */
 	unsigned program, present;       /* of them, the one in use; of web_light_present */
-	unsigned framebuffer, vertex_array, shade;
+	unsigned shade;
 	struct view_gpu gpu;
 	/* of the selection, if `held`: three texels an instance, their feet from `origin` */
 	struct view_gpu_texels plants;
@@ -47,7 +48,9 @@ struct web_light {                       /* zero is empty */
 /* Compiles what light needs, with an image on the ground or without, with shadows or without, which drawing
  * else does itself. */
 enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadows, struct eco_error *error);
-/* All of the picture that gl has recorded, of the job's selection. */
+/* All of the picture that gl has recorded, of the job's selection. Another sample of it than the first
+ * (lod_eye_sample; in turn from 1 on, after web_mean_prepare) takes the shadow map of the first, and the
+ * picture becomes the mean of all. */
 enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_draw_job *job,
 	uint32_t width, uint32_t height, struct eco_error *error);
 /* Puts the picture into what the page's context draws to: colours, and depths that hide what the page draws

@@ -240,7 +240,7 @@ enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, con
 	if (code)
 		return code;
 	view_light_sun(sky, 0, &sun);
-	fill_cells(shadow, view_gl_target(gl));
+	fill_cells(shadow, view_gl_target(gl, 0));
 	find_rows(shadow, job, &sun, picture);
 	return view_gl_cast(gl, &(struct view_gl_map){ job->store, sky->casters ? sky->casters : job->selection,
 		job->eye, shadow->framebuffers[WEB_SHADOW_TOPS], shadow->textures[WEB_SHADOW_ROWS],

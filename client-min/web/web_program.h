@@ -20,6 +20,15 @@
 	"vec3 blend(vec3 a, vec3 b, float t) { return mix(a, b, t); }\n" \
 	"vec3 unit(vec3 a) { return a / max(length(a), 1e-20); }\n"
 
+/* GLSL: light of sRGB colours, in [0, 1], and sRGB colours of light. */
+#define WEB_SRGB \
+	"vec3 light_of_bytes(vec3 c) {\n" \
+	"	return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));\n" \
+	"}\n" \
+	"vec3 bytes_of_light(vec3 c) {\n" \
+	"	return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));\n" \
+	"}\n"
+
 /* A program of a fragment shader in parts, after its version and precisions; `v_at` is the place in a picture
  * whose first row is the top, [0, 1]. vertex: NULL, or the text of `void more()`, which sets more of a vertex
  * whose gl_Position is set. 0, with *error: the driver refuses it. */

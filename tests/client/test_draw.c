@@ -190,7 +190,7 @@ UNIT_TEST(own_colours_are_those_that_were_recorded)
 	AT_END(scene_release) struct scene_held h = scene_hold(&grove);
 	FREED(view_picture) own = draw(h.store, VIEW_TINT_OWN), recorded;
 	assert_int_equal(view_picture_init(&recorded, own.width, own.height, NULL), ECO_OK);
-	assert_int_equal(view_gl_read(scene_gl, &recorded, NULL), ECO_OK);
+	assert_int_equal(view_gl_read(scene_gl, 0, &recorded, NULL), ECO_OK);
 	uint32_t ground = 0, plants = 0;
 	for (size_t i = 0; i < (size_t)own.width * own.height; i++) {
 		const uint8_t *seen = own.rgb + 3 * i, *is = recorded.rgb + 3 * i;

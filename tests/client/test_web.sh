@@ -69,12 +69,9 @@ url=$(sed -n 's/.*ready on \([^ ]*\) .*/\1/p' "$dir/ready")
 # seven views of each: near, across, from above, and from among the plants; places in turns of the scene's
 # size about its middle
 look_at() { # NAME VERTICES [OPTIONS: the layer's, which are ecoview's but for the sun]
-	options=
-	if [ -n "${3-}" ]; then
-		echo "$3" >"$dir/$1.options"
-		options=$(jq -r 'if .sun then .sun |= todate else . end
-			| to_entries[] | "--\(.key) \(.value)"' "$dir/$1.options")
-	fi
+	jq -n "{samples: 1} + ${3-{\}}" >"$dir/$1.options"
+	options=$(jq -r 'if .sun then .sun |= todate else . end
+		| to_entries[] | "--\(.key) \(.value)"' "$dir/$1.options")
 	curl -s "$url/v1/scenes/$1" | jq '.bounds as {$low, $high}
 		| [range(3) | ($low[.] + $high[.]) / 2] as $m
 		| ([range(2) | $high[.] - $low[.]] | max) as $size
@@ -84,16 +81,16 @@ look_at() { # NAME VERTICES [OPTIONS: the layer's, which are ecoview's but for t
 				$m[1] + .value[1] * $size, $m[2] + .value[2] * $size + 1]})}' >"$dir/$1.json" \
 		|| fail "no camera for $1"
 	mkdir "$dir/$1"
-	"$BUILD/ecoview" "$url/v1/scenes/$1" --camera "$dir/$1.json" --size 320x240 --samples 1 --vertices "$2" \
+	"$BUILD/ecoview" "$url/v1/scenes/$1" --camera "$dir/$1.json" --size 320x240 --vertices "$2" \
 		$options --owners --digest -o "$dir/$1" >"$dir/$1/said" || fail "ecoview $1"
 }
-look_at city 30000 '{"shadows": "perspective"}'
+look_at city 30000 '{"shadows": "perspective", "samples": 16}'
 look_at meadow 100000 '{"shadows": "standard"}'
 look_at dusk 100000 '{"haze": 200, "sun": 1782067500}'
 look_at kinds 30000 '{"tint": "kind"}'
 look_at park 300000
 look_at picture 100000
-look_at shade 300000 '{"shadows": "perspective", "sun": 1782050400}'
+look_at shade 300000 '{"shadows": "perspective", "sun": 1782050400, "samples": 16}'
 node tests/client/web/compare.mjs "$dir" build/web/site "$chromium" "$url/v1/scenes/city" \
 	"$url/v1/scenes/meadow" "$url/v1/scenes/park" "$url/v1/scenes/picture" \
 	"$url/v1/scenes/dusk" "$url/v1/scenes/kinds" "$url/v1/scenes/shade" \

@@ -87,7 +87,10 @@ async function drawFrame(view, wanted, pictures) {
 			calls[name]++;
 			return WebGL2RenderingContext.prototype[name].apply(gl, values);
 		};
-	tested.present(view, [0, 0], width, height);
+	tested.wanted = tested.asked;
+	do
+		tested.present(view, [0, 0], width, height);
+	while (tested.refines);
 	Object.keys(calls).forEach((name) => delete gl[name]);
 	const pixelsOf = async (picture) => {
 		const bitmap = await createImageBitmap(await (await fetch(picture)).blob());
@@ -108,7 +111,7 @@ async function drawFrame(view, wanted, pictures) {
 			[0, 1, 2].some((k) => apart(i, k) > 2)]
 			.forEach((counted, k) => { counts[k] += !!counted; });
 	}
-	return { digest: tested.stream.digest(), counts, calls, shadowTexts, failed: globalThis.failed };
+	return { digest: tested.stream.digest(), sampled: tested.sampled, counts, calls, shadowTexts, failed: globalThis.failed };
 }
 
 /** Three pictures with shadows of a driver that refuses a part of their programs: what is complained of, and how many
@@ -149,7 +152,7 @@ async function inBrowser(scenes) {
 			for (const { what, view, wanted, digest: theirs, pictures } of views) {
 				const data = pictures.map((file) =>
 					`data:image/png;base64,${readFileSync(file).toString('base64')}`);
-				const { digest, counts, calls, shadowTexts, failed } = await call(drawFrame, view, wanted, data);
+				const { digest, sampled, counts, calls, shadowTexts, failed } = await call(drawFrame, view, wanted, data);
 				expect(!failed && digest === theirs, `${what}: the page's digest is ${digest} `
 					+ `(${failed ?? 'no error'}), ecoview's ${theirs}`);
 				const [page, ecoview, both, alike, odd, other] = counts, most = Math.max(page, ecoview);
@@ -157,6 +160,7 @@ async function inBrowser(scenes) {
 				console.log(`${what}: ${ecoview} pixels; covered P ${(both / page).toFixed(5)} R `
 					+ `${(both / ecoview).toFixed(5)}, owners P ${(alike / page).toFixed(5)} R `
 					+ `${(alike / ecoview).toFixed(5)}; ${JSON.stringify(options)}, ${other} other colours`);
+				expect(sampled === options.samples, `${what}: ${sampled} samples`);
 				expect(!calls.readPixels, `${what}: pixels are read ${calls.readPixels} times for a frame`);
 				expect(!shadowTexts === !options.shadows,
 					`${what}: ${shadowTexts} shaders of shadows are compiled`);

@@ -1,0 +1,32 @@
+/* The mean light of samples of a picture (lod_eye_sample) on the GPU: the light of each sample is added to sums
+ * of half floats, and their mean becomes the picture.
+ *
+ *   web_mean_prepare(&mean, &lit)           false: the driver has no sums, so pictures keep one sample
+ *   web_mean_first(&mean, &lit)             lit is sample 0
+ *   web_mean_add(&mean, &lit, count)        lit is sample count - 1; after this the mean of `count` samples
+ *
+ * Nothing is made or compiled before the first picture that gets a second sample. */
+#ifndef WEB_MEAN_H
+#define WEB_MEAN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct web_lit {                         /* a lit picture: RGBA8, sRGB, its first row at the top */
+	unsigned texture, framebuffer, vertex_array;
+	uint32_t width, height;
+};
+
+struct web_mean {                        /* zero is empty */
+	unsigned program, sums, framebuffer;
+	uint32_t width, height;
+	bool refused;
+};
+
+bool web_mean_prepare(struct web_mean *mean, const struct web_lit *lit);
+/* Both change the state of blending. */
+void web_mean_first(const struct web_mean *mean, const struct web_lit *lit);
+void web_mean_add(const struct web_mean *mean, const struct web_lit *lit, uint32_t count);
+void web_mean_free(struct web_mean *mean);
+
+#endif
