@@ -148,7 +148,7 @@ double bench_plan_time(struct lod_planner_stats *stats, struct eco_plan *plan, c
 
 #define BENCH_SAMPLES 8u                 /* a pixel of pictures that are judged: what ecoview draws */
 
-/* Of full detail of a view: processor time of drawing the truth, also where it was kept; picture error of full
+/* Figures of the truth of a view: processor time of drawing it, also where it was kept; picture error of full
  * detail with BENCH_SAMPLES samples (F8) and with one (F1); lod_q_ceiling. */
 struct bench_truth { double cpu_ms, floor, floor_one, ceiling; };
 #define BENCH_TRUTH_FIGURES 4u
