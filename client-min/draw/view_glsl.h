@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#define LIGHT static             /* before each function */
+#define LIGHT static inline      /* before each function */
 typedef uint32_t uint;
 
 #endif

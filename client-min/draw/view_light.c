@@ -6,11 +6,10 @@
 #include <string.h>
 
 #include "client-min/draw/view_shadow.h"
-#include "client-min/draw/view_vec.h"
 #include "client-min/draw/view_picture.h"
 #include "lod/light.h"
 
-#define HAZE_M 5200.0
+#define HAZE_M 12000.0
 
 const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 	[VIEW_ROLE_TRIANGLES] = { 26, 158, 41 }, [VIEW_ROLE_LINES] = { 219, 26, 26 },
@@ -25,8 +24,6 @@ const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 #define REACH_M 450.0                    /* plants further away cast no shadow that is worth a texel */
 #define AIR_M 1200.0                     /* of dust and vapour, not of air itself */
 #define LOWEST 0.12                      /* of the sun: lower, shadows are too long to be seen as such */
-/* metres of shadow a metre of height, away from the usual sun of light */
-static const double usual_throw[2] = { 0.693, 0.577 };
 
 struct view_shape view_shape_of(const struct view_plant *plant)
 {
@@ -81,13 +78,14 @@ static const struct { double height, width, share; } disc[] = { { 0, 0.12, 0.7 }
 	{ 0.5, 0.95, 0.55 }, { 0.65, 1.0, 0.55 }, { 0.8, 0.8, 0.5 }, { 0.92, 0.5, 0.4 } };
 #define DISCS (int)(sizeof disc / sizeof disc[0])
 
-/* To the east and north; false: there are none. */
-static bool find_throw(const float sun[3], double away[2])
+/* Metres of shadow to the east and north, a metre of height; false: there are none. */
+static bool find_throw(const struct view_sky *sky, double away[2])
 {
-	bool own = sun[0] != 0 || sun[1] != 0 || sun[2] != 0;
+	struct view_light_sun sun;
+	view_light_sun(sky, 0, &sun);
 	for (int k = 0; k < 2; k++)
-		away[k] = own ? -(double)sun[k] / fmax((double)sun[2], LOWEST) : usual_throw[k];
-	return !own || (double)sun[2] > LOWEST;
+		away[k] = -(double)sun.to[k] / fmax((double)sun.to[2], LOWEST);
+	return (double)sun.to[2] > LOWEST;
 }
 
 static void cast_discs(struct view_shade *shade, const struct view_instance *instance,
@@ -131,7 +129,7 @@ enum eco_code view_shade_make(struct view_shade *shade, const struct view_store 
 	if (!shade->texels)
 		return eco_no_memory(error, "shadows");
 	double away[2];
-	bool shadows = find_throw(selection->sky.sun, away);
+	bool shadows = find_throw(&selection->sky, away);
 	find_square(shade, selection);
 	for (uint32_t i = 0; i < selection->instance_count; i++) {
 		const struct view_instance *p = &selection->instances[i];
@@ -172,41 +170,12 @@ void view_shade_free(struct view_shade *shade)
 
 /* ---- What view_light.glsl is written in ---- */
 
-#include "client-min/draw/view_glsl.h"
-
-typedef struct { double x, y; } ground_place;    /* on the ground, from its origin */
-typedef struct sunlight sunlight;
-typedef struct sunny sunny;
-typedef struct crown crown;
-typedef struct plant plant;
-typedef struct face face;
-typedef struct footprint footprint;
-#define sunny(...) ((struct sunny){ __VA_ARGS__ })
-#define crown(...) ((struct crown){ __VA_ARGS__ })
-#define face(...) ((struct face){ __VA_ARGS__ })
-#define footprint(...) ((struct footprint){ __VA_ARGS__ })
-
-static float mix(float a, float b, float t) { return a + (b - a) * t; }
-static vec3 blend(vec3 a, vec3 b, float t)
-{
-	return vec3(mix(a.x, b.x, t), mix(a.y, b.y, t), mix(a.z, b.z, t));
-}
-static float smoothstep(float low, float high, float v)
-{
-	float t = (v - low) / (high - low);
-	t = t > 0 ? t < 1 ? t : 1 : 0;
-	return t * t * (3 - 2 * t);
-}
-
-static float noise_at(ground_place at, int which);
-
-#include "client-min/draw/view_light.glsl"
-#include "client-min/draw/view_glsl_end.h"
+#include "client-min/draw/view_light_inline.h"
 
 /* The place is turned or not, stretched and moved for each octave. */
-static const struct { bool turned; double x, y, moved; } octaves[VIEW_OCTAVES] = { { false, 9, 9, 0 },
-	{ false, 38, 31, 0 }, { true, 1.3, 1.3, 0 }, { false, 0.47, 0.47, 0 }, { true, 0.045, 0.045, 7 },
-	{ false, 0.13, 0.13, 0 } };
+static const struct { bool turned; double x, y, moved; } octaves[VIEW_OCTAVES] = { { false, 22, 26, 0 },
+	{ true, 5, 5, 0 }, { false, 1.1, 1.1, 0 }, { true, 0.23, 0.23, 3 }, { false, 0.045, 0.045, 7 },
+	{ true, 0.009, 0.009, 11 } };
 
 void view_light_octave(int which, const double at[2], double out[2])
 {
@@ -219,22 +188,11 @@ void view_light_octave(int which, const double at[2], double out[2])
 	out[1] = y * octaves[which].y + octaves[which].moved;
 }
 
-static float noise_at(ground_place at, int which)
-{
-	double p[2];
-	view_light_octave(which, (const double[2]){ at.x, at.y }, p);
-	if (!(fabs(p[0]) < 1e15 && fabs(p[1]) < 1e15))
-		return 0.5f;
-	int64_t i = (int64_t)p[0], j = (int64_t)p[1];
-	i -= p[0] < (double)i;
-	j -= p[1] < (double)j;
-	return noise_in((uint32_t)i, (uint32_t)j, (float)(p[0] - (double)i), (float)(p[1] - (double)j));
-}
-
 /* ---- The sun ---- */
 
-static const struct sunlight usual = { { -0.5145f, -0.4287f, 0.7427f }, { 1.55f, 1.42f, 1.18f },
-	{ 1.25f, 1.35f, 0.45f }, { 0.42f, 0.52f, 0.68f }, { 0.16f, 0.15f, 0.10f }, 1, 0 };
+/* At ten in the morning of midsummer at a latitude of 50 degrees. */
+static const struct sunlight usual = { { 0.459f, -0.353f, 0.816f }, { 1.70f, 1.57f, 1.34f },
+	{ 0.36f, 0.42f, 0.52f }, { 0.20f, 0.19f, 0.11f }, 1, 0 };
 
 /* Low it is red and weak; below the horizon the sky goes dark. */
 static struct sunlight sunlight_of(const float sun[3])
@@ -242,11 +200,9 @@ static struct sunlight sunlight_of(const float sun[3])
 	if (sun[0] == 0 && sun[1] == 0 && sun[2] == 0)
 		return usual;
 	struct sunlight s = { .to = unit(vec3(sun[0], sun[1], sun[2])) };
-	vec3 red = { 1.5f, 0.62f, 0.22f };
+	vec3 red = { 1.70f, 0.70f, 0.25f };
 	s.color = scale(blend(red, usual.color, smoothstep(0, 0.35f, s.to.z)),
 		smoothstep(-0.03f, 0.15f, s.to.z));
-	s.through = times(usual.through, vec3(s.color.x / usual.color.x, s.color.y / usual.color.y,
-		s.color.z / usual.color.z));
 	s.day = mix(0.06f, 1, smoothstep(-0.14f, 0.2f, s.to.z));
 	s.sky = scale(usual.sky, s.day);
 	s.earth = scale(usual.earth, s.day);
@@ -336,37 +292,20 @@ static void find_plant(const struct shot *shot, uint64_t owner, struct owned *p)
 		p->place = instance->place;
 }
 
-static vec3 local_of(const struct lod_place *place, const double world[3])
-{
-	double x = world[0] - place->at[0], y = world[1] - place->at[1], z = world[2] - place->at[2];
-	return vec3((float)((x * place->cosine + y * place->sine) / place->scale),
-		(float)((y * place->cosine - x * place->sine) / place->scale), (float)(z / place->scale));
-}
-
-static struct crown cast_on_plant(const struct shot *shot, const struct owned *p, vec3 to,
-	const struct face *seen, struct crown own)
-{
-	float texel_m = 0, half_m = p->plant.half_width * (float)p->place.scale;
-	float lit = view_shadow_lit(&shot->lamp->shadow, (const float[3]){ to.x, to.y, to.z },
-		seen->facet ? (const float[3]){ seen->n.x, seen->n.y, seen->n.z } : NULL, &texel_m);
-	return crown_by_map(p->plant, own, lit, texel_m / half_m, seen->reach);
-}
-
-static vec3 plant_color(const struct shot *shot, const struct owned *p, size_t pixel, vec3 to,
+static vec3 plant_pixel(const struct shot *shot, const struct owned *p, size_t pixel, vec3 to,
 	const double world[3])
 {
-	const enum view_tint tint = shot->lamp->job->tint;
 	const uint8_t *own = shot->picture->rgb + 3 * pixel;
-	vec3 to_eye = scale(unit(to), -1), albedo = { lod_light_of[own[0]] / 65535.0f,
-		lod_light_of[own[1]] / 65535.0f, lod_light_of[own[2]] / 65535.0f };
-	struct face seen = face_of(shot->lamp->sun, p->plant, shot->picture->surface[pixel], to_eye);
-	vec3 local = p->plant.half_height > 0 ? local_of(&p->place, world) : vec3(0, 0, 0);
-	struct crown around = tint == VIEW_TINT_UNSHADED ? crown_alone(shot->lamp->sun, to_eye)
-		: crown_of(shot->lamp->sun, p->plant, local, to_eye, seen.reach);
-	if (shot->lamp->shadow.top && tint != VIEW_TINT_UNSHADED)
-		around = cast_on_plant(shot, p, to, &seen, around);
-	vec3 color = plant_light(shot->lamp->sun, p->plant, albedo, seen.sun, around, tint == VIEW_TINT_KIND);
-	return tint == VIEW_TINT_KIND ? color : haze(shot->lamp->sun, color, to, length(to), shot->lamp->haze_m);
+	const double *foot = p->place.at, size = p->plant.half_height > 0 ? p->place.scale : 1;
+	vec3 albedo = { lod_light_of[own[0]] / 65535.0f, lod_light_of[own[1]] / 65535.0f,
+		lod_light_of[own[2]] / 65535.0f };
+	vec3 from_foot = { (float)((world[0] - foot[0]) / size), (float)((world[1] - foot[1]) / size),
+		(float)((world[2] - foot[2]) / size) };
+	struct face seen = face_of(shot->lamp->sun, p->plant, shot->picture->surface[pixel], scale(unit(to), -1));
+	float texel_m = 0, lit = view_shadow_lit(&shot->lamp->shadow, (const float[3]){ to.x, to.y, to.z },
+		seen.facet ? (const float[3]){ seen.n.x, seen.n.y, seen.n.z } : NULL, &texel_m);
+	return plant_color(shot->lamp->sun, p->plant, albedo, seen, from_foot, to, lit, texel_m, (float)size,
+		shot->lamp->haze_m, shot->lamp->job->tint == VIEW_TINT_KIND);
 }
 
 static vec3 ground_albedo_at(const struct shot *shot, vec3 n, vec3 to, const double world[3])
@@ -414,7 +353,7 @@ static void light_pixel(const struct shot *shot, struct owned *owned, uint32_t x
 		uint64_t owner = picture->owner[i];
 		if (owner && owner != owned->owner)
 			find_plant(shot, owner, owned);
-		color = owner ? plant_color(shot, owned, i, to, world) : ground_pixel(shot, i, to, world);
+		color = owner ? plant_pixel(shot, owned, i, to, world) : ground_pixel(shot, i, to, world);
 	} else {
 		color = sky_color(shot->lamp->sun, ray, shot->lamp->job->tint == VIEW_TINT_KIND);
 	}

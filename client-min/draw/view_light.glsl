@@ -3,32 +3,33 @@
  * Before it both say what vec3, uint, real(x), max, mix, dot and so on are, and ground_place with noise_at.
  * Numbers have points, as GLSL makes no float of a whole number, and no name is a word of GLSL. */
 
-/* Direction of the sun; its light, what a leaf lets through of it, and the sky's and the earth's on surfaces;
- * how bright the sky is, and how red around the sun. */
-struct sunlight { vec3 to, color, through, sky, earth; float day, glow; };
+/* Direction of the sun; what it sends to a surface that faces it, and what the whole sky and the whole ground
+ * send; how bright the sky is, and how red around the sun. A surface of albedo 1 in the light 1 is 1. */
+struct sunlight { vec3 to, color, sky, earth; float day, glow; };
 /* Sunlight on what is seen of something, and through it; height of the mean normal. */
 struct sunny { float on, through, facing; };
-/* Shares of light that a crown lets through: shade of the sun's, open of the sky's; rise: height of the
- * direction out of the crown. */
-struct crown { float shade, open, rise; };
+/* Shares of the sun's, the sky's and the ground's light that come through a crown. */
+struct crown { float sun, sky, earth; };
 /* The plant of a pixel: how it is turned, its shape, its tone. Summaries' points have no place in a plant:
- * half_height is 0. */
+ * half_height is 0. tone: in [0, 1), by plant. */
 struct plant { float sine, cosine, center_z, half_width, half_height, tone; };
-/* A pixel's surface: its normal, if it has one, and the share of a crown that stands in it. */
-struct face { sunny sun; vec3 n; bool facet; float reach; };
+/* A pixel's surface: its normal, if it has one; the share of a crown that stands in it; and how far behind it
+ * are the leaves that it stands for, in radii of the crown. */
+struct face { sunny sun; vec3 n; bool facet; float reach, behind; };
 
 /* ---- Arithmetic ---- */
 
 LIGHT float within(float v) { return v > 0.0f ? v < 1.0f ? v : 1.0f : 0.0f; }
 
-/* exp(-x), x >= 0, within 1e-6. */
+/* exp(-x), x >= 0, within 1e-4. */
 LIGHT float fade(float x)
 {
-	float y = min(x, 64.0f) / 64.0f,
+	float y = min(x, 64.0f) / 16.0f,
 		e = 1.0f / (1.0f + y * (1.0f + y * (0.5f + y * (1.0f / 6.0f + y / 24.0f))));
-	for (int i = 0; i < 6; i++)
-		e *= e;
-	return e;
+	e *= e;
+	e *= e;
+	e *= e;
+	return e * e;
 }
 
 /* Within 7e-5 (Abramowitz and Stegun, 4.4.45). */
@@ -59,12 +60,13 @@ LIGHT vec3 direction_of(uint surface)
 LIGHT vec3 sky_at(sunlight s, vec3 ray)
 {
 	float low = 1.0f - within(ray.z), c = max(dot(ray, s.to), 0.0f), c2 = c * c, c8 = c2 * c2 * c2 * c2;
-	vec3 blue = blend(vec3(0.10f, 0.25f, 0.58f), vec3(0.50f, 0.61f, 0.74f), low * low * low);
+	float low4 = low * low * low * low;
+	vec3 blue = blend(vec3(0.09f, 0.20f, 0.46f), vec3(0.46f, 0.58f, 0.74f), low4);
 	/* low sunlight comes through much air, which leaves its red: most of it near the horizon and the
 	 * sun */
-	float red = s.glow * low * low * low * (0.35f + 0.65f * c2);
+	float red = s.glow * low4 * (0.35f + 0.65f * c2);
 	blue = blend(blue, vec3(0.86f, 0.50f, 0.25f), 0.75f * red);
-	return scale(add(blue, scale(vec3(0.17f, 0.14f, 0.09f), c8)), s.day);
+	return scale(add(blue, scale(vec3(0.20f, 0.16f, 0.10f), c8)), s.day);
 }
 
 LIGHT vec3 haze(sunlight s, vec3 color, vec3 to, float distance_m, float haze_m)
@@ -73,16 +75,16 @@ LIGHT vec3 haze(sunlight s, vec3 color, vec3 to, float distance_m, float haze_m)
 	return blend(sky_at(s, vec3(ray.x, ray.y, ray.z * 0.2f)), color, fade(distance_m / haze_m));
 }
 
+/* The sun's disc is twice as wide as it is, as a part of its halo is as bright. */
 LIGHT vec3 background(sunlight light, vec3 ray)
 {
 	if (!(ray.z > 0.0f))
 		return blend(sky_at(light, vec3(ray.x, ray.y, 0.0f)),
-			scale(vec3(0.34f, 0.39f, 0.41f), light.day), smoothstep(0.0f, 0.9f, -ray.z));
-	float s = max(dot(ray, light.to), 0.0f), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4, s64 = s8 * s8;
-	s64 *= s64;
-	s64 *= s64;
-	/* s^200 */
-	return add(sky_at(light, ray), scale(vec3(0.6f, 0.5f, 0.3f), s64 * s64 * s64 * s8));
+			scale(vec3(0.20f, 0.24f, 0.22f), light.day), smoothstep(0.0f, 0.3f, -ray.z));
+	float s = max(dot(ray, light.to), 0.0f), s4 = s * s * s * s, s16 = s4 * s4 * s4 * s4,
+		s64 = s16 * s16 * s16 * s16;
+	float halo = 0.5f * s64 * s64 * s64 + 12.0f * smoothstep(0.99985f, 0.99996f, s);
+	return add(sky_at(light, ray), scale(light.color, halo));
 }
 
 /* ---- Surfaces ---- */
@@ -114,8 +116,7 @@ LIGHT sunny axis_sun(sunlight s, vec3 axis, vec3 n)
 LIGHT sunny all_sun(sunlight s, vec3 to_eye) { return round_sun(dot(to_eye, s.to), 0.2122066f); }
 
 /* A splat is half a surface and half a cloud: of balls in a crown mostly the outer sides show, and all
- * facet would be too bright there; as a cloud alone it has no form (lod/EXPERIMENTS.md, Light of splats).
- * */
+ * facet would be too bright there; as a cloud alone it has no form (lod/EXPERIMENTS.md, Light of splats). */
 LIGHT sunny ball_sun(sunlight s, vec3 n, vec3 to_eye)
 {
 	sunny facet = facet_sun(s, n), all = all_sun(s, to_eye);
@@ -136,6 +137,25 @@ LIGHT sunny cloud_sun(sunlight s, float level, vec3 to_eye)
 
 /* ---- Plants ---- */
 
+/* TAKES times the way out, in radii of the crown, is Beer's exponent. CLUMPS: waves of clumps in a radius;
+ * CLUMP_DEPTH: how much further inside leaves are than their places, in the mean. Leaves that a ball stands for
+ * are SEEN_DEPTH behind it. MEAN and TOWARDS are the means of crown_at over all leaves that are seen, if 1/e of
+ * them are seen through a fifth of the radius; these are linear in the cosine between eye and light within 0.01
+ * (lod/EXPERIMENTS.md, Light in crowns). */
+#define TAKES_SUN 1.3f
+#define TAKES_SKY 0.8f
+#define SEEN_DEPTH 0.14f
+#define CLUMPS 1.3f
+#define CLUMP_DEPTH 0.15f
+#define MEAN_SUN 0.445f
+#define TOWARDS_SUN 0.212f
+#define MEAN_SKY 0.581f
+#define TOWARDS_SKY 0.192f
+/* Leaves: a third of what they send on comes through them, as is typical of visible light; their wax reflects
+ * WAX of all colors, which a model's colors have only in part. */
+#define THROUGH 0.32f
+#define WAX 0.025f
+
 LIGHT vec3 turned(plant p, vec3 v)
 {
 	return vec3(v.x * p.cosine - v.y * p.sine, v.x * p.sine + v.y * p.cosine, v.z);
@@ -153,51 +173,74 @@ LIGHT face face_of(sunlight s, plant p, uint surface, vec3 to_eye)
 	uint kind = surface >> 30;
 	if (kind == 2u)
 		return face(cloud_sun(s, real(surface >> 16 & 255u) / 255.0f, to_eye), to_eye, false,
-			real(surface & 65535u) / 65535.0f);
+			real(surface & 65535u) / 65535.0f, 0.0f);
 	vec3 d = turned(p, direction_of(surface));
 	if (kind == 1u) {
 		vec3 n = unit(add(to_eye, scale(d, -dot(d, to_eye))));
-		return face(axis_sun(s, d, n), n, true, 0.0f);
+		return face(axis_sun(s, d, n), n, true, 0.0f, 0.0f);
 	}
 	d = dot(d, to_eye) < 0.0f ? scale(d, -1.0f) : d;
 	if (kind == 3u)
-		return face(ball_sun(s, d, to_eye), d, false, 0.0f);
-	return face(facet_sun(s, d), d, true, 0.0f);
+		return face(ball_sun(s, d, to_eye), d, false, 0.0f, SEEN_DEPTH);
+	return face(facet_sun(s, d), d, true, 0.0f, 0.0f);
 }
 
-LIGHT crown crown_at(sunlight s, vec3 d, float outer, float height)
+/* From a place in a ball of radius 1 out of it, in the direction d. */
+LIGHT float way_out(vec3 p, vec3 d)
 {
-	float shade = mix(0.22f, 1.0f, smoothstep(-0.7f, 0.8f, dot(d, s.to)))
-		* mix(0.25f, 1.0f, smoothstep(0.2f, 0.95f, outer));
-	return crown(shade, mix(0.45f, 1.0f, outer) * mix(0.65f, 1.0f, height), d.z);
+	float along = dot(p, d);
+	return sqrt(max(along * along + 1.0f - dot(p, p), 0.0f)) - along;
 }
 
-/* The mean over what is seen of a crown: crown_at integrated over ellipsoids full of leaves, on their
- * stems, of which an eye sees 1/e through a sixth of their radius; within 0.05. */
-LIGHT crown crown_mean(sunlight s, vec3 to_eye)
+/* Triangle wave of period 1, [-1, 1]. */
+LIGHT float wave(float x) { return 4.0f * abs(x - floor(x) - 0.5f) - 1.0f; }
+
+/* Leaves grow in clumps: how much further inside than its place a leaf is, or less. A gyroid is a surface that
+ * winds through space alike in all directions; its mean is 0, and no value is looked up. */
+LIGHT float clump(vec3 p, float tone)
 {
-	return crown(0.61f + 0.25f * dot(to_eye, s.to), 0.75f + 0.12f * to_eye.z, 0.25f + 0.48f * to_eye.z);
+	float x = p.x * CLUMPS + 7.0f * tone, y = p.y * CLUMPS + 0.3f * p.x, z = p.z * CLUMPS + 0.4f * p.y;
+	return CLUMP_DEPTH * (1.0f - 0.5f * (wave(x) * wave(y + 0.25f) + wave(y) * wave(z + 0.25f)
+		+ wave(z) * wave(x + 0.25f)));
 }
 
-/* local: the place in plant space; t: the share of a crown that stands in the pixel's surface. */
-LIGHT crown crown_of(sunlight s, plant p, vec3 local, vec3 to_eye, float t)
+/* A crown is a ball of leaves, stretched; its leaves take light by Beer's law. Each of three kinds of light
+ * comes straight: the sky's from above, the ground's from below. */
+LIGHT crown crown_at(vec3 p, vec3 to_sun, float deeper)
 {
-	crown mean = crown_mean(s, to_eye);
+	return crown(fade(TAKES_SUN * (way_out(p, to_sun) + deeper)),
+		fade(TAKES_SKY * (way_out(p, vec3(0.0f, 0.0f, 1.0f)) + deeper)),
+		fade(TAKES_SKY * (way_out(p, vec3(0.0f, 0.0f, -1.0f)) + deeper)));
+}
+
+/* The mean over what an eye sees of a crown; both directions are those of the ball. */
+LIGHT crown crown_mean(vec3 to_sun, vec3 to_eye)
+{
+	return crown(MEAN_SUN + TOWARDS_SUN * dot(to_eye, to_sun), MEAN_SKY + TOWARDS_SKY * to_eye.z,
+		MEAN_SKY - TOWARDS_SKY * to_eye.z);
+}
+
+/* A direction as it is in the ball that a crown is when it is not stretched. */
+LIGHT vec3 unstretched(plant p, vec3 v)
+{
+	float flat = p.half_height > 0.0f ? p.half_width / p.half_height : 1.0f;
+	return unit(vec3(v.x, v.y, v.z * flat));
+}
+
+/* from_foot: from the plant's foot, in the world's axes, metres over the plant's scale. */
+LIGHT crown crown_of(sunlight s, plant p, face seen, vec3 from_foot, vec3 to_eye)
+{
+	vec3 sun = unstretched(p, s.to), eye = unstretched(p, to_eye);
+	crown mean = crown_mean(sun, eye);
 	if (!(p.half_height > 0.0f))
 		return mean;
-	vec3 inside = vec3(local.x / p.half_width, local.y / p.half_width,
-		(local.z - p.center_z) / p.half_height);
-	float out_of = length(inside);
-	crown here = crown_at(s, turned(p, scale(inside, 1.0f / max(out_of, 1e-4f))), within(out_of),
-		within(local.z / (2.0f * p.half_height)));
-	return crown(mix(here.shade, mean.shade, t), mix(here.open, mean.open, t),
-		mix(here.rise, mean.rise, t));
-}
-
-/* A plant that stands alone: VIEW_TINT_UNSHADED. */
-LIGHT crown crown_alone(sunlight s, vec3 to_eye)
-{
-	return crown_at(s, unit(add(to_eye, vec3(0.0f, 0.0f, 0.8f))), 0.88f, 0.75f);
+	vec3 place = vec3(from_foot.x / p.half_width, from_foot.y / p.half_width,
+		(from_foot.z - p.center_z) / p.half_height);
+	float out_of = length(place);
+	place = scale(place, out_of > 0.97f ? 0.97f / out_of : 1.0f);
+	crown here = crown_at(add(place, scale(eye, -seen.behind)), sun, clump(place, p.tone));
+	return crown(mix(here.sun, mean.sun, seen.reach), mix(here.sky, mean.sky, seen.reach),
+		mix(here.earth, mean.earth, seen.reach));
 }
 
 /* With a shadow map a crown's own shade is what the map has of it, but for what one texel of it, or one
@@ -209,16 +252,17 @@ LIGHT crown crown_by_map(plant p, crown own, float lit, float texel, float reach
 	if (lit < 0.0f)
 		return own;
 	float coarse = p.half_height > 0.0f ? within(max(reach, texel)) : 1.0f;
-	return crown(mix(0.14f, 1.0f, lit) * mix(1.0f, own.shade, coarse), own.open, own.rise);
+	return crown(mix(0.08f, 1.0f, lit) * mix(1.0f, own.sun, coarse), own.sky, own.earth);
 }
 
+/* A leaf's own color is the share of light that it sends on: most of it is reflected, the rest comes through,
+ * yellower. Each side gets its half of the sky's and the ground's light. */
 LIGHT vec3 light_of(sunlight s, sunny sun, crown around, float leaf)
 {
-	float up = 0.5f + 0.5f * mix(sun.facing, around.rise, 0.65f);
-	vec3 ambient = scale(blend(s.earth, s.sky, up), around.open);
-	vec3 direct = add(scale(s.color, sun.on * mix(1.0f, 0.95f, leaf)),
-		scale(s.through, 0.62f * leaf * sun.through));
-	return add(scale(direct, around.shade * 1.25f), ambient);
+	vec3 sky = scale(s.sky, around.sky), earth = scale(s.earth, around.earth), direct = scale(s.color, around.sun);
+	vec3 front = add(blend(earth, sky, 0.5f + 0.5f * sun.facing), scale(direct, sun.on)),
+		back = add(blend(sky, earth, 0.5f + 0.5f * sun.facing), scale(direct, sun.through));
+	return add(scale(front, 1.0f - THROUGH * leaf), times(back, scale(vec3(1.0f, 1.0f, 0.35f), THROUGH * leaf)));
 }
 
 LIGHT vec3 plant_light(sunlight s, plant p, vec3 own, sunny sun, crown around, bool by_kind)
@@ -227,6 +271,7 @@ LIGHT vec3 plant_light(sunlight s, plant p, vec3 own, sunny sun, crown around, b
 		leaf = smoothstep(0.0f, 0.25f, green / max(own.y, 1e-4f));
 	float tone = p.tone * 16.0f - floor(p.tone * 16.0f) - 0.5f, warm = 0.16f * (p.tone - 0.5f) * leaf;
 	vec3 light = light_of(s, sun, around, leaf);
+	own = blend(own, add(scale(own, 0.82f), vec3(WAX, WAX, WAX)), leaf);
 	if (by_kind)
 		return times(own, blend(vec3(0.75f, 0.75f, 0.75f), light, 0.35f));
 	vec3 color = times(scale(own, 1.0f + 0.28f * tone),
@@ -252,35 +297,37 @@ LIGHT float noise_in(uint x, uint y, float u, float v)
 	return mix(south, north, up);
 }
 
-/* Octaves fade out where a period comes near a pixel, so that far ground does not sparkle. */
-LIGHT float octave(ground_place at, int which, float near)
+/* An octave fades out where its period, a metre over `per_m`, comes near a pixel, so that far ground does not
+ * sparkle. Its mean is 0. */
+LIGHT float octave(ground_place at, int which, float per_m, float distance_m)
 {
-	return near > 0.0f ? mix(0.5f, noise_at(at, which), min(near, 1.0f)) : 0.5f;
+	float near = 1.4f - distance_m * per_m / 300.0f;
+	return near > 0.0f ? (noise_at(at, which) - 0.5f) * min(near, 1.0f) : 0.0f;
 }
 
 LIGHT float fine_at(ground_place at, float distance_m)
 {
-	return octave(at, 0, 1.0f - distance_m / 45.0f) * 0.6f
-		+ octave(at, 1, 1.0f - distance_m / 14.0f) * 0.4f;
+	return octave(at, 0, 24.0f, distance_m) + octave(at, 1, 5.0f, distance_m);
 }
 
+/* Grass has detail at each distance: blades, tufts, patches, meadows; octaves are about a factor of five
+ * apart. Coarse ones decide how dry it is, fine ones how bright. */
 LIGHT vec3 ground_albedo(ground_place at, float up, float distance_m)
 {
-	float near = 1.2f - distance_m / 260.0f, fine = fine_at(at, distance_m);
-	float mid = 0.6f * octave(at, 2, near) + 0.4f * octave(at, 3, near);
-	float wide = 0.65f * noise_at(at, 4) + 0.35f * noise_at(at, 5);
-	vec3 grass = blend(vec3(0.070f, 0.098f, 0.026f), vec3(0.150f, 0.148f, 0.050f),
-		within(0.55f * wide + 0.45f * mid));
-	grass = scale(grass, 0.72f + 0.38f * mid + 0.7f * (fine - 0.5f));
-	vec3 soil = scale(vec3(0.150f, 0.112f, 0.072f), 0.75f + 0.5f * mid);
+	float tufts = octave(at, 2, 1.1f, distance_m), patches = octave(at, 3, 0.23f, distance_m),
+		wide = octave(at, 4, 0.045f, distance_m) + octave(at, 5, 0.009f, distance_m);
+	vec3 grass = blend(vec3(0.036f, 0.060f, 0.018f), vec3(0.092f, 0.096f, 0.042f),
+		within(0.40f + 0.7f * wide + 0.6f * patches + 0.25f * tufts));
+	grass = scale(grass, 1.0f + 0.7f * fine_at(at, distance_m) + 0.35f * tufts);
+	vec3 soil = scale(vec3(0.130f, 0.096f, 0.062f), 1.0f + 0.8f * tufts);
 	return blend(grass, soil, within(smoothstep(0.10f, 0.42f, 1.0f - up)
-		+ 0.28f * smoothstep(0.62f, 0.9f, wide * 0.6f + mid * 0.4f)));
+		+ 0.5f * smoothstep(0.5f, 0.85f, patches + tufts + 0.5f * wide)));
 }
 
 /* Grain of the ground, finer than texels that are wide: those of .25 m hide all of it. */
 LIGHT float grain(ground_place at, float texel_m, float distance_m)
 {
-	return 1.0f + 0.6f * within(texel_m / 0.25f) * (fine_at(at, distance_m) - 0.5f);
+	return 1.0f + 0.6f * within(texel_m / 0.25f) * fine_at(at, distance_m);
 }
 
 /* image: its light, where it covers `alpha` of the ground, by texels of texel_m. */
@@ -309,7 +356,7 @@ LIGHT footprint footprint_of(vec3 n, vec3 to, float pixel_rad)
 /* taken: shares of sunlight and skylight that are taken. */
 LIGHT vec3 ground_light(sunlight s, vec3 n, float sun_taken, float sky_taken)
 {
-	float sun = 1.1f * max(dot(n, s.to), 0.0f) * (1.0f - 0.9f * sun_taken);
+	float sun = max(dot(n, s.to), 0.0f) * (1.0f - 0.92f * sun_taken);
 	vec3 around = blend(s.earth, s.sky, 0.5f + 0.5f * n.z);
 	return add(scale(s.color, sun), scale(around, 1.0f - 0.6f * sky_taken));
 }
@@ -322,15 +369,25 @@ LIGHT vec3 sky_color(sunlight s, vec3 ray, bool by_kind)
 	return by_kind ? grey(color, vec3(0.34f, 0.34f, 0.34f)) : color;
 }
 
+/* lit and texel_m: crown_by_map; size: the plant's scale. */
+LIGHT vec3 plant_color(sunlight s, plant p, vec3 own, face seen, vec3 from_foot, vec3 to, float lit, float texel_m,
+	float size, float haze_m, bool by_kind)
+{
+	crown around = crown_by_map(p, crown_of(s, p, seen, from_foot, scale(unit(to), -1.0f)), lit,
+		texel_m / max(p.half_width * size, 1e-6f), seen.reach);
+	vec3 color = plant_light(s, p, own, seen.sun, around, by_kind);
+	return by_kind ? color : haze(s, color, to, length(to), haze_m);
+}
+
 LIGHT vec3 ground_color(sunlight s, vec3 lit, vec3 to, float haze_m, bool by_kind)
 {
 	vec3 color = haze(s, lit, to, length(to), haze_m);
 	return by_kind ? grey(color, vec3(0.3f, 0.5f, 0.2f)) : color;
 }
 
-/* Light of what is shown, [0, 1]. */
+/* Light of what is shown, [0, 1], as film has it: contrast in the middle, dark and bright ends that fade
+ * (after Narkowicz 2015, ACES filmic tone mapping curve; shade is less dark than there). */
 LIGHT float shown(float light)
 {
-	float c = light * 1.38f;
-	return within(c * (1.0f + c * 0.08f) / (1.0f + c * 0.40f));
+	return within(light * (2.51f * light + 0.08f) / (light * (2.43f * light + 0.59f) + 0.14f));
 }

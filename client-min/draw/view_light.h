@@ -33,9 +33,8 @@ enum view_surface { VIEW_FACET, VIEW_AXIS, VIEW_CLOUD, VIEW_BALL };
 uint32_t view_surface_direction(enum view_surface kind, const float direction[3]);
 uint32_t view_surface_cloud(double reach, double level);
 
-/* By representation; in their own colours without light, before a gray ground and a black sky; or every leaf
- * lit as if it were alone. */
-enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_OWN, VIEW_TINT_UNSHADED };
+/* By representation; or in their own colours without light, before a gray ground and a black sky. */
+enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_OWN };
 #define VIEW_OWN_GROUND 96               /* sRGB */
 extern const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3];       /* sRGB, for VIEW_TINT_KIND */
 
@@ -50,7 +49,7 @@ struct view_draw_job {                   /* of drawing by OpenGL or in software,
 	uint32_t samples;                        /* of each pixel's colour, 1 to LOD_SAMPLES_MAX; 0: 1 */
 };
 
-/* The light of the pictures of one view: the sun, and the shadows that `first`, drawn by the job, needs. */
+/* Light of the pictures of one view: the sun, and the shadows that `first`, drawn by the job, needs. */
 struct view_lamp;
 enum eco_code view_lamp_make(struct view_lamp **lamp, const struct view_draw_job *job, struct view_picture *first,
 	struct eco_error *error);
@@ -69,7 +68,7 @@ enum eco_code view_light_samples(const struct view_draw_job *job, view_record *r
 
 /* Inputs of the same light on the GPU, where view_light.glsl is a part of a shader (web/web_light.h):
  * sunlight with its haze, plants, and where the octaves of the ground's noise have a place of the ground. */
-struct view_light_sun { float to[3], color[3], through[3], sky[3], earth[3], day, glow, haze_m; };
+struct view_light_sun { float to[3], color[3], sky[3], earth[3], day, glow, haze_m; };
 void view_light_sun(const struct view_sky *sky, double eye_z, struct view_light_sun *out);
 struct view_light_plant { float sine, cosine, center_z, half_width, half_height, tone; };
 /* instance: NULL for a point of a summary. */

@@ -26,16 +26,16 @@ static const char light_text[] =
 
 /* Values that all pixels share come to them from the vertices: software drivers look up a uniform for
  * each pixel (lod/EXPERIMENTS.md, A frame's time). u_frame: where the sun is and the day, its light and its
- * glow, its light through leaves and haze_m, the sky's and by_kind, the earth's and unshaded, from where feet
- * are told to the eye and the shift of plants, u_shade's corner from the eye and 1 / its side. u_part,
- * u_cell: where the eye is in octaves, two a vector. 15 vectors, as many as any driver has. */
+ * glow, the sky's and haze_m, the earth's and by_kind, from where feet are told to the eye and the shift of
+ * plants, u_shade's corner from the eye and 1 / its side. u_part, u_cell: where the eye is in octaves, two a
+ * vector. 14 vectors of the 15 that any driver has. */
 #define FRAME \
-	"FLAT vec4 v_frame[7], v_part[3];\n" \
+	"FLAT vec4 v_frame[6], v_part[3];\n" \
 	"FLAT ivec4 v_cell[3];\n" \
 	"uniform usampler2D u_seen;\n"
 
 static const char more[] = FRAME
-	"uniform vec4 u_frame[7], u_part[3];\n"
+	"uniform vec4 u_frame[6], u_part[3];\n"
 	"uniform ivec4 u_cell[3];\n"
 	"uniform mat3 u_ray;             // the image plane's half extents, and its middle\n"
 	"out vec3 v_ray;\n"
@@ -90,12 +90,11 @@ static const char pixels[] = FRAME
 	"out vec4 o_color;\n"
 	WEB_IS_SUMMARY
 	"sunlight sun() {\n"
-	"	return sunlight(v_frame[0].xyz, v_frame[1].xyz, v_frame[2].xyz, v_frame[3].xyz,\n"
-	"		v_frame[4].xyz, v_frame[0].w, v_frame[1].w);\n"
+	"	return sunlight(v_frame[0].xyz, v_frame[1].xyz, v_frame[2].xyz, v_frame[3].xyz, v_frame[0].w,\n"
+	"		v_frame[1].w);\n"
 	"}\n"
 	"float haze_m() { return v_frame[2].w; }\n"
 	"bool by_kind() { return v_frame[3].w != 0.0; }\n"
-	"bool unshaded() { return v_frame[4].w != 0.0; }\n"
 	"float noise_at(vec2 at, int which) {\n"
 	"	bool odd = (which & 1) == 1;\n"
 	"	vec4 part = v_part[which >> 1], metre = METRE[which];\n"
@@ -105,7 +104,7 @@ static const char pixels[] = FRAME
 	"	return noise_in(whole.x, whole.y, p.x - cell.x, p.y - cell.y);\n"
 	"}\n"
 	"vec4 plant_texel(uint i) {\n"
-	"	int shift = int(v_frame[5].w);\n"
+	"	int shift = int(v_frame[4].w);\n"
 	"	ivec2 at = ivec2(int(i) & ((1 << shift) - 1), int(i) >> shift);\n"
 	"	return uintBitsToFloat(texelFetch(u_plants, at, 0));\n"
 	"}\n"
@@ -120,18 +119,13 @@ static const char pixels[] = FRAME
 	"	return plant(a.x, a.y, a.z, a.w, b.x, b.y);\n"
 	"}\n"
 	/* sunshine: what a shadow map says, the share of sunlight that arrives and how large a texel is */
-	"vec3 plant_color(uvec4 seen, vec3 to, plant p, vec4 foot, face look, vec2 sunshine) {\n"
+	"vec3 plant_pixel(uvec4 seen, vec3 to, plant p, vec4 foot, face look, vec2 sunshine) {\n"
 	"	vec3 own = light_of_bytes(vec3(uvec3(seen.w, seen.w >> 8, seen.w >> 16) & 255u) / 255.0);\n"
-	"	vec3 d = (to + v_frame[5].xyz - foot.xyz) / foot.w, to_eye = -unit(to);\n"
-	"	vec3 local = vec3(d.x * p.cosine + d.y * p.sine, d.y * p.cosine - d.x * p.sine, d.z);\n"
-	"	crown around = crown_by_map(p, crown_of(sun(), p, local, to_eye, look.reach), sunshine.x,\n"
-	"		sunshine.y / (p.half_width * foot.w), look.reach);\n"
-	"	if (unshaded()) around = crown_alone(sun(), to_eye);\n"
-	"	vec3 color = plant_light(sun(), p, own, look.sun, around, by_kind());\n"
-	"	return by_kind() ? color : haze(sun(), color, to, length(to), haze_m());\n"
+	"	return plant_color(sun(), p, own, look, (to + v_frame[4].xyz - foot.xyz) / foot.w, to,\n"
+	"		sunshine.x, sunshine.y, foot.w, haze_m(), by_kind());\n"
 	"}\n"
 	"vec3 ground_pixel(vec3 n, vec3 to, vec2 sunshine) {\n"
-	"	vec2 at = (to.xy - v_frame[6].xy) * v_frame[6].z, taken = vec2(0.0);\n"
+	"	vec2 at = (to.xy - v_frame[5].xy) * v_frame[5].z, taken = vec2(0.0);\n"
 	"	if (all(greaterThan(at, vec2(0.0))) && all(lessThan(at, vec2(1.0))))\n"
 	"		taken = textureLod(u_shade, at, 0.0).rg;\n"
 	"	vec3 lit = ground_light(sun(), n, sunshine.x < 0.0 ? taken.x : 1.0 - sunshine.x, taken.y);\n"
@@ -142,11 +136,11 @@ static const char pixels[] = FRAME
 	"	bool ground = seen.x == 0u && !is_summary(seen);\n"
 	"	vec4 foot;\n"
 	"	plant p = plant_of(seen, foot);\n"
-	"	face look = face(sunny(0.0, 0.0, 0.0), direction_of(seen.y), true, 0.0);\n"
+	"	face look = face(sunny(0.0, 0.0, 0.0), direction_of(seen.y), true, 0.0, 0.0);\n"
 	"	if (!ground) look = face_of(sun(), p, seen.y, -unit(to));\n"
 	"	vec2 sunshine = cast_at(to, look.n, look.facet);\n"
 	"	if (ground) return ground_pixel(look.n, to, sunshine);\n"
-	"	return plant_color(seen, to, p, foot, look, sunshine);\n"
+	"	return plant_pixel(seen, to, p, foot, look, sunshine);\n"
 	"}\n"
 	"void main() {\n"
 	"	uvec4 seen = texelFetch(u_seen, ivec2(v_pixel), 0);\n"
@@ -446,18 +440,17 @@ static void set_frame(const struct web_light *light, const struct view_draw_job 
 	const struct lod_eye *eye = job->eye;
 	struct view_light_sun sun;
 	view_light_sun(&job->selection->sky, eye->at[2], &sun);
-	float frame[7][4] = { [0][3] = sun.day, [1][3] = sun.glow, [2][3] = sun.haze_m,
-		[3][3] = job->tint == VIEW_TINT_KIND, [4][3] = job->tint == VIEW_TINT_UNSHADED,
-		[5][3] = (float)light->plants.shift,
-		[6][2] = light->side_m > 0 ? (float)(1 / light->side_m) : 0 };
-	const float *const colors[5] = { sun.to, sun.color, sun.through, sun.sky, sun.earth };
-	for (int i = 0; i < 5; i++)
+	float frame[6][4] = { [0][3] = sun.day, [1][3] = sun.glow, [2][3] = sun.haze_m,
+		[3][3] = job->tint == VIEW_TINT_KIND, [4][3] = (float)light->plants.shift,
+		[5][2] = light->side_m > 0 ? (float)(1 / light->side_m) : 0 };
+	const float *const colors[4] = { sun.to, sun.color, sun.sky, sun.earth };
+	for (int i = 0; i < 4; i++)
 		memcpy(frame[i], colors[i], 3 * sizeof *frame[i]);
 	for (int k = 0; k < 3; k++)
-		frame[5][k] = (float)(eye->at[k] - light->origin[k]);
+		frame[4][k] = (float)(eye->at[k] - light->origin[k]);
 	for (int k = 0; k < 2; k++)
-		frame[6][k] = (float)(light->low[k] - eye->at[k]);
-	glUniform4fv(uniform(light, "u_frame"), 7, frame[0]);
+		frame[5][k] = (float)(light->low[k] - eye->at[k]);
+	glUniform4fv(uniform(light, "u_frame"), 6, frame[0]);
 }
 
 static void set_rays(const struct web_light *light, const struct lod_eye *eye)

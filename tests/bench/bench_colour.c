@@ -5,9 +5,8 @@
  *   perceptual   pixels that a person would call different (Yee 2001 in OpenImageIO, as `idiff -p`: by hue,
  *                image.h), over covered ones
  *
- * Variants of the same plan show the worth of prefiltering: without self-occlusion (every leaf lit as if it
- * were alone); besides, with flat colours (one colour a list without a texture; for cut-outs the plain mean
- * of the texture's bytes, clear texels included). */
+ * A variant of the same plan shows the worth of prefiltering: with flat colours (one colour a list without a
+ * texture; for cut-outs the plain mean of the texture's bytes, clear texels included). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,9 +33,8 @@ static const double distances[] = { 1, 4, 16 };
 static const uint64_t budgets[] = { 10000, 100000, 1000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
 
-enum variant { OURS, UNSHADED, FLAT, SOFTWARE, VARIANTS };
-static const char *const variant_names[VARIANTS] = { "ours", "no self-occlusion", "flat colours",
-	"rasteriser" };
+enum variant { OURS, FLAT, SOFTWARE, VARIANTS };
+static const char *const variant_names[VARIANTS] = { "ours", "flat colours", "rasteriser" };
 /* TONE: the mean over channels. */
 enum { RMS, TONE, PERCEPTUAL, Q, FIGURES };
 
@@ -95,7 +93,7 @@ static void open_frame(struct frame *frame, const struct srv_scene *scene, const
 }
 
 /* Nothing where there is no OpenGL. */
-static struct view_picture draw_gl(const struct frame *frame, enum view_tint tint)
+static struct view_picture draw_gl(const struct frame *frame)
 {
 	struct view_gl *gl;
 	struct eco_error why = { 0 };
@@ -105,7 +103,7 @@ static struct view_picture draw_gl(const struct frame *frame, enum view_tint tin
 		return picture;
 	must(view_picture_init(&picture, width, height, must_error));
 	must(view_gl_draw(gl, &(struct view_draw_job){ frame->store, &frame->drawing.selection,
-		&frame->drawing.eye, frame->drawing.job.near_m, 0, NULL, tint, 1 }, &picture, must_error));
+		&frame->drawing.eye, frame->drawing.job.near_m, 0, NULL, VIEW_TINT_NONE, 1 }, &picture, must_error));
 	view_gl_close(gl);
 	return picture;
 }
@@ -217,8 +215,7 @@ static void try_budget(const struct work *w, uint64_t budget, double figure[VARI
 	for (size_t v = OURS; v <= FLAT && w->reference.rgb; v++) {
 		if (v == FLAT)
 			flatten(frame.store, w->full.store);
-		struct view_picture picture = draw_gl(&frame, v == OURS ? VIEW_TINT_NONE
-			: VIEW_TINT_UNSHADED);
+		struct view_picture picture = draw_gl(&frame);
 		compare(&picture, &w->reference, figure[v]);
 		if (v == OURS)
 			write_pictures(w, &picture, &w->reference, budget);
@@ -240,7 +237,7 @@ static json_t *study_view(void *ctx)
 		*f = NAN;
 	open_frame(&w->full, w->scene, &all);
 	if ((double)w->full.drawing.selection.vertices <= REFERENCE_VERTICES)
-		w->reference = draw_gl(&w->full, VIEW_TINT_NONE);
+		w->reference = draw_gl(&w->full);
 	for (size_t b = 0; b < BUDGETS; b++)
 		try_budget(w, budgets[b], figure[b]);
 	close_frame(&w->full);

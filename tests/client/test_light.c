@@ -1,7 +1,8 @@
-/* Light: both sides of a leaf, haze, and a low sun's sky. */
+/* Light: both sides of a leaf, what crowns let through, energy, haze, and a low sun's sky. */
 #include <math.h>
 #include <string.h>
 
+#include "client-min/draw/view_light_inline.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -12,23 +13,23 @@ static void light_leaf(const struct scene_held *h, const float sun[3], const flo
 {
 	static const uint8_t green[3] = { 70, 120, 40 };
 	FREED(view_picture) one;
-	const struct view_instance *plant = h->selection.instances;
+	const struct view_instance *at = h->selection.instances;
 	struct view_selection s = h->selection;
 	s.ground.count = 0;
 	memcpy(s.sky.sun, sun, sizeof s.sky.sun);
-	while (plant->plant == ECO_NONE)
-		plant++;
+	while (at->plant == ECO_NONE)
+		at++;
 	/* the leaf's plant is turned */
-	const float turned[3] = { (float)((double)normal[0] * plant->place.cosine
-		+ (double)normal[1] * plant->place.sine), (float)((double)normal[1] * plant->place.cosine
-		- (double)normal[0] * plant->place.sine), normal[2] };
+	const float turned[3] = { (float)((double)normal[0] * at->place.cosine
+		+ (double)normal[1] * at->place.sine), (float)((double)normal[1] * at->place.cosine
+		- (double)normal[0] * at->place.sine), normal[2] };
 	assert_good(view_picture_init(&one, 1, 1, &cause));
 	memcpy(one.rgb, green, sizeof green);
 	one.cover[0] = 255;
-	one.owner[0] = plant->owner;
-	one.depth[0] = (float)(1 / plant->distance_m);
+	one.owner[0] = at->owner;
+	one.depth[0] = (float)(1 / at->distance_m);
 	one.surface[0] = view_surface_direction(VIEW_FACET, turned);
-	struct view_draw_job job = { h->store, &s, &h->eye, 0.1, 1, NULL, VIEW_TINT_UNSHADED, 1 };
+	struct view_draw_job job = { h->store, &s, &h->eye, 0.1, 1, NULL, VIEW_TINT_NONE, 1 };
 	struct view_lamp *lamp;
 	assert_good(view_lamp_make(&lamp, &job, &one, &cause));
 	view_lamp_light(lamp, &h->eye, &one, 1);
@@ -59,6 +60,141 @@ UNIT_TEST(leaves_have_two_sides_and_let_light_through)
 	/* it glows, in a yellower green than in light from the front */
 	assert_true(through[1] > grazed[1] + 10 && through[1] < front[1]);
 	assert_true(through[1] * front[2] > front[1] * through[2]);
+}
+
+/* ---- Energy ---- */
+
+/* its tone is the mean of all plants' */
+static const struct plant tree = { 0, 1, 6, 3, 6, 0.53125f };
+static const struct sunlight noon = { { 0, 0.6f, 0.8f }, { 1.7f, 1.6f, 1.3f }, { 0.4f, 0.4f, 0.5f },
+	{ 0.2f, 0.2f, 0.1f }, 1, 0 };
+
+static vec3 direction(int i, int count)          /* a spiral from pole to pole */
+{
+	float z = 1 - 2 * ((float)i + 0.5f) / (float)count, r = sqrtf(1 - z * z), turn = 2.39996f * (float)i;
+	return vec3(r * cosf(turn), r * sinf(turn), z);
+}
+
+static uint32_t surface_of(enum view_surface kind, vec3 n)
+{
+	return view_surface_direction(kind, (const float[3]){ n.x, n.y, n.z });
+}
+
+static float most(vec3 v) { return fmaxf(v.x, fmaxf(v.y, v.z)); }
+
+/* A sky and a ground of light 1 and no sun: no surface of any kind and color is brighter. */
+UNIT_TEST(no_surface_gives_more_light_than_it_gets)
+{
+	static const struct sunlight even = { { 0, 0, 1 }, { 0, 0, 0 }, { 1, 1, 1 }, { 1, 1, 1 }, 1, 0 };
+	static const vec3 colors[] = { { 1, 1, 1 }, { 0.5f, 1, 0.2f }, { 0.9f, 1, 0.9f }, { 1, 0.3f, 0.3f } };
+	float brightest = 0;
+	for (uint32_t kind = 0; kind < 4; kind++)
+		for (int i = 0; i < 200; i++) {
+			vec3 n = direction(i, 200), eye = direction(i * 7 % 200, 200);
+			uint32_t surface = kind == VIEW_CLOUD ? view_surface_cloud(1, i % 5 * 0.25)
+				: surface_of((enum view_surface)kind, n);
+			struct face seen = face_of(even, tree, surface, eye);
+			for (size_t c = 0; c < sizeof colors / sizeof *colors; c++)
+				brightest = fmaxf(brightest, most(plant_light(even, (plant){ .tone = 0.53125f },
+					colors[c], seen.sun, crown(1, 1, 1), false)));
+		}
+	print_message("brightest of all surfaces: %.3f\n", (double)brightest);
+	assert_true(brightest <= 1.01f && brightest > 0.99f);
+	for (int i = 0; i < 1000; i++)
+		assert_true(shown((float)i * 0.01f) <= shown((float)(i + 1) * 0.01f) && shown((float)i) <= 1);
+}
+
+/* ---- Crowns ---- */
+
+static const float leaf_color[3] = { 0.08f, 0.17f, 0.03f };
+
+static vec3 lit(const struct sunlight *s, uint32_t surface, vec3 at, vec3 eye)
+{
+	struct face seen = face_of(*s, tree, surface, eye);
+	return plant_color(*s, tree, vec3(leaf_color[0], leaf_color[1], leaf_color[2]), seen, at, scale(eye, -1), -1, 0, 1,
+		1e9f, false);
+}
+
+static vec3 in_tree(vec3 unit_place) { return vec3(3 * unit_place.x, 3 * unit_place.y, 6 + 6 * unit_place.z); }
+
+/* A number in [0, 1) of each of a sequence of places in five dimensions that fill it evenly (Roberts 2018). */
+static float even_number(int i, int dimension)
+{
+	double at = 0.5 + (i + 1) * pow(1 / 1.1347241384015194, dimension + 1);
+	return (float)(at - floor(at));
+}
+
+static vec3 even_direction(int i, int dimension)
+{
+	float z = 2 * even_number(i, dimension) - 1, r = sqrtf(1 - z * z),
+		turn = 6.2831853f * even_number(i, dimension + 1);
+	return vec3(r * cosf(turn), r * sinf(turn), z);
+}
+
+/* Leaves of all directions fill the crown; each shows the area that it turns to the eye, and others hide it. */
+static float mean_of_leaves(const struct sunlight *s, vec3 eye)
+{
+	vec3 back = unstretched(tree, eye);
+	float sum = 0, weights = 0;
+	for (int i = 0; i < 4000; i++) {
+		vec3 n = even_direction(i, 0), at = scale(even_direction(i, 2), cbrtf(even_number(i, 4)));
+		float weight = fabsf(dot(n, eye)) * expf(-5 * way_out(at, back));
+		sum += weight * lit(s, surface_of(VIEW_FACET, n), in_tree(at), eye).y;
+		weights += weight;
+	}
+	return sum / weights;
+}
+
+/* One ball as large as the crown. */
+static float mean_of_ball(const struct sunlight *s, vec3 eye)
+{
+	vec3 back = unstretched(tree, eye);
+	float sum = 0, weights = 0;
+	for (int i = 0; i < 4000; i++) {
+		vec3 d = direction(i, 4000), n = unit(vec3(d.x, d.y, d.z * 0.5f));
+		float weight = fmaxf(dot(d, back), 0);
+		sum += weight * lit(s, surface_of(VIEW_BALL, n), in_tree(d), eye).y;
+		weights += weight;
+	}
+	return sum / weights;
+}
+
+UNIT_TEST(a_crown_has_the_same_light_as_leaves_as_a_splat_and_as_a_point)
+{
+	double worst[2] = { 0, 0 }, mean[2] = { 0, 0 };
+	for (int i = 0; i < 60; i++) {
+		vec3 eye = direction(i * 17 % 60, 60), sun = direction(i % 12, 30);
+		struct sunlight s = noon;
+		s.to = sun;
+		double leaves = (double)mean_of_leaves(&s, eye), others[2] = { (double)mean_of_ball(&s, eye),
+			(double)lit(&s, view_surface_cloud(1, 0), vec3(0, 0, 6), eye).y };
+		for (int k = 0; k < 2; k++) {
+			worst[k] = fmax(worst[k], fabs(log(others[k] / leaves)));
+			mean[k] += log(others[k] / leaves) / 60;
+		}
+	}
+	print_message("splats: %+.3f in the mean, at most %.3f; points: %+.3f, at most %.3f\n", mean[0], worst[0],
+		mean[1], worst[1]);
+	assert_true(fabs(mean[0]) < 0.04 && worst[0] < 0.16);
+	assert_true(fabs(mean[1]) < 0.01 && worst[1] < 0.05);
+}
+
+/* Light falls from the sunny side inwards, and more of it from above than from below reaches a treetop. */
+UNIT_TEST(a_crown_is_darker_inside_and_on_its_far_side)
+{
+	vec3 sun = unstretched(tree, vec3(noon.to.x, noon.to.y, noon.to.z));
+	float before = 2;
+	for (int i = 0; i <= 10; i++) {
+		struct crown c = crown_at(scale(sun, 0.97f - 0.194f * (float)i), sun, 0);
+		assert_true(c.sun < before);
+		before = c.sun;
+	}
+	struct crown top = crown_at(vec3(0, 0, 0.9f), sun, 0);
+	assert_true(before < 0.1f && top.sky > 0.9f && top.earth < 0.3f);
+	double sum = 0;
+	for (int i = 0; i < 20000; i++)
+		sum += (double)clump(scale(direction(i, 20000), cbrtf((float)(i * 911 % 20000) / 20000)), 0.3f);
+	assert_true(fabs(sum / 20000 / (double)CLUMP_DEPTH - 1) < 0.1);
 }
 
 /* ---- Pictures ---- */
@@ -93,7 +229,7 @@ UNIT_TEST(nearer_haze_hides_more)
 	scene_select(&h);
 	FREED(view_picture) usual, same, near;
 	usual = draw(&h, &(struct view_sky){ .haze_m = 0 });
-	same = draw(&h, &(struct view_sky){ .haze_m = 5200 });
+	same = draw(&h, &(struct view_sky){ .haze_m = 12000 });
 	near = draw(&h, &(struct view_sky){ .haze_m = 30 });
 	assert_memory_equal(usual.rgb, same.rgb, 3 * (size_t)usual.width * usual.height);
 	print_message("blue of ground: %.1f, in haze %.1f; of the sky %.1f\n", mean_of(&usual, 2, true),

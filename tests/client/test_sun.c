@@ -104,8 +104,8 @@ UNIT_TEST(shadows_fall_away_from_the_sun)
 			across = mean[0] * (double)suns[i][1] - mean[1] * (double)suns[i][0];
 		assert_true(along < 0 && fabs(across) < 0.1 * fabs(along));
 	}
-	alone.sky = (struct view_sky){ .haze_m = 0 };    /* the usual sun is in the south-west */
-	assert_true(shadow_of(&h, &alone, mean) > 0 && mean[0] > 0 && mean[1] > 0);
+	alone.sky = (struct view_sky){ .haze_m = 0 };    /* the usual sun is in the south-east */
+	assert_true(shadow_of(&h, &alone, mean) > 0 && mean[0] < 0 && mean[1] > 0);
 	memcpy(alone.sky.sun, (const float[3]){ 0.9f, 0.3f, -0.3f }, sizeof alone.sky.sun);
 	assert_true(shadow_of(&h, &alone, mean) == 0);
 	scene_close(NULL);
