@@ -3,8 +3,9 @@
 // --owners, and with --digest's lines in NAME/said. In node: the hashes of what is decoded and drawn are the
 // same. In CHROMIUM (none: ''): those, too, and of each picture's pixels that plants cover, and of those
 // that show the right plant, P and R are at least .995, and of all pixels as many have ecoview's colours, but
-// for 2 of 255. No pixel is read for a frame, and no shader of shadows is compiled where none are asked for. NAME.options, if it is there, are the layer's, in JSON.
-import { existsSync, readFileSync } from 'node:fs';
+// for 2 of 255. No pixel is read for a frame, and no shader of shadows is compiled where none are asked for. The shader
+// of more samples is compiled after the first picture. NAME.options are the layer's, in JSON.
+import { readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Browser } from './browser.mjs';
@@ -29,7 +30,6 @@ function readScene(url) {
 	if (!digests.length || digests.length !== keyframes.length)
 		throw new Error(`${out}/said has ${digests.length} digests of ${keyframes.length} frames`);
 	const file = (i, kind) => join(out, `frame-${String(i).padStart(4, '0')}.${kind}png`);
-	const options = join(dir, `${name}.options`);
 	const views = keyframes.map(({ time_s, ...view }, i) => ({
 		what: `${name}, frame ${i}`,
 		view: { up: [0, 0, 1], ...view },
@@ -37,7 +37,7 @@ function readScene(url) {
 		digest: digests[i],
 		pictures: [file(i, 'owners.'), file(i, '')],
 	}));
-	return { url, views, options: existsSync(options) ? JSON.parse(readFileSync(options)) : {} };
+	return { url, views, options: JSON.parse(readFileSync(join(dir, `${name}.options`))) };
 }
 
 async function inNode(scenes) {
@@ -68,9 +68,10 @@ async function openLayer(url, options) {
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2');
 	const onError = (error) => { globalThis.failed = error.message; };
 	globalThis.tested?.free();
-	globalThis.shadowTexts = 0;
+	Object.assign(globalThis, { shadowTexts: 0, meanTexts: 0, early: null });
 	gl.shaderSource = (shader, text) => {
 		shadowTexts += /#define SHADOW|u_tops|u_cells/.test(text);
+		meanTexts += /u_count > 0/.test(text);
 		WebGL2RenderingContext.prototype.shaderSource.call(gl, shader, text);
 	};
 	globalThis.tested = new EcoLayer({ url, gl, firstBytes: Infinity, ...options, onError });
@@ -88,9 +89,10 @@ async function drawFrame(view, wanted, pictures) {
 			return WebGL2RenderingContext.prototype[name].apply(gl, values);
 		};
 	tested.wanted = tested.asked;
-	do
+	do {
 		tested.present(view, [0, 0], width, height);
-	while (tested.refines);
+		globalThis.early ??= meanTexts;
+	} while (tested.refines);
 	Object.keys(calls).forEach((name) => delete gl[name]);
 	const pixelsOf = async (picture) => {
 		const bitmap = await createImageBitmap(await (await fetch(picture)).blob());
@@ -111,7 +113,7 @@ async function drawFrame(view, wanted, pictures) {
 			[0, 1, 2].some((k) => apart(i, k) > 2)]
 			.forEach((counted, k) => { counts[k] += !!counted; });
 	}
-	return { digest: tested.stream.digest(), sampled: tested.sampled, counts, calls, shadowTexts, failed: globalThis.failed };
+	return { digest: tested.stream.digest(), sampled: [tested.sampled, meanTexts, early], counts, calls, shadowTexts, failed: globalThis.failed };
 }
 
 /** Three pictures with shadows of a driver that refuses a part of their programs: what is complained of, and how many
@@ -138,6 +140,24 @@ async function refuseShadows(url, view, { width, height, ...budgets }) {
 	return { errors, counts };
 }
 
+/** How many samples a picture has whose driver draws no half floats, and what is complained of. */
+async function refuseSamples(url, view, { width, height, ...budgets }) {
+	const { EcoLayer } = await import('/viewer/eco_layer.mjs'), errors = [];
+	const gl = new OffscreenCanvas(16, 16).getContext('webgl2'), { prototype: own } = WebGL2RenderingContext;
+	gl.getExtension = (name) => name.startsWith('EXT_color_buffer') ? null : own.getExtension.call(gl, name);
+	const layer = new EcoLayer({ url, gl, samples: 16, firstBytes: Infinity, onError: ({ message }) => errors.push(message) });
+	await layer.ready;
+	await layer.load({ view, width, height, ...budgets });
+	layer.wanted = layer.asked;
+	const asked = [0, 1, 2].map(() => {
+		layer.present(view, [0, 0], width, height);
+		return layer.refines;
+	});
+	const { sampled } = layer;
+	layer.free();
+	return [sampled, ...asked, ...errors];
+}
+
 async function inBrowser(scenes) {
 	const browser = new Browser(chromium);
 	const call = (f, ...values) => browser.evaluate(`(${f})(...${JSON.stringify(values)})`);
@@ -160,7 +180,9 @@ async function inBrowser(scenes) {
 				console.log(`${what}: ${ecoview} pixels; covered P ${(both / page).toFixed(5)} R `
 					+ `${(both / ecoview).toFixed(5)}, owners P ${(alike / page).toFixed(5)} R `
 					+ `${(alike / ecoview).toFixed(5)}; ${JSON.stringify(options)}, ${other} other colours`);
-				expect(sampled === options.samples, `${what}: ${sampled} samples`);
+				const { samples } = options;
+				expect(String(sampled) === String([samples, samples > 1 ? 1 : 0, 0]),
+					`${what}: samples, shaders for them, and those before the first picture: ${sampled}`);
 				expect(!calls.readPixels, `${what}: pixels are read ${calls.readPixels} times for a frame`);
 				expect(!shadowTexts === !options.shadows,
 					`${what}: ${shadowTexts} shaders of shadows are compiled`);
@@ -178,6 +200,8 @@ async function inBrowser(scenes) {
 		const { errors, counts } = await call(refuseShadows, url, view, wanted);
 		expect(errors.length === 1 && errors[0].includes('where shadows lie') && counts[1] === counts[2],
 			`shadows that are refused: ${errors.length} errors, ${errors[0]}; programs ${counts}`);
+		const refused = await call(refuseSamples, url, view, wanted);
+		expect(String(refused) === '1,true,false,false', `samples that are refused: ${refused}`);
 		console.log(`${requests} requests: P and R of owners are at least ${least.toFixed(5)}`);
 		expect(!browser.complaints.length, browser.complaints.join('\n'));
 	} finally {

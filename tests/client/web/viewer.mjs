@@ -10,6 +10,7 @@ import { shape } from './shape.mjs';
 
 const [url, chromium, inventory, script, reload, below] = process.argv.slice(2);
 const name = url.split('/').pop(), page = new URL(`/#scene=${name}`, url).href;
+const samples = (count) => `document.getElementById('picture').dataset.samples === '${count}'`;
 const complete = "document.getElementById('picture')?.dataset.complete === 'true'";
 const rows = readFileSync(inventory, 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
 const browser = new Browser(chromium);
@@ -215,7 +216,7 @@ async function savesWhatIsWhole() {
 		expect(!await ask('globalThis.offered'), 'the picture of a motion is saved');
 		await hold('keyUp');
 	});
-	await browser.until(complete);
+	expect(await ask(`${samples(16)} && ${complete}`), 'the picture is saved before it has its samples');
 	expect(moving.equals(await saved(() => press('p'))), 'what is saved in a motion is not the whole picture');
 }
 
@@ -260,10 +261,10 @@ function watch() {
 	globalThis.Worker = class extends Worker {
 		constructor(...values) {
 			super(...values);
-			this.addEventListener('message', ({ data: { type } }) => passed.push(`<${type}`));
+			this.addEventListener('message', ({ data: { type, sampled = '' } }) => passed.push(`<${type}${sampled}`));
 		}
 		postMessage(message, ...values) {
-			passed.push(`>${message.type ?? 'canvas'}`);
+			passed.push(`>${message.moving ? 'moving' : message.type ?? 'canvas'}`);
 			super.postMessage(message, ...values);
 		}
 	};
@@ -281,9 +282,40 @@ async function leavesThePageFree() {
 	await browser.until(complete);
 	const { received } = await ask('viewer.drawn'), passed = await ask('passed'), worked = await ask('worked');
 	expect(received > 10000 && !worked.length, `of ${received} bytes the page itself works on some: ${worked}`);
-	expect(passed.indexOf('>draw') >= 0 && passed.indexOf('>draw') < passed.indexOf('<opened'),
-		`a link's view is asked for late: ${passed.slice(0, 8)}`);
+	const asked = passed.findIndex((it) => ['>draw', '>moving'].includes(it));
+	expect(asked >= 0 && asked < passed.indexOf('<opened'), `a link's view is asked for late: ${passed.slice(0, 8)}`);
+	await refinesAtRest();
 	await browser.send('Page.removeScriptToEvaluateOnNewDocument', { identifier });
+}
+
+/** A picture at rest gets 16 samples, one after the other, until there is input: a moving one has one. */
+async function refinesAtRest() {
+	await browser.until(samples(16));
+	const passed = await ask('passed'), counts = (list) => list.filter((it) => /^<(drawn|sampled)/.test(it)), all = counts(passed);
+	const rest = all.slice(all.findLastIndex((it) => it === '<drawn1'));
+	expect(String(rest) === String(['<drawn1', ...Array.from({ length: 15 }, (_, i) => `<sampled${i + 2}`)]),
+		`a picture at rest has in turn: ${rest}`);
+	// the input comes as soon as there are three samples of the next picture
+	await ask(`new Promise((done) => {
+		const picture = document.getElementById('picture');
+		const send = (type) => picture.dispatchEvent(new KeyboardEvent(type, { key: 'ArrowLeft', bubbles: true }));
+		const press = () => { send('keydown'); setTimeout(send, 200, 'keyup'); };
+		const observer = new MutationObserver(() => {
+			if (picture.dataset.samples !== '3')
+				return;
+			observer.disconnect();
+			passed.length = 0;
+			press();
+			done();
+		});
+		observer.observe(picture, { attributeFilter: ['data-samples'] });
+		press();
+	})`);
+	await browser.until(samples(16));
+	const after = await ask('passed'), moving = after.slice(after.indexOf('>moving')), first = counts(moving).indexOf('<drawn1');
+	expect(after.includes('>moving') && first >= 0 && first <= 2, `after an input samples go on: ${after}`);
+	const end = moving.lastIndexOf('>draw'), drawn = counts(moving.slice(0, end)).slice(first);
+	expect(end > 0 && drawn.every((it) => it === '<drawn1'), `a moving picture has more than a sample: ${moving}`);
 }
 
 /** A link to a scene that is not there says so, and shows another. The browser's way back leads to the scene
