@@ -223,8 +223,8 @@ LIGHT crown crown_mean(vec3 to_sun, vec3 to_eye)
 /* A direction as it is in the ball that a crown is when it is not stretched. */
 LIGHT vec3 unstretched(plant p, vec3 v)
 {
-	float flat = p.half_height > 0.0f ? p.half_width / p.half_height : 1.0f;
-	return unit(vec3(v.x, v.y, v.z * flat));
+	float aspect = p.half_height > 0.0f ? p.half_width / p.half_height : 1.0f;
+	return unit(vec3(v.x, v.y, v.z * aspect));
 }
 
 /* from_foot: from the plant's foot, in the world's axes, metres over the plant's scale. */
