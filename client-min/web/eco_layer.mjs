@@ -80,9 +80,6 @@ function stateOf(gl) {
 	const mask = gl.getParameter(gl.DEPTH_WRITEMASK);
 	const viewport = gl.getParameter(gl.VIEWPORT);
 	const color = gl.getParameter(gl.COLOR_WRITEMASK);
-	const [equations, factors] = [[gl.BLEND_EQUATION_RGB, gl.BLEND_EQUATION_ALPHA],
-		[gl.BLEND_SRC_RGB, gl.BLEND_DST_RGB, gl.BLEND_SRC_ALPHA, gl.BLEND_DST_ALPHA]]
-		.map((names) => names.map((name) => gl.getParameter(name)));
 	const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT);
 	const clip = gl.getExtension('EXT_clip_control');
 	const clips = clip && [clip.CLIP_ORIGIN_EXT, clip.CLIP_DEPTH_MODE_EXT].map((name) => gl.getParameter(name));
@@ -100,11 +97,20 @@ function stateOf(gl) {
 		gl.depthMask(mask);
 		gl.viewport(...viewport);
 		gl.colorMask(...color);
-		gl.blendEquationSeparate(...equations);
-		gl.blendFuncSeparate(...factors);
 		gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
 	};
 	return { framebuffer, restore };
+}
+
+/** How a page blends, and how to put it back. */
+function blendingOf(gl) {
+	const read = (names) => names.map((name) => gl.getParameter(name));
+	const equations = read([gl.BLEND_EQUATION_RGB, gl.BLEND_EQUATION_ALPHA]);
+	const factors = read([gl.BLEND_SRC_RGB, gl.BLEND_DST_RGB, gl.BLEND_SRC_ALPHA, gl.BLEND_DST_ALPHA]);
+	return () => {
+		gl.blendEquationSeparate(...equations);
+		gl.blendFuncSeparate(...factors);
+	};
 }
 
 export class EcoLayer {
@@ -231,13 +237,13 @@ export class EcoLayer {
 		return this.complete && this.sampled < Math.min(this.samples, this.most);
 	}
 
-	/** Adds a sample to the picture that was drawn last; false: it has all that it can have. */
+	/** Adds a sample to the picture that was drawn last, unless it has all that it can have. */
 	sample() {
-		const { module, stream } = this, failed = module._web_sample(stream.web);
+		const { gl, module, stream } = this, restore = blendingOf(gl), failed = module._web_sample(stream.web);
+		restore();
 		this.sampled += !failed;
 		this.most = failed ? this.sampled : SAMPLES_MAX;
 		stream.check(failed > 0);
-		return !failed;
 	}
 
 	/** A picture's key: pictures of the same key look the same. */

@@ -184,8 +184,9 @@ const heard = {
 		canvas.dataset.complete = message.complete && message.number === asked && !frame;
 		canvas.dataset.samples = message.sampled;
 	},
-	sampled({ sampled }) {
+	sampled({ sampled, more }) {
 		canvas.dataset.samples = sampled;
+		drawn.more = more;
 	},
 	named({ species }) {
 		nameSpecies(species);
@@ -206,7 +207,11 @@ const heard = {
 		else if (!reasons)
 			showWhy(why);
 	},
-	saved: ({ blob }) => save(`${settings.scene}.png`, blob),
+	saved({ blob }) {
+		save(`${settings.scene}.png`, blob);
+		if (!$('state').classList.contains('error'))
+			say('');
+	},
 	failed({ text, offline }) {
 		wasOffline = offline;
 		say(text, true);
@@ -334,7 +339,7 @@ function save(name, blob) {
 }
 
 function savePicture() {
-	if (canvas.dataset.complete !== 'true')
+	if (canvas.dataset.complete !== 'true' || drawn.more)
 		say('The picture is saved once all of it is here');
 	engine.postMessage({ type: 'save' });
 }

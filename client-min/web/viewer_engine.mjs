@@ -142,7 +142,7 @@ class Engine {
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 		const there = layer.draw(matrix, eye, size, next), { complete, offline, stream } = layer;
-		this.said = { number: wanted.number, moving, facts: layer.facts(), complete, offline, sampled: layer.sampled,
+		this.said = { number: wanted.number, moving, facts: layer.facts(), complete, offline, sampled: layer.sampled, more: layer.refines,
 			received: stream.received, ahead: layer.ahead,
 			ground: stream.selected ? stream.ground(eye[0], eye[1]) : null };
 		return there;
@@ -151,9 +151,9 @@ class Engine {
 	/** Says of what was drawn that it is there, and once it is complete, what stands there; of more samples
 	 * only how many there are. */
 	tell() {
-		const { number, complete, sampled } = this.said;
+		const { number, complete, sampled, more } = this.said;
 		if (this.told === number && sampled > 1)
-			return this.post({ type: 'sampled', sampled });
+			return this.post({ type: 'sampled', sampled, more });
 		this.told = complete ? number : null;
 		this.post({ type: 'drawn', ...this.said });
 		if (complete && this.named !== this.layer.stream)

