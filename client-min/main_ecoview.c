@@ -51,7 +51,7 @@ struct viewer {                          /* everything that lives as long as the
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
 	double under_m;
 	struct view_sky sky;
-	struct view_map map;                     /* with --geojson or --sun */
+	struct view_map map;                     /* for --geojson and the sun */
 };
 
 /* ---- Files ---- */
@@ -535,12 +535,14 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code)
 		code = view_fetch_new(&v->fetch, &fetch, error);
 	v->sky = o->sky;
-	if (!code && (o->geojson || !isnan(o->sun_s)))
+	if (!code && (o->geojson || o->tint != VIEW_TINT_OWN || !isnan(o->sun_s)))
 		code = view_map_fetch(v->fetch, &v->map, error);
 	if (!code && !isnan(o->sun_s) && !v->map.has_place)
 		code = eco_fail(error, ECO_BAD_INPUT,
 			"the scene's place on Earth is not stated: give it a crs and make the pack again");
-	if (!code && !isnan(o->sun_s))
+	if (!code && isnan(o->sun_s) && v->map.has_place)
+		view_sun_usual(&v->map.place, v->sky.sun);
+	else if (!code && !isnan(o->sun_s))
 		view_sun_at(&v->map.place, o->sun_s, v->sky.sun);
 	fetch.chunks = NULL;
 	if (!code && o->geojson)

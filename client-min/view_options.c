@@ -9,7 +9,8 @@
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 
-static struct view_options given = { .bytes = ECO_BYTES_UNBOUNDED, .samples = 8, .sun_s = NAN };
+static struct view_options given = { .bytes = ECO_BYTES_UNBOUNDED, .samples = 8, .sun_s = NAN,
+	.sky = { .shadows = VIEW_SHADOWS_PERSPECTIVE, .shadow_size = VIEW_SHADOW_SIZE } };
 
 static enum eco_code read_frames(const char *text, void *value, struct eco_error *error)
 {
@@ -56,22 +57,22 @@ enum eco_code view_time_read(const char *text, void *unix_s, struct eco_error *e
 
 static enum eco_code read_shadows(const char *text, void *sky, struct eco_error *error)
 {
-	static const char *const names[] = { [VIEW_SHADOWS_STANDARD] = "standard",
-		[VIEW_SHADOWS_PERSPECTIVE] = "perspective" };
+	static const char *const names[] = { "no", "standard", "perspective" };
 	struct view_sky *out = sky;
 	size_t length = strcspn(text, ",");
 	const char *rest = text + length;
 	uint64_t size = VIEW_SHADOW_SIZE;
 	const char *end;
-	for (int i = VIEW_SHADOWS_STANDARD; i <= VIEW_SHADOWS_PERSPECTIVE; i++)
-		if (length == strlen(names[i]) && strncmp(text, names[i], length) == 0)
-			out->shadows = (enum view_shadows)i;
+	int kind = VIEW_SHADOWS_PERSPECTIVE;
+	while (kind >= 0 && (length != strlen(names[kind]) || strncmp(text, names[kind], length) != 0))
+		kind--;
 	bool good = !*rest || (eco_count_read(rest + 1, ECO_OPTION_COUNT, &size, &end) && !*end
 		&& size >= VIEW_SHADOW_SIZE_MIN && size <= VIEW_SHADOW_SIZE_MAX);
-	if (!out->shadows || !good)
-		return eco_fail(error, ECO_BAD_USAGE, "--shadows %.60s: must be standard or perspective, with "
-			"or without the map's size of %u to %u texels, such as perspective,2048", text,
+	if (kind < 0 || !good)
+		return eco_fail(error, ECO_BAD_USAGE, "--shadows %.60s: must be no, standard or perspective, "
+			"with or without the map's size of %u to %u texels, such as perspective,2048", text,
 			VIEW_SHADOW_SIZE_MIN, VIEW_SHADOW_SIZE_MAX);
+	out->shadows = (enum view_shadows)kind;
 	out->shadow_size = (uint32_t)size;
 	return ECO_OK;
 }
@@ -137,11 +138,13 @@ static const struct eco_option option_table[] = {
 		.help = "places in each pixel whose light is averaged, 1 to 16; default 8. Masks, owners and "
 		"scores by pixel use the first, its middle" },
 	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_time_read,
-		.help = "place the sun by time and the scene's place, such as 2026-06-21T10:00Z" },
+		.help = "place the sun by time and the scene's place, such as 2026-06-21T10:00Z; default: ten "
+		"in the morning of midsummer there, or at a latitude of 50 degrees if the scene has no "
+		"CRS" },
 	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = read_shadows,
 		.help = "draw shadows of plants on plants and ground, with a map of SIZE x SIZE texels "
-		"(default 1024). standard: texels of one size; perspective: smaller texels near "
-		"the eye. Plants outside the view cast shadows only if their data are already "
+		"(1024). perspective, the default: smaller texels near the eye; standard: texels "
+		"of one size; no: none. Plants outside the view cast shadows only if their data are already "
 		"there" },
 	{ "haze", 0, ECO_OPTION_NUMBER, "M", &given.sky.haze_m, 1, 1e9,
 		.help = "distance in metres at which haze at sea level leaves 1/e of the light; default "

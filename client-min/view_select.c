@@ -515,3 +515,10 @@ void view_sun_at(const struct view_sun_place *place, double unix_s, float sun[3]
 	sun[1] = (float)(north * cos(turn) + east * sin(turn));
 	sun[2] = (float)up;
 }
+
+void view_sun_usual(const struct view_sun_place *place, float sun[3])
+{
+	/* 10:00 UTC of 2000-12-21 and 2000-06-21; four minutes a degree */
+	double unix_s = place->latitude_deg < 0 ? 977392800 : 961581600;
+	view_sun_at(place, unix_s - place->longitude_deg * 240, sun);
+}

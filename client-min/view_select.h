@@ -62,6 +62,8 @@ struct view_sun_place { double longitude_deg, latitude_deg, convergence_deg; }; 
  * since 1970, UTC. Source: Michalsky 1988, "The Astronomical Almanac's algorithm for approximate solar
  * position", Solar Energy 40(3); within 0.01 degrees from 1950 to 2050. */
 void view_sun_at(const struct view_sun_place *place, double unix_s, float sun[3]);
+/* At ten in the morning, mean solar time, of midsummer: 21 June, or 21 December south of the equator. */
+void view_sun_usual(const struct view_sun_place *place, float sun[3]);
 
 /* ---- Selections ---- */
 

@@ -99,7 +99,7 @@ for time in '' now 2026-06-21 2026-06-21T25:00Z; do
 done
 for kind in '' none Standard standard, standard,0 standard,63 perspective,8193 perspective,1024x 'perspective, 1024' standard,-9 perspective,99999999999; do
 	run 2 http://localhost/v1/scenes/none --camera none.json --size 8x8 --vertices 1 -o "$DIR/none" --shadows "$kind"
-	says err "--shadows .*must be standard or perspective.*of 64 to 8192 texels"
+	says err "--shadows .*must be no, standard or perspective.*of 64 to 8192 texels"
 done
 for kind in standard perspective,64 standard,8192; do
 	run 1 http://localhost/v1/scenes/none --camera "$DIR/none.json" --size 8x8 --vertices 1 -o "$DIR/none" --shadows "$kind" --haze 900

@@ -1,6 +1,7 @@
 /* The sun: published positions, facts of the year, times as people write them, and shadows that fall
  * away from it. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "client-min/draw/view_light.h"
@@ -38,6 +39,24 @@ UNIT_TEST(a_published_position_is_found)
 	for (int k = 0; k < 3; k++)
 		length += (double)sun[k] * (double)sun[k];
 	assert_true(fabs(length - 1) < 1e-6);
+}
+
+/* In the forenoon, thus in the east, and about as high as at the same time of any month. */
+UNIT_TEST(without_a_time_it_is_a_morning_of_midsummer)
+{
+	static const struct view_sun_place places[] = { { 10, 50, 0 }, { -120, 38, 0 }, { 150, -34, 0 }, { 0, 70, 0 } };
+	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+		float usual[3], other[3];
+		view_sun_usual(&places[i], usual);
+		bool south = places[i].latitude_deg < 0;
+		assert_true(usual[0] > 0.25f && usual[2] > 0.5f && (usual[1] > 0) == south);
+		for (int month = 1; month <= 12; month++) {
+			char text[32];
+			snprintf(text, sizeof text, "2000-%02d-21T10:00Z", month);
+			view_sun_at(&places[i], time_of(text) - places[i].longitude_deg * 240, other);
+			assert_true(other[2] < usual[2] + 0.01f);        /* clocks differ from the sun by 14 minutes */
+		}
+	}
 }
 
 UNIT_TEST(a_map_turned_clockwise_sees_the_sun_turned_back)

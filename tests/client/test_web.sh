@@ -81,7 +81,7 @@ look_at() { # NAME VERTICES [OPTIONS: the layer's, which are ecoview's but for t
 				$m[1] + .value[1] * $size, $m[2] + .value[2] * $size + 1]})}' >"$dir/$1.json" \
 		|| fail "no camera for $1"
 	mkdir "$dir/$1"
-	"$BUILD/ecoview" "$url/v1/scenes/$1" --camera "$dir/$1.json" --size 320x240 --vertices "$2" \
+	"$BUILD/ecoview" "$url/v1/scenes/$1" --camera "$dir/$1.json" --size 320x240 --vertices "$2" --shadows no \
 		$options --owners --digest -o "$dir/$1" >"$dir/$1/said" || fail "ecoview $1"
 }
 look_at city 30000 '{"shadows": "perspective", "samples": 16}'
