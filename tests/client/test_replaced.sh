@@ -34,7 +34,10 @@ class Proxy(http.server.BaseHTTPRequestHandler):
             os.rename(f"{folder}/new", f"{folder}/served.eco")
             assert self.ask("/v1/admin/reload", b"").status == 200
         body = self.rfile.read(int(self.headers["Content-Length"]))
-        answer = self.ask(self.path, body, {"Content-Type": self.headers["Content-Type"]})
+        self.hand_on(self.ask(self.path, body, {"Content-Type": self.headers["Content-Type"]}))
+    def do_GET(self):
+        self.hand_on(self.ask(self.path, None))
+    def hand_on(self, answer):
         text = answer.read()
         self.send_response(answer.status)
         self.send_header("Content-Type", answer.headers["Content-Type"] or "")
