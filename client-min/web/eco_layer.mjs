@@ -137,6 +137,7 @@ export class EcoLayer {
 		this.loading = false;
 		this.offline = false;           // the server did not answer, and is asked again in a while
 		this.version = 0;               // of what is drawn
+		this.moving = false;            // set by who draws: shadows are those of the picture before
 		this.sampled = 0;               // samples of the picture that was drawn last
 		this.most = SAMPLES_MAX;        // of them, as far as is known
 		this.ahead = { asked: 0, aborted: 0 };   // requests that said where the eye will be
@@ -246,10 +247,14 @@ export class EcoLayer {
 		stream.check(failed > 0);
 	}
 
+	/** Whether a picture gets a shadow map of its own: not while the camera moves, nor before all is here. */
+	get resting() { return this.complete && !this.moving; }
+
 	/** A picture's key: pictures of the same key look the same. */
 	keyOf(view, width, height) {
 		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
-		return [view, size, this.tint, this.version, this.sun, this.shadows, this.shadowSize, this.haze];
+		return [view, size, this.tint, this.version, this.sun, this.shadows, this.shadowSize, this.haze,
+			this.resting];
 	}
 
 	present(view, depth, width, height) {
@@ -263,7 +268,7 @@ export class EcoLayer {
 				module._web_sun(stream.web, origin.longitude_deg, origin.latitude_deg,
 					origin.convergence_deg, this.sun ?? NaN);
 				stream.check(module._web_sky(stream.web, SHADOWS[this.shadows], this.shadowSize,
-					this.haze));
+					this.haze, this.resting ? 1 : 0));
 				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint]));
 				[this.drawn, this.sampled, this.most] = [key, 1, SAMPLES_MAX];
 			} else if (this.refines) {

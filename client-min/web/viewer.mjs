@@ -8,7 +8,7 @@ import { nameSpecies, number, showFacts, showNorth, showPicked, showPlant, showR
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');
 const camera = new Camera();
-const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '', shadows: 'none' };
+const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '', shadows: 'perspective' };
 const STILL_MS = 250, LOADING_MS = 300;
 const AHEAD_S = 1;                       // what a moving camera will need so soon is asked for, too
 let engine = null, about = null, settled = true, frame = 0, movedAt = -Infinity, recording = null;
@@ -30,6 +30,13 @@ function readAddress() {
 		settings[key] = values[key] ?? settings[key];
 	[token, view, faults] = [given, at, found];
 	sunIsLinked = Boolean(values.sun);
+}
+
+/** Where the sun is unless a time is given (view_sun_usual): ten in the morning of midsummer, in UTC. */
+function usualSun() {
+	const { longitude_deg: longitude, latitude_deg: latitude } = about?.origin ?? {};
+	const ms = Date.UTC(new Date().getUTCFullYear(), latitude < 0 ? 11 : 5, 21, 10) - longitude * 240000;
+	return Number.isFinite(ms) ? new Date(ms).toISOString().slice(0, 16) : '';
 }
 
 const hasPlace = () => about?.origin?.longitude_deg !== undefined;
@@ -277,7 +284,7 @@ function showSettings() {
 	$('bytes').value = settings.bytes < 0 ? $('bytes').max : Math.log2(settings.bytes);
 	$('bytes-text').textContent = settings.bytes < 0 ? 'no limit' : number(settings.bytes);
 	$('kind').checked = settings.kind;
-	$('sun').value = settings.sun;
+	$('sun').value = settings.sun || usualSun();
 	$('shadows').value = settings.shadows;
 	$('sun').disabled = about && !hasPlace();
 	$('sun-note').hidden = !$('sun').disabled;

@@ -135,7 +135,7 @@ class Engine {
 			Object.assign(canvas, { width, height });
 		const { vertices, bytes, tint, sun, shadows, haze } = wanted;
 		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, sun, shadows, haze, samples: moving ? 1 : samples,
+		Object.assign(layer, { vertices, bytes, tint, sun, shadows, haze, moving, samples: moving ? 1 : samples,
 			scale: moving ? scale * this.movingScale : scale });
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);

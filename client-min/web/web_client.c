@@ -163,12 +163,12 @@ int web_finish(struct web *web)
 
 /* ---- What is drawn ---- */
 
-/* Casters of shadows of the store's plan, if any are asked for. */
+/* Casters of shadows of the store's plan, once a picture needs them. */
 static enum eco_code select_casters(struct web *web)
 {
 	struct lod_eye eye;
-	view_select_free(&web->casters);
-	if (!web->sky.shadows || !view_store_plan(web->store))
+	if (!web->sky.shadows || web->light.shadow.keeps || web->casters.instance_count
+			|| !view_store_plan(web->store))
 		return ECO_OK;
 	lod_eye_make(&eye, &web->request.view);
 	return view_select_casters(&web->casters, web->store, &eye, &web->error);
@@ -192,7 +192,8 @@ int web_select(struct web *web)
 	web_light_forget(&web->light);
 	web->evictions = view_store_stats(web->store).evictions;
 	web->predicted_q = eco_predicted_q(&plan->prediction);
-	return (int)select_casters(web);
+	view_select_free(&web->casters);
+	return 0;
 }
 
 /* A target and a picture of that size, on the GPU and here. */
@@ -274,21 +275,24 @@ void web_sun(struct web *web, double longitude_deg, double latitude_deg, double 
 {
 	struct view_sun_place place = { longitude_deg, latitude_deg, convergence_deg };
 	memset(web->sky.sun, 0, sizeof web->sky.sun);
-	if (isfinite(longitude_deg) && isfinite(latitude_deg) && isfinite(convergence_deg)
-		&& isfinite(unix_s))
+	if (!isfinite(longitude_deg) || !isfinite(latitude_deg) || !isfinite(convergence_deg))
+		return;
+	if (isfinite(unix_s))
 		view_sun_at(&place, unix_s, web->sky.sun);
+	else
+		view_sun_usual(&place, web->sky.sun);
 }
 
-int web_sky(struct web *web, double shadows, double shadow_size, double haze_m)
+int web_sky(struct web *web, double shadows, double shadow_size, double haze_m, double resting)
 {
-	enum view_shadows before = web->sky.shadows;
 	double size = shadow_size > 0 ? shadow_size : VIEW_SHADOW_SIZE;
 	forget_error(web);
 	web->sky.shadows = shadows == VIEW_SHADOWS_STANDARD || shadows == VIEW_SHADOWS_PERSPECTIVE
 		? (enum view_shadows)shadows : VIEW_SHADOWS_NONE;
 	web->sky.shadow_size = (uint32_t)fmin(fmax(size, VIEW_SHADOW_SIZE_MIN), VIEW_SHADOW_SIZE_MAX);
 	web->sky.haze_m = haze_m > 0 ? haze_m : 0;
-	return web->sky.shadows && !before ? (int)select_casters(web) : 0;
+	web->light.shadow.keeps = resting == 0;
+	return (int)select_casters(web);
 }
 
 void web_present(struct web *web, const double *depth, const double *viewport, double sky, double ground)

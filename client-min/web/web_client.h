@@ -48,12 +48,14 @@ int web_prepare(struct web *web, double width, double height);
 int web_select(struct web *web);
 int web_draw(struct web *web, const double view[10], double width, double height, double tint);
 int web_sample(struct web *web);
-/* From now on the sun is where it is at a place and time (view_sun_at); NaN: where it usually is. */
+/* From now on the sun is where it is at a place and time (view_sun_at); a time of NaN: view_sun_usual there; a
+ * place of NaN: where it usually is. */
 void web_sun(struct web *web, double longitude_deg, double latitude_deg, double convergence_deg,
 	double unix_s);
 /* From now on shadows are cast (enum view_shadows: 0 none) by maps of so many texels a side (0: 1024), and
- * haze hides all but 1/e of what is haze_m metres away (0: as usual). */
-int web_sky(struct web *web, double shadows, double shadow_size, double haze_m);
+ * haze hides all but 1/e of what is haze_m metres away (0: as usual). resting 0: pictures use the map that one
+ * before them made, if there is one of the same sun, and make none. */
+int web_sky(struct web *web, double shadows, double shadow_size, double haze_m, double resting);
 /* depth: 2 numbers, viewport: 4. */
 void web_present(struct web *web, const double *depth, const double *viewport, double sky, double ground);
 /* The last picture, rows from the top: 3 bytes of colour a pixel; 255 where a plant is, else 0; owners as

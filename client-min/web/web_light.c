@@ -511,7 +511,7 @@ static void set_all(const struct web_light *light, const struct view_draw_job *j
 	if (job->selection->image.count)
 		set_image(&light->image, light->program, 3, &job->selection->image, job->eye);
 	if (web_shadow_wanted(&light->shadow, &job->selection->sky))
-		web_shadow_set(&light->shadow, light->program, 5);
+		web_shadow_set(&light->shadow, light->program, 5, job->eye->at);
 }
 
 enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_draw_job *job,
@@ -520,7 +520,7 @@ enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const 
 	bool shadows = web_shadow_wanted(&light->shadow, &job->selection->sky);
 	uint32_t sample = job->eye->sample;
 	enum eco_code code = web_light_prepare(light, job->selection->image.count > 0, shadows, error);
-	if (!code && shadows && !sample)
+	if (!code && shadows && !sample && !light->shadow.keeps)
 		code = web_shadow_draw(&light->shadow, gl, job, (const uint32_t[2]){ width, height }, error);
 	if (!code)
 		code = upload_selection(light, job, error);

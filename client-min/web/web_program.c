@@ -2,6 +2,7 @@
 
 #include <GLES3/gl3.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_shader.h"
@@ -117,6 +118,7 @@ const char web_shadow_text[] = "#define tops int\n"
 	VIEW_SHADOW_DEPTH
 	"uniform usampler2D u_rows;\n"
 	"uniform sampler2D u_tops;\n"
+	"uniform vec3 u_moved;           // the eye, since the map was made\n"
 #include "view_shadow_text.h"
 	"shadow_row row_of(int i) {\n"
 	"	vec4 r = uintBitsToFloat(texelFetch(u_rows, ivec2(i, 0), 0));\n"
@@ -127,7 +129,7 @@ const char web_shadow_text[] = "#define tops int\n"
 	"}\n"
 	"vec2 cast_at(vec3 to, vec3 n, bool facet) {\n"
 	"	shadow_light s = shadow_at(shadow_map(row_of(0), row_of(1), row_of(2), row_of(3),\n"
-	"		float(textureSize(u_tops, 0).x)), 0, to, n, facet);\n"
+	"		float(textureSize(u_tops, 0).x)), 0, to + u_moved, n, facet);\n"
 	"	return vec2(s.lit, s.texel_m);\n"
 	"}\n";
 
@@ -226,7 +228,9 @@ bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_sky *s
 {
 	struct view_light_sun sun;
 	view_light_sun(sky, 0, &sun);
-	return sky->shadows && !shadow->refused && sun.to[2] > VIEW_SHADOW_LOWEST;
+	bool same = sky->shadows == shadow->of.shadows && sky->shadow_size == shadow->of.shadow_size
+		&& !memcmp(sky->sun, shadow->of.sun, sizeof sky->sun);
+	return sky->shadows && !shadow->refused && sun.to[2] > VIEW_SHADOW_LOWEST && (same || !shadow->keeps);
 }
 
 enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_draw_job *job,
@@ -240,6 +244,8 @@ enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, con
 	if (code)
 		return code;
 	view_light_sun(sky, 0, &sun);
+	shadow->of = *sky;
+	memcpy(shadow->eye, job->eye->at, sizeof shadow->eye);
 	fill_cells(shadow, view_gl_target(gl, 0));
 	find_rows(shadow, job, &sun, picture);
 	return view_gl_cast(gl, &(struct view_gl_map){ job->store, sky->casters ? sky->casters : job->selection,
@@ -247,8 +253,10 @@ enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, con
 		shadow->size }, error);
 }
 
-void web_shadow_set(const struct web_shadow *shadow, unsigned program, int unit)
+void web_shadow_set(const struct web_shadow *shadow, unsigned program, int unit, const double eye[3])
 {
+	glUniform3f(glGetUniformLocation(program, "u_moved"), (float)(eye[0] - shadow->eye[0]),
+		(float)(eye[1] - shadow->eye[1]), (float)(eye[2] - shadow->eye[2]));
 	web_program_texture(program, "u_rows", unit, shadow->textures[WEB_SHADOW_ROWS]);
 	web_program_texture(program, "u_tops", unit + 1, shadow->textures[WEB_SHADOW_TOPS]);
 }

@@ -43,11 +43,12 @@ void web_program_fill(unsigned vertex_array, const int viewport[4]);
  * view_gl_record has left in textures, without reading a pixel.
  *
  *   web_shadow_draw(&shadow, gl, &job, size, &error);       once a picture
- *   web_shadow_set(&shadow, program, unit);                 a program with web_shadow_text
+ *   web_shadow_set(&shadow, program, unit, eye);            a program with web_shadow_text
  *   web_shadow_free(&shadow);
  *
  * The picture becomes cells, these become the map's rows, and casters are drawn by them. Nothing is made,
- * nor compiled, before the first picture with shadows; where the driver refuses, that fails once, and
+ * nor compiled, before the first picture with shadows
+ * that does not keep the map of an earlier one; where the driver refuses, that fails once, and
  * pictures have none from then on. */
 
 enum web_shadow_part { WEB_SHADOW_CELLS, WEB_SHADOW_ROWS, WEB_SHADOW_TOPS, WEB_SHADOW_PARTS };
@@ -56,6 +57,10 @@ struct web_shadow {                      /* zero is empty */
 	unsigned vertex_array;
 	uint32_t size;                   /* texels a side of the map */
 	bool refused;                    /* the driver does not compile what they need */
+	/* set by who draws: no map is made, that of an earlier picture is used, if its sun and kind are the same */
+	bool keeps;
+	struct view_sky of;              /* the map's, once there is one; from where its places are told */
+	double eye[3];
 };
 
 /* Whether a picture has any: they are asked for, can be had, and the sun is not too low. */
@@ -70,6 +75,6 @@ void web_shadow_free(struct web_shadow *shadow);
  * normal. */
 extern const char web_shadow_text[];
 /* Sets its uniforms in the program that is in use; takes texture units `unit` and the next. */
-void web_shadow_set(const struct web_shadow *shadow, unsigned program, int unit);
+void web_shadow_set(const struct web_shadow *shadow, unsigned program, int unit, const double eye[3]);
 
 #endif
