@@ -1,6 +1,7 @@
 /* Models become plants, several at a time. Source plants of the same files, read in the same way, are one
  * plant. */
 #include "ecofiles/base/memory.h"
+#include "ecofiles/ecopack/grade.h"
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
@@ -38,7 +39,7 @@ static bool same_plant(const struct make_plant *plant, const struct eco_source_p
 {
 	const struct eco_source_plant *s = plant->source;
 	return strcmp(plant->path, path) == 0 && plant->importance == importance
-		&& s->height_m == source->height_m && s->unit_m == source->unit_m && s->up == source->up
+		&& s->height_m == source->height_m && s->unit_m == source->unit_m && s->up == source->up && s->grade == source->grade
 		&& memcmp(s->importance, source->importance, sizeof source->importance) == 0
 		&& same_rules(s, source);
 }
@@ -259,6 +260,8 @@ static void build_plant(void *ctx)
 	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
 	eco_check(code);
+	if (plant->source->grade)
+		grade_foliage(&model);
 	plant->triangles_in = model.triangles_in;
 	memcpy(plant->dropped, model.dropped, sizeof plant->dropped);
 	memcpy(plant->foot, model.foot, sizeof plant->foot);

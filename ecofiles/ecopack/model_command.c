@@ -10,18 +10,17 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
+#include "ecofiles/ecopack/grade.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/scene/scene.h"
-#include "lod/build/organ/organ.h"
 
 #define FILES_MAX 64u
 #define SHOWN 20u                /* components listed */
 #define NOTES_MAX 64u
-#define WELD_BITS 16u
 
 struct seen {
 	struct eco_model_options options;
@@ -29,7 +28,7 @@ struct seen {
 	struct eco_model model;
 	struct eco_components components;
 	uint8_t *organ;              /* per triangle; ECO_ORGAN_FOUND: covers nothing */
-	double diagonal;
+	double diagonal, light;      /* light: of foliage (grade.h) */
 	char *notes[NOTES_MAX];
 	uint32_t note_count;
 };
@@ -65,18 +64,14 @@ static void find_components(struct seen *s)
 	s->diagonal = eco_component_diagonal(&all);
 }
 
-static void find_organs(struct seen *s)
+static void note_light(struct seen *s)
 {
-	struct lod_arena arena = { 0 };
-	struct lod_mesh mesh;
-	struct lod_organs organs;
-	s->organ = eco_alloc(s->model.triangle_count + 1u, 1);
-	memset(s->organ, ECO_ORGAN_FOUND, s->model.triangle_count + 1u);
-	lod_weld(&mesh, &s->model, WELD_BITS, &arena);
-	lod_organs_find(&organs, &mesh, &s->model, &arena);
-	for (uint32_t t = 0; t < mesh.triangle_count; t++)
-		s->organ[mesh.source[t]] = organs.components[mesh.component[t]].organ;
-	lod_arena_free(&arena);
+	char text[200];
+	s->light = grade_light(&s->model, s->organ);
+	snprintf(text, sizeof text, "its foliage sends on %.0f %% of light, a leaf at most %.0f %%: \"grade\": true in "
+		"SCENE.json darkens it", 100 * s->light, 100 * GRADE_MOST);
+	if (s->light > GRADE_MOST)
+		keep_note(s, text);
 }
 
 /* Area of each organ in component `which`; ECO_NONE: in all. */
@@ -268,14 +263,15 @@ static json_t *facts_json(const struct seen *s)
 	for (uint32_t i = 0; i < s->note_count; i++)
 		json_array_append_new(notes, text_json(s->notes[i]));
 	return json_pack("{s:o, s:[f,f,f], s:f, s:f, s:f, s:s, s:s, s:s, s:[f,f,f], s:I, s:I, s:o, "
-		"s:o, s:o, s:o, s:I, s:o, s:o, s:o}", "format", text_json(m->source.format),
+		"s:o, s:f, s:o, s:o, s:I, s:o, s:o, s:o}", "format", text_json(m->source.format),
 		"size_m", m->source.size[0] * m->scale, m->source.size[1] * m->scale,
 		m->source.size[2] * m->scale, "height_m", eco_model_height(m),
 		"below_m", m->source.below * m->scale, "unit_m", m->scale,
 		"unit", how_text(m->source.unit_how), "up", eco_up_name(m->source.up),
 		"up_found", how_text(m->source.up_how), "foot", m->foot[0], m->foot[1], m->foot[2],
 		"triangles_in", (json_int_t)m->triangles_in, "triangles_kept", (json_int_t)m->triangle_count,
-		"triangles_dropped", dropped, "organs_m2", organs_json(area), "materials", materials_json(s),
+		"triangles_dropped", dropped, "organs_m2", organs_json(area), "foliage_light", s->light,
+		"materials", materials_json(s),
 		"parts", parts_json(s), "component_count", (json_int_t)s->components.count,
 		"components", components_json(s), "notes", notes, "plant", plant_json(s));
 }
@@ -286,7 +282,7 @@ static void print_text(const struct seen *s, const json_t *facts)
 		printf("%s%s", i ? " + " : "", s->options.paths[i]);
 	putchar('\n');
 	inspect_lines(stdout, facts, "format size_m height_m below_m unit_m unit up up_found foot triangles_in "
-		"triangles_kept triangles_dropped organs_m2 component_count");
+		"triangles_kept triangles_dropped organs_m2 foliage_light component_count");
 	inspect_table(stdout, NULL, json_object_get(facts, "materials"), "name color triangles area_m2 texture cutout");
 	inspect_table(stdout, NULL, json_object_get(facts, "parts"), "name triangles area_m2");
 	inspect_table(stdout, NULL, json_object_get(facts, "components"),
@@ -330,7 +326,8 @@ static enum eco_code see(struct seen *s, struct eco_error *error)
 	main_progress("looking at it", eco_path_last(s->options.paths[0]), 0.7);
 	if (!code) {
 		find_components(s);
-		find_organs(s);
+		s->organ = grade_organs(&s->model);
+		note_light(s);
 	}
 	main_progress_end();
 	return code;

@@ -20,7 +20,7 @@ static const struct eco_field plant_fields[] = {
 	ECO_OTHER("model"), ECO_OTHER("variants"),
 	ECO_FIELD("height_m", NUMBER, 0.001, HEIGHT_MAX_M, source_plant, height_m),
 	ECO_FIELD("unit", UNIT, 0, 0, source_plant, unit_m),
-	ECO_OTHER("up"), ECO_OTHER("parts"), ECO_OTHER("importance"), ECO_FIELDS_END
+	ECO_OTHER("up"), ECO_OTHER("grade"), ECO_OTHER("parts"), ECO_OTHER("importance"), ECO_FIELDS_END
 };
 static const struct eco_field importance_fields[] = {
 	IMPORTANCE("wood", source_plant, importance[ECO_ORGAN_WOOD]),
@@ -121,6 +121,14 @@ static void parse_up(const struct eco_json *at, enum eco_up *up)
 	*up = axis == ECO_NONE ? ECO_UP_FOUND : ECO_UP_Y + axis;
 }
 
+static void parse_grade(const struct eco_json *at, bool *grade)
+{
+	struct eco_json node = eco_json_member(at, "grade");
+	if (node.value && !json_is_boolean(node.value))
+		eco_scene_fail(&node, "\"grade\" is true or false: whether foliage is darkened to what leaves reflect");
+	*grade = json_is_true(node.value);
+}
+
 static void parse_importance(const struct eco_source *source, const struct eco_json *at,
 	struct eco_source_plant *plant)
 {
@@ -179,6 +187,7 @@ static void parse_plant(struct eco_source *source, const struct eco_json *at)
 	memcpy(plant->name, at->key, strlen(at->key) + 1);
 	eco_scene_fields(source, at, plant_fields, plant);
 	parse_up(at, &plant->up);
+	parse_grade(at, &plant->grade);
 	parse_importance(source, at, plant);
 	parse_rules(source, at, plant);
 	parse_variants(source, at, plant);

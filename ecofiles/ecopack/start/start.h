@@ -43,6 +43,7 @@ struct start_model {             /* a plant of the scene: a file, or several ali
 	double height_m;             /* of the first file, by its unit; 0: not looked at */
 	bool height_is_ours;         /* it is written into the scene, as the file's is none to believe */
 	enum eco_up up;              /* as its shape says, where its format says another axis; else FOUND */
+	bool grade;                  /* its foliage is too bright */
 };
 
 enum start_tier { START_BY_NAME, START_BY_GENUS, START_BY_FORM, START_BY_NOTHING, START_LEFT_OUT,

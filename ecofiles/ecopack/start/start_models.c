@@ -11,6 +11,7 @@
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
+#include "ecofiles/ecopack/grade.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
@@ -343,6 +344,21 @@ static void see(struct start *s, struct start_model *m, struct eco_model *model)
 	eco_check(eco_model_import(model, &options, s->error));
 }
 
+/* A leaf is brighter in no light than others; a model may be. */
+static void settle_light(struct start *s, struct start_model *m, const struct eco_model *model)
+{
+	char took[160];
+	uint8_t *organ = grade_organs(model);
+	double light = grade_light(model, organ);
+	free(organ);
+	m->grade = light > GRADE_MOST;
+	snprintf(took, sizeof took, "foliage of %.40s sends on %.0f %% of light, and is darkened to %.0f %%", m->name,
+		100 * light, 100 * GRADE_TO);
+	if (m->grade)
+		start_guess(s, "light of a model", took, "its \"grade\" in the scene", "a leaf sends on at most %.0f %%",
+			100 * GRADE_MOST);
+}
+
 void start_models_see(struct start *s)
 {
 	for (uint32_t i = 0; i < s->model_count; i++) {
@@ -353,6 +369,7 @@ void start_models_see(struct start *s)
 		main_progress("looking at models", m->name, (double)i / s->model_count);
 		see(s, m, &model);
 		settle_height(s, m, &model);
+		settle_light(s, m, &model);
 		eco_model_free(&model);
 	}
 	main_progress_end();

@@ -72,6 +72,8 @@ static json_t *plant_json(const struct start *s, const struct start_model *m)
 	json_decref(files);
 	if (m->up != ECO_UP_FOUND)
 		json_object_set_new(plant, "up", json_string(eco_up_name(m->up)));
+	if (m->grade)
+		json_object_set_new(plant, "grade", json_true());
 	if (m->height_is_ours)
 		json_object_set_new(plant, "height_m", json_real(round_to(m->height_m, 0.001)));
 	return plant;

@@ -59,6 +59,7 @@ async function openScene(url, [width, height], vertices, capture) {
 		gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
 	};
 	await layer.load({ view: camera.view(), width, height, vertices, bytes: -1 });
+	layer.wanted = layer.asked;
 	ours.frame(0);
 	if (capture) {
 		layer.free();

@@ -128,6 +128,7 @@ async function refuseShadows(url, view, { width, height, ...budgets }) {
 	const layer = new EcoLayer({ url, gl, shadows: 'standard', firstBytes: Infinity }), errors = [], counts = [];
 	await layer.ready;
 	await layer.load({ view, width, height, ...budgets });
+	layer.wanted = layer.asked;
 	for (let i = 0; i < 3; i++) {
 		try {
 			layer.present(view, [0, 0], width, height);
