@@ -162,7 +162,7 @@ static const char *const scenes[] = { "park", "city", "scbi" };
 
 struct flight { struct bench *bench; const char *pack; uint32_t count, every; struct eco_view *views;
 	uint64_t vertices; };
-enum figure { BYTES, FIRST, PLANS, DRAWN, QUALITY, SEEN, FIGURES };
+enum figure { BYTES, FIRST, PLANS, DRAWN, QUALITY, SEEN, M16, S16, FIGURES };
 
 /* Adds frame `f`; scores it where `scored`. */
 static void step(const struct flight *flight, struct bench_client *client, uint32_t f, bool scored,
@@ -179,6 +179,8 @@ static void step(const struct flight *flight, struct bench_client *client, uint3
 		bench_client_score(client, &frame, &picture);
 		sums[QUALITY] += share * frame.measures.score.q;
 		sums[SEEN] += share * frame.measures.picture_error;
+		sums[M16] += share * frame.measures.blocks.color;
+		sums[S16] += share * frame.measures.blocks.contrast;
 	}
 	view_picture_free(&picture);
 	sums[BYTES] += (double)frame.bytes;
@@ -221,8 +223,9 @@ static double study_scene(struct bench *bench, const char *scene, struct bench_t
 		bench_progress(bench, (double)i / BUDGETS, scene);
 		row = bench_unit(bench, unit, stamp, fly, &flight);
 		bench_cells(row, now, FIGURES);
-		bench_table_row(table, "%s,%u,%llu,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", scene, flight.count, budget,
-			now[DRAWN], now[BYTES], now[FIRST], now[PLANS], now[QUALITY], now[SEEN]);
+		bench_table_row(table, "%s,%u,%llu,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f,%.3f,%.3f", scene, flight.count, budget,
+			now[DRAWN], now[BYTES], now[FIRST], now[PLANS], now[QUALITY], now[SEEN], now[M16],
+			now[S16]);
 		bytes = budget == MILLION ? now[BYTES] : bytes;
 	}
 	free(flight.views);
@@ -232,11 +235,11 @@ static double study_scene(struct bench *bench, const char *scene, struct bench_t
 static void run(struct bench *bench)
 {
 	double bytes = NAN;
-	bench_say(bench, "%u frames a second, %u x %u, from the air down to eye level and through; picture "
-		"error and Q are means over every %u-th frame, bytes those of all.", BENCH_FLIGHT_FPS,
+	bench_say(bench, "%u frames a second, %u x %u, from the air down to eye level and through; Q and the "
+		"errors against the truth are means over every %u-th frame, bytes those of all.", BENCH_FLIGHT_FPS,
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, bench->full ? FULL_EVERY : QUICK_EVERY);
 	struct bench_table *table = bench_table_open(bench, "flight", "scene,frames,budget,vertices,"
-		"bytes,first frame bytes,bytes of plans,Q,picture error", true);
+		"bytes,first frame bytes,bytes of plans,Q,S8,m16,s16", true);
 	for (size_t i = 0; i < SCENES; i++)
 		bytes = fmax(bytes, study_scene(bench, scenes[i], table));
 	bench_table_close(table);
