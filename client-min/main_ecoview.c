@@ -160,7 +160,7 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 		code = view_digest_write(v->digest, store, &selection, error);
 	double ground_m;
 	struct view_draw_job job = { store, &selection, eye, view_store_near_m(store), 0,
-		&view_interrupted, (enum view_tint)v->options.tint, (uint32_t)v->options.samples };
+		&view_interrupted, (enum view_tint)v->options.tint, (uint32_t)v->options.samples, v->options.smooth };
 	bool shown = store == v->store || job.tint != VIEW_TINT_NONE;   /* the truth's colours are drawn later */
 	job.samples = shown ? job.samples : 1;
 	if (!code)

@@ -137,6 +137,8 @@ static const struct eco_option option_table[] = {
 	{ "samples", 0, ECO_OPTION_COUNT, "N", &given.samples, 1, LOD_SAMPLES_MAX,
 		.help = "places in each pixel whose light is averaged, 1 to 16; default 8. Masks, owners and "
 		"scores by pixel use the first, its middle" },
+	{ "smooth", 0, ECO_OPTION_FLAG, NULL, &given.smooth,
+		.help = "draw crowns as smooth ellipsoids, without leaves on them" },
 	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_time_read,
 		.help = "place the sun by time and the scene's place, such as 2026-06-21T10:00Z; default: ten "
 		"in the morning of midsummer there, or at a latitude of 50 degrees if the scene has no "
@@ -170,7 +172,7 @@ static const struct eco_option option_table[] = {
 const struct eco_command view_command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--texel-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] "
-	"[--compare] [--truths DIR] [--samples N] [--tint NAME] "
+	"[--compare] [--truths DIR] [--samples N] [--smooth] [--tint NAME] "
 	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--geojson] "
 	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",

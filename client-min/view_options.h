@@ -16,7 +16,7 @@ struct view_options {
 	uint64_t vertices, bytes, memory, samples;
 	double ground_px, texel_px, ahead_s, sun_s, snap_m;
 	struct view_sky sky;                     /* but for the sun */
-	bool has_frames, compare, digest, owners, geojson;
+	bool has_frames, compare, digest, owners, geojson, smooth;
 	uint64_t frame_first, frame_last;
 	enum view_engine reference;
 	int tint;                                /* enum view_tint */

@@ -307,7 +307,8 @@ enum eco_code view_record_write(const struct view_list *list, uint32_t first_chu
 			put_point(&words, s.g.position + 6 * (size_t)i + 3, packed_color(list, s.g.color[i]));
 		} else {
 			if (s.g.half)
-				s.code[i] = (uint8_t)(s.g.opacity[i] * ECO_SPLAT_OPACITIES);
+				s.code[i] = (uint8_t)(s.g.opacity[i] * ECO_SPLAT_OPACITIES)
+					| (s.g.wood[i] > 0 ? 0x80 : 0);
 			put_point(&words, s.g.position + 3 * (size_t)i, color_word(list, &s, i));
 			for (uint32_t k = 0; k < 3 && s.g.half; k++)
 				put_point(&words, s.g.half + 9 * (size_t)i + 3 * k, 0);

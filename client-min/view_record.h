@@ -13,7 +13,7 @@
  * A summary point's owner is that of placement path 0; the key's field lies in the high word, where a path is
  * added modulo its mask. Floats are stored as their bits; colour is r | g << 8 | b << 16 | code << 24, sRGB;
  * code is the growth code of the triangle's element (ECO_GROWTH_PLAIN where the list has none), the size code
- * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16. The shader gets the meaning of codes in uniforms
+ * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16, and 128 more of wood. The shader gets the meaning of codes in uniforms
  * that eco_growth and eco_size filled: neither is written twice. */
 #ifndef VIEW_RECORD_H
 #define VIEW_RECORD_H

@@ -218,10 +218,11 @@ static void look_plant(const struct worker *w, uint32_t x, uint32_t y, uint32_t 
 	struct view_rays rays;
 	*cut = cut_of(scene, item, *cut);
 	const struct view_mesh *mesh = &scene->meshes[*cut];
-	if (mesh->image || mesh->geometry.half)
+	if (mesh->image || mesh->geometry.half || mesh->batch.leaf > 0)
 		rays_of(w, x, y, &view_owners_find(&scene->owners, scene->job->selection, picture->owner[i])->place,
 			&rays);
-	view_mesh_look(mesh, item - scene->items[*cut], &rays, picture->rgb + 3 * i, &picture->surface[i]);
+	view_mesh_look(mesh, item - scene->items[*cut], &rays, w->drawn->leaf[(size_t)y * w->drawn->width + x],
+		picture->rgb + 3 * i, &picture->surface[i]);
 	if (scene->job->tint == VIEW_TINT_KIND)
 		memcpy(picture->rgb + 3 * i, view_tint_colors[scene->job->selection->roles[*cut]], 3);
 }
@@ -359,8 +360,10 @@ static enum eco_code make_meshes(struct scene *scene, struct eco_error *error)
 		if (s->member_first[c] == s->member_first[c + 1])
 			continue;
 		uint32_t plant = s->instances[s->members[s->member_first[c]]].plant;
-		code = view_mesh_make(&scene->meshes[c], scene->job->store, &scene->plan->cuts[c],
-			plant == ECO_NONE ? NULL : view_store_plant(scene->job->store, plant), error);
+		const struct view_plant *of = plant == ECO_NONE ? NULL : view_store_plant(scene->job->store, plant);
+		code = view_mesh_make(&scene->meshes[c], scene->job->store, &scene->plan->cuts[c], of, error);
+		if (!code && of && !scene->job->smooth)
+			view_mesh_add_leaves(&scene->meshes[c], &of->plant);
 		items += scene->meshes[c].batch.count;
 	}
 	scene->items[s->cut_count] = (uint32_t)items;

@@ -80,6 +80,7 @@ static void put_splat(const struct target *t, uint32_t written, const int32_t *e
 		sqrtf(t->list->unit_area) * (float)t->edge);
 	memcpy(t->out->half + 9 * (size_t)written, splat.half, sizeof splat.half);
 	t->out->opacity[written] = splat.opacity;
+	t->out->wood[written] = splat.wood;
 }
 
 /* Takes the next `each` floats a primitive. */
@@ -101,13 +102,14 @@ void lod_geometry_lay(struct lod_geometry *geometry, const struct eco_list *list
 	geometry->size = lay(&floats, count, (list->attributes & ECO_ATTR_SIZE) != 0);
 	geometry->half = lay(&floats, count, splats ? 9 : 0);
 	geometry->opacity = lay(&floats, count, splats);
+	geometry->wood = lay(&floats, count, splats);
 }
 
 size_t lod_geometry_floats(const struct eco_list *list, uint32_t count, bool uv)
 {
 	uint32_t vertices = eco_list_vertices(list), each = 3 * vertices + (uv ? 2 * vertices : 0)
 		+ (list->kind == ECO_LIST_LINES) + ((list->attributes & ECO_ATTR_SIZE) != 0)
-		+ (list->attributes & ECO_ATTR_SPLAT ? 10 : 0);
+		+ (list->attributes & ECO_ATTR_SPLAT ? 11 : 0);
 	return (size_t)each * count;
 }
 
@@ -142,7 +144,7 @@ struct lod_geometry lod_geometry_from(const struct lod_geometry *geometry, const
 	return (struct lod_geometry){ .position = further(geometry->position, first, 3 * vertices),
 		.uv = further(geometry->uv, first, 2 * vertices), .width = further(geometry->width, first, 1),
 		.size = further(geometry->size, first, 1), .half = further(geometry->half, first, 9),
-		.opacity = further(geometry->opacity, first, 1),
+		.opacity = further(geometry->opacity, first, 1), .wood = further(geometry->wood, first, 1),
 		.color = geometry->color ? geometry->color + first : NULL };
 }
 

@@ -11,6 +11,7 @@
 #include "client-min/view_record.h"
 #include "client-min/draw/view_light.h"
 #include "client-min/draw/view_shadow.h"
+#include "lod/leaf.h"
 #include "lod/scattered.h"
 
 #define ELLIPSES (1u << 29)              /* a draw call: more than draw_cut allows of one plant */
@@ -373,8 +374,21 @@ static enum eco_code draw_ground(struct frame *f)
 	return code;
 }
 
-static enum view_program program_of(const struct eco_list *list)
+/* The width of the leaves that are drawn on a plant's splats and points, and the deviation of their tone. */
+struct leaves { float width, tone; };
+
+static struct leaves leaves_of(const struct frame *f, const struct eco_list *list, uint32_t plant)
 {
+	if (f->map || f->job->smooth || plant == ECO_NONE || list->kind != ECO_LIST_POINTS)
+		return (struct leaves){ 0, 0 };
+	const struct eco_plant *p = &view_store_plant(f->job->store, plant)->plant;
+	return (struct leaves){ (float)(p->leaf_width * ECO_LEAF_UNIT_M), (float)p->leaf_tone / ECO_DEVIATION_ONE };
+}
+
+static enum view_program program_of(const struct eco_list *list, const struct leaves *leaves)
+{
+	if (leaves->width > 0)
+		return list->attributes & ECO_ATTR_SPLAT ? VIEW_PROGRAM_LEAFY_SPLATS : VIEW_PROGRAM_LEAFY_POINTS;
 	switch (list->kind) {
 	case ECO_LIST_LINES:
 		return VIEW_PROGRAM_LINES;
@@ -455,7 +469,8 @@ static void draw_ellipses(struct frame *f, const struct view_shader *s, const st
 	most = at_once(f, most, count);
 	int width = (int)f->picture->width, height = (int)f->picture->height,
 		margin = f->map ? 0 : point_margin(f->gl);
-	bool points = margin > 0 && ellipse_px(f, view_extent_ellipses(f->job->eye, f->job->selection, g, list,
+	/* leaves reach beyond the ellipse */
+	bool points = margin > 0 && (1 + 0.5 * LOD_LEAF_RAGGED) * ellipse_px(f, view_extent_ellipses(f->job->eye, f->job->selection, g, list,
 		cut, f->job->selection->members + first_member, members)) <= 2 * margin;
 	margin = points ? margin : 0;
 	glUniform1i(s->uniform[VIEW_U_CORNERS], points ? 1 : 3);
@@ -519,7 +534,8 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 		first_member = selection->member_first[index];
 	if (!members || cut->first == cut->end)
 		return ECO_OK;
-	enum view_program which = program_of(&list->list);
+	struct leaves leaves = leaves_of(f, &list->list, selection->instances[selection->members[first_member]].plant);
+	enum view_program which = program_of(&list->list, &leaves);
 	const struct view_gpu_list *g;
 	const struct view_shader *s;
 	enum eco_code code = view_gpu_list(&f->gl->gpu, list, &g, f->error);
@@ -532,6 +548,7 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 		return code;
 	glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)first_member);
 	set_scale(s, &list->list, cut);
+	glUniform2f(s->uniform[VIEW_U_LEAF], leaves.width, f->job->tint == VIEW_TINT_KIND ? 0 : leaves.tone);
 	if (list->list.kind == ECO_LIST_POINTS)
 		glUniform1ui(s->uniform[VIEW_U_LEVEL],
 			view_surface_cloud(0, eco_level_share(list->list.level)) >> 16 & 255);

@@ -47,6 +47,7 @@ struct view_draw_job {                   /* of drawing by OpenGL or in software,
 	const volatile sig_atomic_t *stop;       /* software: not 0: end with ECO_INTERRUPTED; may be NULL */
 	enum view_tint tint;
 	uint32_t samples;                        /* of each pixel's colour, 1 to LOD_SAMPLES_MAX; 0: 1 */
+	bool smooth;                             /* no leaves on splats and points (lod/leaf.h) */
 };
 
 /* Light of the pictures of one view: the sun, and the shadows that `first`, drawn by the job, needs. */

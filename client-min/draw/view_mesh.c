@@ -6,6 +6,7 @@
 
 #include "client-min/draw/view_light.h"
 #include "client-min/view_record.h"
+#include "lod/leaf.h"
 #include "lod/light.h"
 #include "lod/raster/texel.h"
 #include "lod/scattered.h"
@@ -77,6 +78,13 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 	mesh->half_width = plant ? view_shape_of(plant).half_width : 0;
 	bound_sphere(mesh, count * eco_list_vertices(&list->list));
 	return ECO_OK;
+}
+
+void view_mesh_add_leaves(struct view_mesh *mesh, const struct eco_plant *plant)
+{
+	mesh->batch.leaf = mesh->list->list.kind == ECO_LIST_POINTS ? (float)(plant->leaf_width * ECO_LEAF_UNIT_M) : 0;
+	mesh->tone = (float)plant->leaf_tone / ECO_DEVIATION_ONE;
+	mesh->radius *= 1 + 0.5f * LOD_LEAF_RAGGED;
 }
 
 void view_mesh_free(struct view_mesh *mesh)
@@ -193,7 +201,7 @@ static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
 
 /* The normal where the ray meets the ellipsoid, or passes it most closely: pixels at its rim reach out. In
  * the space where it is a ball of radius 1, eye and ray are measured along its half axes. */
-static uint32_t ball_of(const struct view_mesh *mesh, uint32_t splat, const struct view_rays *rays)
+static void ball_of(const struct view_mesh *mesh, uint32_t splat, const struct view_rays *rays, float out[3])
 {
 	const float *center = mesh->geometry.position + 3 * (size_t)splat;
 	double from[3], ray[3], square[3], normal[3] = { 0 };
@@ -215,11 +223,45 @@ static uint32_t ball_of(const struct view_mesh *mesh, uint32_t splat, const stru
 		normal[k % 3] += (double)mesh->geometry.half[9 * (size_t)splat + (size_t)k] / square[k / 3]
 			* (from[k / 3] + t * ray[k / 3]);
 	length = sqrt(lod_dot(normal, normal));
-	return view_surface_direction(VIEW_BALL, (const float[3]){ (float)(normal[0] / length),
-		(float)(normal[1] / length), (float)(normal[2] / length) });
+	for (int k = 0; k < 3; k++)
+		out[k] = (float)(normal[k] / length);
 }
 
-void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
+static uint32_t smooth_of(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays)
+{
+	float normal[3];
+	if (!mesh->geometry.half)
+		return cloud_of(mesh, primitive);
+	ball_of(mesh, primitive, rays, normal);
+	return view_surface_direction(VIEW_BALL, normal);
+}
+
+/* A leaf on a splat or a point, in place of the mean of leaves. */
+static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
+	uint8_t rgb[3])
+{
+	const float *center = mesh->geometry.position + 3 * (size_t)primitive;
+	float normal[3] = { 0, 0, 1 }, tone = leaf_tone(leaf, mesh->tone);
+	double to_eye[3] = { rays->eye[0] - center[0], rays->eye[1] - center[1], rays->eye[2] - center[2] }, turn[3];
+	double far = sqrt(lod_dot(to_eye, to_eye));
+	for (uint32_t k = 0; k < 3; k++) {
+		rgb[k] = lod_light_byte(tone * lod_light_of[rgb[k]]);
+		turn[k] = (double)leaf_turn(leaf, k);
+	}
+	if (!leaf_is_lit(leaf) || mesh->by_point)
+		return smooth_of(mesh, primitive, rays);
+	if (!leaf_is_mean(leaf, mesh->geometry.half ? 0.5f
+			: leaf_level((float)eco_level_share(mesh->list->list.level), (float)(to_eye[2] / far)))) {
+		double length = sqrt(lod_dot(turn, turn));
+		for (int k = 0; k < 3; k++)
+			normal[k] = (float)(turn[k] / length + to_eye[k] / far);
+	} else if (mesh->geometry.half) {
+		ball_of(mesh, primitive, rays, normal);
+	}
+	return view_surface_direction(VIEW_FACET, normal);
+}
+
+void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
 	uint8_t rgb[3], uint32_t *surface)
 {
 	if (mesh->impostor) {
@@ -238,8 +280,8 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 		*surface = facet_of(mesh->geometry.position + 9 * (size_t)primitive);
 	else if (list->kind == ECO_LIST_LINES)
 		*surface = axis_of(mesh->geometry.position + 6 * (size_t)primitive);
-	else if (mesh->geometry.half)
-		*surface = ball_of(mesh, primitive, rays);
+	else if (mesh->batch.leaf > 0 && !(mesh->geometry.wood && mesh->geometry.wood[primitive] > 0))
+		*surface = leaf_of(mesh, primitive, rays, leaf, rgb);
 	else
-		*surface = cloud_of(mesh, primitive);
+		*surface = smooth_of(mesh, primitive, rays);
 }

@@ -17,9 +17,10 @@
 #include "client-min/draw/view_shadow.h"
 #include "ecofiles/format/list.h"
 #include "lod/hash.h"
+#include "lod/leaf.h"
 
 const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points",
-	"summary", "splats", "ground", "impostors" };
+	"summary", "splats", "ground", "impostors", "leafy points", "leafy splats" };
 
 #define TEXT(macro) TEXT_OF(macro)
 #define TEXT_OF(value) #value
@@ -71,6 +72,20 @@ static const char splat_common[] =
 	"	" TEXT(LOD_HASH_SPLAT) ";\n"
 	"	return hash >> 24 < seen.z >> 24 << 4;\n"
 	"}\n"
+	"#endif\n";
+
+/* Leaves on ellipses: a leaf_splat in four vectors, whose last numbers are ragged, amount (negative: wood, which is
+ * smooth), opacity and deviation of tone; and the direction to the eye in plant space. */
+#define LOD_LEAF_TEXT(...) #__VA_ARGS__
+static const char leaf_common[] =
+	"#ifdef LEAVES\n"
+	"#define LEAF\n"
+	"#define real(x) float(x)\n"
+	"#define whole(x) uint(int(x))\n"
+#include "lod/leaf.glsl"
+	"\n"
+	"FLAT vec4 v_leaves[4];\n"
+	"FLAT vec3 v_to_eye;\n"
 	"#endif\n";
 
 static const char vertex_common[] =
@@ -222,6 +237,7 @@ static const char vertex_points[] =
 	"uniform vec2 u_half, u_window;  // of the picture and of the viewport, pixels\n"
 	"uniform int u_corners, u_count; // of an ellipse; of a plant's ellipses\n"
 	"uniform uint u_sample;\n"
+	"uniform vec2 u_leaf;            // width of a leaf, deviation of tone\n"
 	"uint salt_of(uvec3 bits) {\n"
 	"	uint x = bits.x, y = bits.y, z = bits.z, nth = u_sample, salt;\n"
 	"	" TEXT(LOD_HASH_SALT) ";\n"
@@ -251,14 +267,16 @@ static const char vertex_points[] =
 	"	vec2 focal = u_lens.xy * u_half, middle = vec2(view.x, -view.y) * focal / view.z;\n"
 	"	mat3 axes, to_plant = mat3(0.0); // half axes in view space, y down; columns: normals of "
 	"plant space\n"
+	"	mat3 halves;                     // half axes in plant space\n"
 	"	float reach = u_scale;\n"
 	"#if TEXELS == 4\n"
 	"	for (int k = 0; k < 3; k++) {\n"
 	"		vec3 h = xyz(record_at(at + 1 + k));\n"
+	"		halves[k] = h * u_scale;\n"
 	"		axes[k] = axis_of(p, h) * u_scale;\n"
 	"		to_plant[k] = h / max(dot(h, h), 1e-30);\n"
 	"	}\n"
-	"	uint opacity = t0.w >> 24;\n"
+	"	uint opacity = t0.w >> 24 & 31u;\n"
 	"#else\n"
 	"	reach *= u_sides[t0.w >> 24];\n"
 	"#ifdef SHADOW\n"
@@ -266,6 +284,7 @@ static const char vertex_points[] =
 	"	for (int k = 0; k < 2; k++) axes[k] = reach * axis_of(p, axis_across(sun_of(p), k));\n"
 	"#else\n"
 	"	axes = mat3(reach * p.scale);\n"
+	"	for (int k = 0; k < 3; k++) halves[k] = p.row[k].xyz * (k == 1 ? -reach : reach) / p.scale;\n"
 	"#endif\n"
 	"	uint opacity = 16u;\n"
 	"#endif\n"
@@ -299,12 +318,31 @@ static const char vertex_points[] =
 	"	v_near_side = view.z * vec4(1.0, slope, bulge);\n"
 	/* the point at (u, v) of the near side, in a space where the ellipsoid is a ball, is this matrix
 	 * times (u, v, sqrt(1 - u^2 - v^2)); and so is its normal, which `to_plant` takes to plant space */
-	"#if TEXELS == 4\n"
+	"#if TEXELS == 4 || defined(LEAVES)\n"
 	"	vec3 e_u = v_ellipse.w > 0.0 ? (across - lean * down) / v_ellipse.w : vec3(0.0), e_v = down "
 	"/ height;\n"
 	"	vec3 farther = vec3(axes[0].z, axes[1].z, axes[2].z) / view.z - slope.x * e_u - slope.y * "
 	"e_v;\n"
-	"	mat3 normals = to_plant * mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
+	"	mat3 near_side = mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
+	"#endif\n"
+	"#ifdef LEAVES\n"
+	"	float pixel = view.z / (focal.y * p.scale), side = u_leaf.x;\n"
+	"	while (side < " TEXT(LOD_LEAF_PIXEL) " * pixel) side *= 2.0;\n"
+	"	float cells = 1.0 / (" TEXT(LOD_LEAF_LATTICE) " * side);\n"
+	"	mat3 to_cells = halves * near_side * cells;\n"
+	"	float ragged = min(u_leaf.x / (pixel * sqrt(v_ellipse.w * height)), " TEXT(LOD_LEAF_RAGGED) ");\n"
+	"	bool leafy = t0.w < 0x80000000u;\n"
+	"	v_leaves[0] = vec4(to_cells[0], ragged);\n"
+	"	v_leaves[1] = vec4(to_cells[1], leafy ? min(u_leaf.x / pixel, 1.0) : -1.0);\n"
+	"	v_leaves[2] = vec4(to_cells[2], float(opacity) / 16.0);\n"
+	"	v_leaves[3] = vec4(middle_of * cells, u_leaf.y);\n"
+	"	v_to_eye = -normalize(p.row[0].xyz * view.x + p.row[1].xyz * view.y + p.row[2].xyz * view.z);\n"
+	"	float grown = leafy ? sqrt(1.0 + ragged) : 1.0;\n"
+	"#else\n"
+	"	const float grown = 1.0;\n"
+	"#endif\n"
+	"#if TEXELS == 4\n"
+	"	mat3 normals = to_plant * near_side;\n"
 	"	v_normals[0] = vec4(normals[0], height);\n"
 	"	v_normals[1] = vec4(normals[1], u_half.x);\n"
 	"	v_normals[2] = vec4(normals[2], u_half.y);\n"
@@ -318,14 +356,14 @@ static const char vertex_points[] =
 	"#endif\n"
 	"	v_seen = uvec4(p.whose, surface, color_of(t0.w) | opacity << 24, salt_of(t0.xyz));\n"
 	/* the first and the last of columns and rows whose middles it may cover */
-	"	vec2 sides = vec2(sqrt(xx), height) + 0.01, from = middle + u_half - 0.5;\n"
+	"	vec2 sides = vec2(sqrt(xx), height) * grown + 0.01, from = middle + u_half - 0.5;\n"
 	"	vec2 low = ceil(from - sides), high = floor(from + sides), size = high - low + 1.0;\n"
 	"	there = there && min(size.x, size.y) > 0.0\n"
 	"		&& min(high.x, high.y) >= 0.0 && low.x < 2.0 * u_half.x && low.y < 2.0 * u_half.y\n"
-	"		&& (max(size.x, size.y) > 1.0 || covers_one(low));\n"
+	"		&& (max(size.x, size.y) > 1.0 || grown > 1.0 || covers_one(low));\n"
 	"	vec2 around = corner == 0 ? vec2(0.0, 2.0)\n"
 	"		: vec2(corner == 1 ? 1.7320508 : -1.7320508, -1.0);\n"
-	"	around *= vec2(v_ellipse.w, height) + 0.25;\n"
+	"	around *= vec2(v_ellipse.w, height) * grown + 0.25;\n"
 	"	around.x += lean * around.y;\n"
 	"	vec2 place = u_corners == 1 ? 0.5 * (low + high + 1.0) - u_half : middle + around;\n"
 	"	gl_PointSize = max(size.x, size.y);\n"
@@ -381,16 +419,53 @@ static const char fragment_common[] =
 
 static const char fragment_plant[] =
 	"flat in uvec4 v_seen;\n"
+	"vec3 light_of(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, "
+	"c)); }\n"
+	"vec3 bytes_of(vec3 c) { return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, "
+	"step(0.0031308, c)); }\n"
+	"#ifdef LEAVES\n"
+	"uint look_leaf(uint leaf, uint smooth_surface, vec3 normal) {\n"
+	"	if (!leaf_is_lit(leaf)) return smooth_surface;\n"
+	"#if TEXELS == 4\n"
+	"	float share = 0.5;\n"
+	"#else\n"
+	"	float share = leaf_level(float(smooth_surface >> 16 & 255u) / 255.0, v_to_eye.z);\n"
+	"	normal = vec3(0.0, 0.0, 1.0);\n"
+	"#endif\n"
+	"	if (!leaf_is_mean(leaf, share))\n"
+	"		normal = v_to_eye + normalize(vec3(leaf_turn(leaf, 0u), leaf_turn(leaf, 1u), leaf_turn(leaf, 2u)));\n"
+	"	return surface_direction(FACET, normal);\n"
+	"}\n"
+	"#endif\n"
 	"#ifdef ELLIPSE\n"
-	"float shown(inout uint surface) {       // 1 / distance; 0: nothing\n"
+	"float shown(inout uint surface, inout uint color) {     // 1 / distance; 0: nothing\n"
 	"	vec2 at = gl_FragCoord.xy - HALF - v_ellipse.xy;\n"
 	"	float v = at.y / HEIGHT, u = (at.x - v_ellipse.z * at.y) / v_ellipse.w;\n"
 	"	float rest = 1.0 - v * v - u * u;\n"
+	"#ifdef LEAVES\n"
+	"	uint leaf = 0u;\n"
+	"	if (v_leaves[1].w >= 0.0) {\n"
+	"		leaf_splat leaves = leaf_splat(v_leaves[3].x, v_leaves[0].x, v_leaves[1].x, v_leaves[2].x,\n"
+	"			v_leaves[3].y, v_leaves[0].y, v_leaves[1].y, v_leaves[2].y, v_leaves[3].z, v_leaves[0].z,\n"
+	"			v_leaves[1].z, v_leaves[2].z, v_leaves[0].w, v_leaves[2].w, v_leaves[1].w);\n"
+	"		leaf = leaf_at(leaves, u, v);\n"
+	"		if (leaf == 0u) return 0.0;\n"
+	"		rest = leaf_height2(leaves, leaf & 3u, u, v);\n"
+	"	} else\n"
+	"#endif\n"
 	"	if (!(rest >= 0.0) || !splat_covers(v_seen, uvec2(gl_FragCoord.xy))) return 0.0;\n"
-	"	vec3 side = vec3(u, v, sqrt(rest));\n"
+	"	vec3 side = vec3(u, v, sqrt(rest)), normal = vec3(0.0);\n"
 	"#if TEXELS == 4\n"
-	"	surface = surface_direction(BALL, mat3(v_normals[0].xyz, v_normals[1].xyz,\n"
-	"		v_normals[2].xyz) * side);\n"
+	"	normal = mat3(v_normals[0].xyz, v_normals[1].xyz, v_normals[2].xyz) * side;\n"
+	"	surface = surface_direction(BALL, normal);\n"
+	"#endif\n"
+	"#ifdef LEAVES\n"
+	"	if (leaf != 0u) {\n"
+	"		surface = look_leaf(leaf, surface, normal / length(normal));\n"
+	"		vec3 own = light_of(vec3(uvec3(color, color >> 8, color >> 16) & 255u) / 255.0);\n"
+	"		own = bytes_of(min(own * leaf_tone(leaf, v_leaves[3].w), 1.0));\n"
+	"		color = color_word(uvec3(own * 255.0 + 0.5));\n"
+	"	}\n"
 	"#endif\n"
 	"	float far = v_near_side.x + v_near_side.y * u + v_near_side.z * v\n"
 	"		- v_near_side.w * side.z;\n"
@@ -401,16 +476,12 @@ static const char fragment_plant[] =
 	"in vec2 v_uv;\n"
 	"uniform sampler2D u_texture;\n"
 	"uniform vec4 u_tint;\n"
-	"vec3 light_of(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, "
-	"c)); }\n"
-	"vec3 bytes_of(vec3 c) { return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, "
-	"step(0.0031308, c)); }\n"
 	"#endif\n"
 	"void main() {\n"
 	"	float nearness = gl_FragCoord.w;\n"
 	"	uint surface = v_seen.y, color = v_seen.z;\n"
 	"#ifdef ELLIPSE\n"
-	"	nearness = shown(surface);\n"
+	"	nearness = shown(surface, color);\n"
 	"	if (nearness == 0.0) discard;\n"
 	"#ifndef SHADOW\n"
 	"	gl_FragDepth = nearness * NEAR;\n"
@@ -458,6 +529,10 @@ static const struct { const char *name, *defines, *shared, *vertex, *fragment;
 	fragment_plant }, [VIEW_PROGRAM_GROUND] = { "ground", "", "", vertex_ground, fragment_ground },
 	[VIEW_PROGRAM_IMPOSTORS] = { "impostors", "", vertex_plant, view_shader_impostor_vertex,
 		view_shader_impostor_fragment },
+	[VIEW_PROGRAM_LEAFY_POINTS] = { "points with leaves", "#define LEAVES 1\n" ELLIPSES(1), vertex_plant,
+		vertex_points, fragment_plant },
+	[VIEW_PROGRAM_LEAFY_SPLATS] = { "splats with leaves", "#define LEAVES 1\n" ELLIPSES(4), vertex_plant,
+		vertex_points, fragment_plant },
 };
 
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens",
@@ -465,7 +540,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_members",
 	"u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
-	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map", "u_middle", "u_sample" };
+	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map", "u_middle", "u_sample", "u_leaf" };
 
 static unsigned compile(unsigned program, unsigned type, const char *const *parts, int count)
 {
@@ -508,10 +583,10 @@ enum eco_code view_shader_compile(struct view_shader *shader, enum view_program 
 	const char *depth = dialect->depth_zero_to_one ? "#define ZERO_TO_ONE 1\n" : "";
 	const char *target = shadow ? "#define SHADOW 1\n" : "";
 	const char *vs[] = { start, "#define FLAT flat out\n", depth, target, programs[which].defines, common,
-		splat_common, vertex_common, vertex_shadow, programs[which].shared, programs[which].vertex };
+		splat_common, leaf_common, vertex_common, vertex_shadow, programs[which].shared, programs[which].vertex };
 	const char *fs[] = { start, "#define FLAT flat in\n", target, programs[which].defines, common,
-		splat_common, fragment_common, programs[which].fragment };
-	shader->program = view_shader_link(&(struct view_shader_text){ vs, 11, fs, 8 }, programs[which].name, error);
+		splat_common, leaf_common, fragment_common, programs[which].fragment };
+	shader->program = view_shader_link(&(struct view_shader_text){ vs, 12, fs, 9 }, programs[which].name, error);
 	if (!shader->program)
 		return ECO_UNSUPPORTED;
 	for (int i = 0; i < VIEW_UNIFORM_COUNT; i++)

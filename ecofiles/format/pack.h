@@ -41,7 +41,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define ECO_PACK_VERSION 18u
+#define ECO_PACK_VERSION 19u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 
@@ -134,7 +134,13 @@ struct eco_plant {
 	uint32_t ladder_first, ladder_count;   /* whole-plant ladders before those of cells */
 	float area;                            /* m^2, all organs, a leaf counted once */
 	uint32_t triangles;                    /* full detail */
+	/* for leaves that are drawn on its splats and points (lod/leaf.h): their width, ECO_LEAF_UNIT_M, 0: none are
+	 * drawn; deviations over means, 1/ECO_DEVIATION_ONE: of their own light, and of which of them the sun reaches */
+	uint16_t leaf_width;
+	uint8_t leaf_tone, leaf_shade;
 };
+#define ECO_LEAF_UNIT_M 1e-4
+#define ECO_DEVIATION_ONE 128
 
 /* A view opens a tile or draws its summary. Below a tile that is open it opens all tiles without a summary,
  * and looks at their plants one by one. A pack with more of these below one tile is refused: no view of it

@@ -35,7 +35,8 @@ static int32_t length_code(float length)
 
 bool eco_splat_good(const int32_t code[ECO_SPLAT_CODES])
 {
-	static const uint32_t count[3] = { ECO_SPLAT_LENGTHS, ECO_SPLAT_TURNS, ECO_SPLAT_OPACITIES };
+	static const uint32_t count[3] = { ECO_SPLAT_LENGTHS, ECO_SPLAT_TURNS,
+		ECO_SPLAT_OPACITIES * ECO_SPLAT_KINDS };
 	for (uint32_t i = 0; i < ECO_SPLAT_CODES; i++)
 		if (code[i] < 0 || (uint32_t)code[i] >= count[i / 3])
 			return false;
@@ -60,7 +61,9 @@ void eco_splat_read(struct eco_splat *splat, const int32_t code[ECO_SPLAT_CODES]
 		for (int i = 0; i < 3; i++)
 			splat->half[k][i] = length * axis[k][i];
 	}
-	splat->opacity = (float)(clamp(code[6], ECO_SPLAT_OPACITIES) + 1) / ECO_SPLAT_OPACITIES;
+	int32_t look = clamp(code[6], ECO_SPLAT_OPACITIES * ECO_SPLAT_KINDS);
+	splat->wood = look >= (int32_t)ECO_SPLAT_OPACITIES;
+	splat->opacity = (float)(look % (int32_t)ECO_SPLAT_OPACITIES + 1) / ECO_SPLAT_OPACITIES;
 }
 
 /* Axes in the order `order`, each reversed where that turns it towards its coordinate axis; an odd number of
@@ -144,5 +147,5 @@ void eco_splat_write(int32_t code[ECO_SPLAT_CODES], const struct eco_splat *spla
 		code[3 + k] = clamp((int32_t)floorf(v * ECO_SPLAT_TURN + 0.5f) + 64, ECO_SPLAT_TURNS);
 	}
 	code[6] = clamp((int32_t)floorf(splat->opacity * ECO_SPLAT_OPACITIES + 0.5f) - 1,
-		ECO_SPLAT_OPACITIES);
+		ECO_SPLAT_OPACITIES) + (splat->wood ? (int32_t)ECO_SPLAT_OPACITIES : 0);
 }

@@ -4,7 +4,7 @@
  *   0..2  half axes: unit * 2^((code - 64) / 8), code in [0, 128); unit = sqrt(list.unit_area), metres
  *   3..5  turn: the vector part of a unit quaternion with a positive scalar part, times ECO_SPLAT_TURN, and
  *         64 more, in [0, 128). It turns the axes x, y, z to those of the ellipsoid
- *   6     opacity: (code + 1) / 16, code in [0, 16); 15 is opaque
+ *   6     opacity: (code % 16 + 1) / 16, code in [0, 32); 15 is opaque. From 16 on it is wood: no leaf is drawn on it
  *
  * Axes may be swapped and reversed without changing an ellipsoid, so the writer takes the smallest of the
  * 24 turns: then the vector part is below 0.53, and its codes are fine and few. */
@@ -18,10 +18,11 @@
 #define ECO_SPLAT_LENGTHS 128u
 #define ECO_SPLAT_TURNS 128u
 #define ECO_SPLAT_OPACITIES 16u
+#define ECO_SPLAT_KINDS 2u       /* foliage, wood */
 #define ECO_SPLAT_TURN 118.0f
 
 /* half[k]: vector of the k-th half axis, metres. */
-struct eco_splat { float half[3][3]; float opacity; };
+struct eco_splat { float half[3][3]; float opacity; bool wood; };
 
 /* Whether codes are in range. */
 bool eco_splat_good(const int32_t code[ECO_SPLAT_CODES]);

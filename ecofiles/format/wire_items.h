@@ -10,8 +10,8 @@
  *
  * Item: 2 bits, modelled by the kind of the item before: END 0, PLANT 1, LIST 2, CHUNK 3. Then
  *   PLANT  id - (last plant + 1), name: number of bytes, 8 bits each; height (real, against the last
- *          one's), anchor first - end of the last one's, anchor count; its anchors: x, y, z, radius (reals
- *          without `same`, against the anchor before)
+ *          one's), anchor first - end of the last one's, anchor count; leaf width (16 bits), tone and shade
+ *          (8 bits each); its anchors: x, y, z, radius (reals without `same`, against the anchor before)
  *   LIST   id - (last item's list + 1); kind: 4 bits, modelled by the last list's; coder (3 bits),
  *          attributes (8 bits), modelled by the kind; then the fields of enum eco_wire_field, each against
  *          the last list of the kind; the grid: 2 bits: 0: that of the last list of the kind, 1: of the
@@ -81,7 +81,7 @@ struct eco_wire_items {
 struct eco_wire_item {
 	enum eco_wire_item_kind kind;
 	uint32_t id;                             /* of the plant; of the list, or the chunk's */
-	struct eco_plant plant;                  /* name, height_m, anchor_first, anchor_count */
+	struct eco_plant plant;                  /* name, height_m, anchor_first, anchor_count, leaf_* */
 	struct eco_list list;                    /* chunk_first is 0 when it was read */
 	uint32_t ordinal;
 	struct eco_chunk chunk;                  /* counts and size; id if it is named */

@@ -35,7 +35,8 @@ void lod_raster_init(struct lod_raster *raster, const struct lod_raster_options 
 	*raster = (struct lod_raster){ .width = options->width, .height = options->height, .state = state,
 		.depth = eco_alloc(pixels, sizeof *raster->depth), .cover = eco_alloc(pixels, 1),
 		.owner = options->owner ? eco_alloc(pixels, sizeof *raster->owner) : NULL,
-		.item = options->item ? eco_alloc(pixels, sizeof *raster->item) : NULL };
+		.item = options->item ? eco_alloc(pixels, sizeof *raster->item) : NULL,
+		.leaf = options->item ? eco_alloc(pixels, sizeof *raster->leaf) : NULL };
 }
 
 void lod_raster_free(struct lod_raster *raster)
@@ -49,6 +50,7 @@ void lod_raster_free(struct lod_raster *raster)
 	free(raster->cover);
 	free(raster->owner);
 	free(raster->item);
+	free(raster->leaf);
 	memset(raster, 0, sizeof *raster);
 }
 
@@ -235,6 +237,8 @@ void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from)
 			into->owner[i] = from->owner[i];
 		if (into->item)
 			into->item[i] = from->item[i];
+		if (into->leaf)
+			into->leaf[i] = from->leaf[i];
 	}
 	into->state->ground |= from->state->ground;
 	memset(into->state->stale, 1, (size_t)into->state->blocks_x * into->state->blocks_y);
@@ -252,6 +256,7 @@ void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,
 	batch.size = geometry->size;
 	batch.half = geometry->half;
 	batch.opacity = geometry->opacity;
+	batch.wood = geometry->wood;
 	if (list->kind == ECO_LIST_TRIANGLES)
 		lod_raster_triangles(raster, &batch);
 	else if (list->kind == ECO_LIST_LINES)

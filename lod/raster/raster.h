@@ -40,6 +40,8 @@ struct lod_raster {
 	uint64_t *owner; /* of the nearest plant sample; 0: nothing or ground; NULL if not asked for */
 	uint8_t *cover;              /* 255 if a plant is nearest, 0 if ground or nothing is */
 	uint32_t *item;              /* of the nearest primitive (lod_raster_batch); NULL if not asked for */
+	/* leaf_at (lod/leaf.glsl) of the nearest primitive, if it has leaves; NULL if items are not asked for */
+	uint32_t *leaf;
 	/* private */
 	struct lod_raster_state *state;
 };
@@ -69,6 +71,8 @@ struct lod_raster_batch {
 	float area;                  /* balls: area of the disc, object units^2 */
 	const float *size;           /* balls: factors of `area`, one each, or NULL: all 1 */
 	const float *half, *opacity; /* splats: three half axes (9), and 1, each; NULL: balls, opaque */
+	float leaf;                  /* splats, balls: width of the leaves on them, object units; 0: smooth */
+	const float *wood;           /* splats: 1 has none all the same, one each; or NULL */
 	uint32_t item;               /* number of the first primitive; those after it count on */
 	uint64_t owner;              /* 0 draws ground, which hides and is not covered */
 };

@@ -1,6 +1,7 @@
 /* Drawing splats and impostors: see lod/splat.h and lod/impostor.h. Unlike the edges of triangles those of ellipses are decided in single
  * floats, by + - * / and square roots in a fixed order. */
 #include "lod/impostor.h"
+#include "lod/leaf.h"
 #include "lod/raster/raster_state.h"
 #include "lod/splat.h"
 
@@ -10,6 +11,8 @@ struct disc {                        /* a projected splat */
 	struct outline outline;
 	float w, near_w, opacity;    /* w: metres away */
 	uint32_t salt;
+	float leaf;                  /* its width; 0: smooth */
+	leaf_splat leaves;
 };
 
 static float row_of(const float row[4], const float p[3])
@@ -30,8 +33,8 @@ static bool place(const struct lod_raster_state *state, const float centre[3], s
 	return fabsf(at[0]) < 1e30f && fabsf(at[1]) < 1e30f;
 }
 
-static bool project(const struct lod_raster_state *state, const float half[9], const float at[2],
-	struct disc *disc)
+static bool project(const struct lod_raster_state *state, const float center[3], const float half[9],
+	const float at[2], struct disc *disc)
 {
 	const float (*m)[4] = state->clip;
 	float across[3], down[3], farther[3], pixel = 1.0f / LOD_SUBPIXEL / disc->w, near = 1 / disc->w;
@@ -41,7 +44,14 @@ static bool project(const struct lod_raster_state *state, const float half[9], c
 		down[k] = (row_of(m[1], half + 3 * k) - farther[k] * at[1]) * pixel;
 		farther[k] *= near;
 	}
-	return lod_ellipse_make(&disc->outline.ellipse, across, down, farther, disc->w);
+	if (!lod_ellipse_make(&disc->outline.ellipse, across, down, farther, disc->w))
+		return false;
+	if (disc->leaf > 0) {
+		lod_leaf_splat(&disc->leaves, &disc->outline.ellipse, across, down, farther, disc->w, center, half,
+			disc->leaf, disc->w * (float)(state->eye.pixel_rad / state->place.scale));
+		disc->leaves.opacity = disc->opacity;
+	}
+	return true;
 }
 
 /* The same for a ball: its half axes may be those of the view. */
@@ -94,6 +104,41 @@ static bool outline_span(const struct outline *o, const struct lod_raster *raste
 	return span[0] < span[1];
 }
 
+/* Leaves on it: rows of the outermost shell. */
+static void fill_leaves(const struct lod_paint *paint, const struct disc *disc)
+{
+	const struct lod_raster *raster = paint->raster;
+	const struct lod_ellipse *e = &disc->outline.ellipse;
+	struct outline outer = disc->outline;
+	uint32_t rows[2], span[2];
+	float y, grown = sqrtf(1 + disc->leaves.ragged);
+	outer.ellipse.high *= grown;
+	outer.ellipse.half *= grown;
+	outline_rows(&outer, raster, rows);
+	rows[1] += rows[1] < raster->height;
+	for (uint32_t row = rows[0]; row < rows[1]; row++) {
+		bool any = false;
+		if (!outline_span(&outer, raster, row, &y, span))
+			continue;
+		for (uint32_t x = span[0]; x < span[1]; x++) {
+			float at = (float)x + 0.5f - 0.5f * (float)raster->width - outer.x, v = y / e->high,
+				u = e->half > 0 ? (at - e->lean * y) / e->half : 0;
+			uint32_t leaf = leaf_at(disc->leaves, u, v);
+			if (!leaf)
+				continue;
+			float w = disc->w + e->aside * u + e->below * v
+				- e->bulge * sqrtf(leaf_height2(disc->leaves, leaf & 3, u, v));
+			size_t i = (size_t)row * raster->width + x;
+			bool seen = lod_paint_pixel(paint, i, 1 / (w > disc->near_w ? w : disc->near_w));
+			if (seen && raster->leaf)
+				raster->leaf[i] = leaf;
+			any |= seen;
+		}
+		if (any)
+			lod_mark_stale(paint, row, span[0], span[1]);
+	}
+}
+
 /* A silhouette may lie at the depth of the centre as a whole. */
 static void fill_row(const struct lod_paint *paint, const struct disc *disc, uint32_t row, float y,
 	uint32_t from, uint32_t to)
@@ -137,16 +182,21 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 	for (uint32_t i = 0; i < batch->count; i++) {
 		const float *centre = batch->position + 3 * (size_t)i;
 		struct disc disc = { .opacity = batch->opacity ? batch->opacity[i] : 1,
-			.salt = lod_splat_salt(centre, state->eye.sample) };
-		float at[2];
-		if (!place(state, centre, &disc, at) || !(batch->half
-				? project(state, batch->half + 9 * (size_t)i, at, &disc)
-				: project_ball(state, batch->size ? radius * sqrtf(batch->size[i]) : radius,
-				at, &disc)))
+			.salt = lod_splat_salt(centre, state->eye.sample),
+			.leaf = batch->wood && batch->wood[i] > 0 ? 0 : batch->leaf };
+		float at[2], reach = batch->size ? radius * sqrtf(batch->size[i]) : radius,
+			own = reach / (float)state->place.scale;
+		const float ball[9] = { own, 0, 0, 0, own, 0, 0, 0, own };
+		if (!place(state, centre, &disc, at) || !(batch->half || disc.leaf > 0
+				? project(state, centre, batch->half ? batch->half + 9 * (size_t)i : ball, at, &disc)
+				: project_ball(state, reach, at, &disc)))
 			continue;
 		put_outline(&disc.outline, at);
 		paint.item = batch->item + i;
-		fill_disc(&paint, &disc);
+		if (disc.leaf > 0)
+			fill_leaves(&paint, &disc);
+		else
+			fill_disc(&paint, &disc);
 	}
 }
 

@@ -69,24 +69,34 @@ static bool has_colorless(const struct eco_model *model)
 	return any;
 }
 
-/* Colours of the model's triangles, the usual ones of their organs where the file says none; NULL if it says
- * all. The caller frees them. */
-static uint8_t (*organ_colors(const struct eco_model *model))[3]
+/* Of the model's triangles, in its order. rgb: the usual colours of their organs where the file says none; NULL if it
+ * says all. */
+struct triangles { uint8_t *organ, (*rgb)[3]; };
+
+static void color_triangles(struct triangles *triangles, const struct eco_model *model, const struct lod_mesh *mesh,
+	const struct lod_organs *organs, struct lod_arena *arena)
 {
-	struct lod_arena arena = { 0 };
+	triangles->rgb = lod_arena_take(arena, model->triangle_count, sizeof *triangles->rgb);
+	for (uint32_t t = 0; t < model->triangle_count; t++)
+		memcpy(triangles->rgb[t], lod_mesh_material(model, model->material[t])->rgb, sizeof *triangles->rgb);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++)
+		memcpy(triangles->rgb[mesh->source[t]], organs->rgb[t], sizeof *triangles->rgb);
+}
+
+/* Finds them, and measures the plant's leaves. */
+static struct triangles read_organs(struct lod_plant *plant, const struct eco_model *model, struct lod_arena *arena)
+{
+	struct triangles triangles = { lod_arena_take(arena, model->triangle_count, 1), NULL };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
-	if (!has_colorless(model))
-		return NULL;
-	lod_weld(&mesh, model, lod_grid_bits_least(model), &arena);
-	lod_organs_find(&organs, &mesh, model, &arena);
-	uint8_t (*rgb)[3] = eco_alloc(model->triangle_count, sizeof *rgb);
-	for (uint32_t t = 0; t < model->triangle_count; t++)
-		memcpy(rgb[t], lod_mesh_material(model, model->material[t])->rgb, sizeof *rgb);
+	lod_weld(&mesh, model, lod_grid_bits_least(model), arena);
+	lod_organs_find(&organs, &mesh, model, arena);
 	for (uint32_t t = 0; t < mesh.triangle_count; t++)
-		memcpy(rgb[mesh.source[t]], organs.rgb[t], sizeof *rgb);
-	lod_arena_free(&arena);
-	return rgb;
+		triangles.organ[mesh.source[t]] = organs.components[mesh.component[t]].organ;
+	if (has_colorless(model))
+		color_triangles(&triangles, model, &mesh, &organs, arena);
+	lod_plant_measure_leaves(&plant->plant, &(struct lod_leaf_parts){ model, &mesh, &organs, triangles.organ });
+	return triangles;
 }
 
 /* The share of a splat in the plant's picture, in 2^-20 of its radius squared: the mean area of its three
@@ -169,17 +179,19 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	const struct lod_plant_options *options, struct eco_error *error)
 {
 	struct lod_splats splats;
-	uint8_t (*rgb)[3] = organ_colors(model);
+	struct lod_arena arena = { 0 };
+	struct triangles triangles = read_organs(plant, model, &arena);
+	const uint8_t (*rgb)[3] = (const uint8_t (*)[3])triangles.rgb;
 	/* a build with small curves is a draft in its splats, too */
 	bool small = options->draft || (options->pixels && options->pixels < 160);
 	struct lod_splats_options fit = { .views = small ? 12 : 0, .pixels = small ? 48 : 0,
 		.levels = options->draft ? LEVELS_DRAFT : 0, .draft = options->draft,
-		.rgb = (const uint8_t (*)[3])rgb, .progress = options->progress, .each = options->each,
+		.rgb = rgb, .organ = triangles.organ, .progress = options->progress, .each = options->each,
 		.ctx = options->ctx };
 	lod_plant_enter(options, LOD_STAGE_SPLATS);
 	enum eco_code code = lod_splats_fit(&splats, model, &fit, error);
 	if (code) {
-		free(rgb);
+		lod_arena_free(&arena);
 		return code;
 	}
 	if (splats.level_count) {
@@ -190,10 +202,9 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		add_ladder(plant, &splats);
 		color_elements(draft, plant, &splats);
 		if (!options->draft)
-			code = lod_plant_add_impostor(plant, model, (const uint8_t (*)[3])rgb, options,
-				error);
+			code = lod_plant_add_impostor(plant, model, rgb, options, error);
 	}
-	free(rgb);
+	lod_arena_free(&arena);
 	lod_splats_free(&splats);
 	return code;
 }

@@ -12,6 +12,7 @@
 
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/splat.h"
+#include "lod/build/organ/organ.h"
 #include "lod/build/plant.h"
 
 #define LOD_SPLAT_LEVELS 8u              /* most; usually 1, 3, 12, 48, 192, 768, 3072 splats */
@@ -40,6 +41,7 @@ struct lod_splats_options {
 	uint32_t levels;                 /* at most; 0: as many as the plant's triangles suggest */
 	uint32_t views, pixels;          /* fitted to; 0: 55 views of 160 pixels; pixels: a multiple of 8 */
 	const uint8_t (*rgb)[3];         /* per triangle of the model; NULL: from materials and textures */
+	const uint8_t *organ;            /* the same, enum eco_organ; NULL: nothing is wood */
 	/* as in lod_plant_options */
 	bool (*progress)(void *ctx, double share);
 	lod_each *each;
@@ -55,6 +57,11 @@ void lod_splats_free(struct lod_splats *splats);
  * to a plant that shows nothing. */
 enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error);
+
+/* Measures the plant's leaves. organ: of each triangle of the model. */
+struct lod_leaf_parts { const struct eco_model *model; const struct lod_mesh *mesh; const struct lod_organs *organs;
+	const uint8_t *organ; };
+void lod_plant_measure_leaves(struct eco_plant *plant, const struct lod_leaf_parts *parts);
 
 static inline uint32_t lod_splats_first(const struct lod_splats *splats, uint32_t level)
 {

@@ -285,9 +285,11 @@ LOD_INLINE void weigh(const struct splat_views *views, const struct splat_view *
 	}
 }
 
-/* An ellipse gets the colour that the plant shows where nothing is in front of the ellipse. */
-static void add_light(const struct splat_ellipse *e, const struct splat_views *views,
-	const struct splat_view *view, float *left, struct lod_light *light)
+/* What the plant shows where nothing is in front of an ellipse. */
+struct shown { struct lod_light light; double wood; };
+
+static void add_shown(const struct splat_ellipse *e, const struct splat_views *views,
+	const struct splat_view *view, float *left, struct shown *shown)
 {
 	for (int32_t y = e->y0; y < e->y1; y++) {
 		float dy = (float)y + 0.5f - e->y, *row = left + (size_t)y * views->stride;
@@ -301,17 +303,18 @@ static void add_light(const struct splat_ellipse *e, const struct splat_views *v
 				const float *from = view->light[(size_t)y * views->pixels
 					+ (size_t)(x + i)];
 				for (int k = 0; k < 3; k++)
-					light->sum[k] += weight * from[k];
-				light->weight += weight;
+					shown->light.sum[k] += weight * from[k];
+				shown->light.weight += weight;
+				shown->wood += weight * from[3];
 			}
 		}
 	}
 }
 
-/* Adds the light that the plant shows where a splat is in front. `order`: from the nearest to the farthest. */
-static void view_light(const struct splat_views *views, uint32_t view_index, const struct splat_params *splats,
+/* `order`: from the nearest to the farthest. */
+static void view_shown(const struct splat_views *views, uint32_t view_index, const struct splat_params *splats,
 	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture,
-	struct lod_light *light)
+	struct shown *shown)
 {
 	const struct splat_view *view = &views->items[view_index];
 	struct splat_ellipse e;
@@ -319,7 +322,7 @@ static void view_light(const struct splat_views *views, uint32_t view_index, con
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t at = order[i].value;
 		project(&e, views, view, &splats[at], &(struct splat_softness){ .edge_px = 0.5f });
-		add_light(&e, views, view, picture->free, &light[at]);
+		add_shown(&e, views, view, picture->free, &shown[at]);
 	}
 }
 
@@ -520,16 +523,20 @@ void splat_color_level(const struct splat_views *views, const struct splat_param
 	const struct lod_arena_piece *mark = arena->last;
 	size_t pixels = (size_t)views->pixels * views->stride;
 	struct lod_keyed *order = lod_arena_take(arena, count, sizeof *order);
-	struct lod_light *light = lod_arena_take(arena, count, sizeof *light);
+	struct shown *shown = lod_arena_take(arena, count, sizeof *shown);
 	struct splat_picture picture = { lod_arena_take(arena, pixels, sizeof(float)), NULL, NULL };
 	for (uint32_t view = 0; view < views->count; view++) {
 		sort_by_depth(&views->items[view], splats, count, arena, order);
-		view_light(views, view, splats, order, count, &picture, light);
+		view_shown(views, view, splats, order, count, &picture, shown);
 	}
 	for (uint32_t i = 0; i < count; i++) {
 		memcpy(out[i].rgb, parents ? parents[i / children].rgb : grey, 3);
-		if (light[i].weight > 0.25)
-			lod_light_mean(&light[i], out[i].rgb);
+		out[i].shape.wood = parents && parents[i / children].shape.wood;
+		if (shown[i].light.weight > 0.25) {
+			lod_light_mean(&shown[i].light, out[i].rgb);
+			out[i].shape.wood = shown[i].wood > 0.5 * shown[i].light.weight;
+		}
+		out[i].code[6] += out[i].shape.wood ? (int32_t)ECO_SPLAT_OPACITIES : 0;
 	}
 	lod_arena_release(arena, mark);
 }

@@ -22,7 +22,8 @@ struct splat_view {
 	/* share of each pixel that the plant covers; rows of `stride`. Coarse pixels have four shares, those
 	 * of the pixels in each: one plane after another */
 	float *cover;
-	float (*light)[3];           /* mean light of that share, in 1/65535; `pixels` a row */
+	/* mean light of that share, in 1/65535, and how much of it is wood; `pixels` a row */
+	float (*light)[4];
 	double covered;              /* sum of cover */
 	float (*sample)[3];          /* points of the visible surface */
 	uint32_t *triangle;          /* of the model, that each shows */
@@ -79,8 +80,9 @@ double splat_view_loss(const struct splat_views *views, uint32_t view, const str
 void splat_gains(const struct splat_views *views, const struct splat_params *parents, uint32_t count,
 	const struct splat_params *level, uint32_t children, struct lod_arena *arena, double *gain);
 
-/* The colours of a level: means of the light that the plant shows where a splat is in front. A splat that is nowhere in front gets that of
- * its parent, in `parents` (NULL in the first level), or grey. */
+/* The colours of a level: means of the light that the plant shows where a splat is in front; and which splats are wood:
+ * more than half of that. A splat that is nowhere in front is as its parent, in `parents` (NULL in the first level), or
+ * grey foliage. */
 void splat_color_level(const struct splat_views *views, const struct splat_params *splats, uint32_t count,
 	const struct lod_splat *parents, uint32_t children, struct lod_arena *arena, struct lod_splat *out);
 

@@ -20,7 +20,7 @@ struct drawing {
 	struct splat_views *views;
 	const struct eco_model *model;
 	const struct lod_mask *masks;
-	const uint8_t (*rgb)[3];     /* per triangle */
+	const uint8_t (*rgb)[3], *organ;     /* per triangle; organ may be NULL */
 	struct lod_raster *rasters;
 	uint32_t raster_count;
 };
@@ -60,16 +60,19 @@ static void reduce_pixel(const struct drawing *d, struct splat_view *view, const
 	uint32_t x, uint32_t y)
 {
 	struct lod_light light = { .weight = 0 };
+	double wood = 0;
 	for (uint32_t s = 0; s < SIDE * SIDE; s++) {
 		size_t i = (size_t)(SIDE * y + s / SIDE) * raster->width + SIDE * x + s % SIDE;
-		if (raster->cover[i])
+		if (raster->cover[i]) {
 			lod_light_add(&light, d->rgb[raster->item[i]], 1);
+			wood += d->organ && d->organ[raster->item[i]] == ECO_ORGAN_WOOD;
+		}
 	}
 	view->cover[(size_t)y * d->views->stride + x] = (float)(light.weight / (SIDE * SIDE));
 	view->covered += light.weight / (SIDE * SIDE);
-	for (int k = 0; k < 3; k++)
+	for (int k = 0; k < 4; k++)
 		view->light[(size_t)y * d->views->pixels + x][k] = light.weight > 0
-			? (float)(light.sum[k] / light.weight) : 0;
+			? (float)((k < 3 ? light.sum[k] : wood) / light.weight) : 0;
 }
 
 /* The point that a sample shows, in radii from the centre. */
@@ -141,7 +144,7 @@ void splat_views_make(struct splat_views *views, const struct eco_model *model,
 		return;
 	allocate(views, arena);
 	struct drawing d = { views, model, lod_model_masks(model, arena),
-		options->rgb ? options->rgb : lod_model_colors(model, arena),
+		options->rgb ? options->rgb : lod_model_colors(model, arena), options->organ,
 		lod_arena_take(arena, parts, sizeof *d.rasters), parts };
 	for (uint32_t i = 0; i < parts; i++)
 		lod_raster_init(&d.rasters[i], &(struct lod_raster_options){ .width = SIDE * pixels,
