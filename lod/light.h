@@ -13,6 +13,12 @@ extern const uint16_t lod_light_of[256];
 /* The byte whose light is nearest; `light` is in 1/65535 and clamped. */
 uint8_t lod_light_byte(double light);
 
+/* The luminance of light (the standard's weights). */
+static inline double lod_light_gray(const double light[3])
+{
+	return 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2];
+}
+
 /* A sum of colours by weight. */
 struct lod_light { double sum[3], weight; };
 

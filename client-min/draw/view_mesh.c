@@ -257,6 +257,8 @@ static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const 
 			normal[k] = (float)(turn[k] / length + to_eye[k] / far);
 	} else if (mesh->geometry.half) {
 		ball_of(mesh, primitive, rays, normal);
+		for (int k = 0; k < 3; k++)      /* at the rim rounding would say which side is seen */
+			normal[k] += 0.05f * (float)(to_eye[k] / far);
 	}
 	return view_surface_direction(VIEW_FACET, normal);
 }

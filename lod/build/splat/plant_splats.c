@@ -201,6 +201,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		put_elements(draft, &splats);
 		add_ladder(plant, &splats);
 		color_elements(draft, plant, &splats);
+		plant->plant.leaf_tone = lod_deviation_code(splats.tone);
 		if (!options->draft)
 			code = lod_plant_add_impostor(plant, model, rgb, options, error);
 	}

@@ -506,7 +506,7 @@ static bool store(struct fit *fit, uint32_t levels)
 		if (!descend(fit, l, levels, true))
 			return false;
 		round_level(fit, l, to);
-		splat_color_level(&fit->views, fit->level[l], fit->size[l],
+		splats->tone = splat_color_level(&fit->views, fit->level[l], fit->size[l],
 			l ? splats->items + lod_splats_first(splats, l - 1) : NULL,
 			l ? fit->size[l] / fit->size[l - 1] : 1, &fit->arena, to);
 	}

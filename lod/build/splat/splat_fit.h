@@ -33,6 +33,7 @@ struct lod_splats {                      /* owns its items */
 	float unit;                      /* metres: sqrt(unit_area) of a list of these splats */
 	double radius, center[3];        /* of the plant's bounding sphere */
 	double loss[LOD_SPLAT_LEVELS];   /* 1 - soft Q of each level in the views that it was fitted to */
+	double tone;                     /* deviation of the light of what the last level stands for, over the mean */
 };
 
 struct lod_splats_options {
@@ -61,6 +62,8 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 /* Measures the plant's leaves. organ: of each triangle of the model. */
 struct lod_leaf_parts { const struct eco_model *model; const struct lod_mesh *mesh; const struct lod_organs *organs;
 	const uint8_t *organ; };
+/* A deviation over its mean as the pack has it. */
+uint8_t lod_deviation_code(double deviation);
 void lod_plant_measure_leaves(struct eco_plant *plant, const struct lod_leaf_parts *parts);
 
 static inline uint32_t lod_splats_first(const struct lod_splats *splats, uint32_t level)

@@ -286,7 +286,7 @@ LOD_INLINE void weigh(const struct splat_views *views, const struct splat_view *
 }
 
 /* What the plant shows where nothing is in front of an ellipse. */
-struct shown { struct lod_light light; double wood; };
+struct shown { struct lod_light light; double wood, square; };
 
 static void add_shown(const struct splat_ellipse *e, const struct splat_views *views,
 	const struct splat_view *view, float *left, struct shown *shown)
@@ -306,6 +306,7 @@ static void add_shown(const struct splat_ellipse *e, const struct splat_views *v
 					shown->light.sum[k] += weight * from[k];
 				shown->light.weight += weight;
 				shown->wood += weight * from[3];
+				shown->square += weight * from[4];
 			}
 		}
 	}
@@ -516,7 +517,23 @@ static void sort_by_depth(const struct splat_view *view, const struct splat_para
 	lod_sort(arena, order, count);
 }
 
-void splat_color_level(const struct splat_views *views, const struct splat_params *splats, uint32_t count,
+/* The mean deviation of the light of what foliage splats stand for from their colours, over the mean. */
+static double tone_of(const struct shown *shown, const struct lod_splat *splats, uint32_t count)
+{
+	double variance = 0, mean = 0, weight = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_light *light = &shown[i].light;
+		if (splats[i].shape.wood || !(light->weight > 0))
+			continue;
+		double own = lod_light_gray(light->sum);
+		variance += fmax(shown[i].square - own * own / light->weight, 0);
+		mean += own;
+		weight += light->weight;
+	}
+	return mean > 0 ? sqrt(variance * weight) / mean : 0;
+}
+
+double splat_color_level(const struct splat_views *views, const struct splat_params *splats, uint32_t count,
 	const struct lod_splat *parents, uint32_t children, struct lod_arena *arena, struct lod_splat *out)
 {
 	static const uint8_t grey[3] = { 128, 128, 128 };
@@ -538,5 +555,7 @@ void splat_color_level(const struct splat_views *views, const struct splat_param
 		}
 		out[i].code[6] += out[i].shape.wood ? (int32_t)ECO_SPLAT_OPACITIES : 0;
 	}
+	double tone = tone_of(shown, out, count);
 	lod_arena_release(arena, mark);
+	return tone;
 }

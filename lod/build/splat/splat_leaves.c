@@ -1,12 +1,11 @@
-/* What leaves drawn on splats need to know of a plant's own (lod/leaf.h): how wide they are, how they differ in colour,
- * and how much of their difference is shade. */
+/* What leaves drawn on splats need to know of a plant's own (lod/leaf.h): how wide they are, and how much of their
+ * difference is shade. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "ecofiles/base/memory.h"
 #include "lod/build/model_draw.h"
 #include "lod/build/splat/splat_fit.h"
-#include "lod/light.h"
 #include "lod/vector.h"
 
 #define VIEWS 8u                 /* each looked from, and lit from each of the others */
@@ -16,41 +15,30 @@
 #define AWAY 512.0               /* of the camera, radii: as good as orthographic */
 #define BIAS 3.0                 /* pixels that a leaf may slope by within one */
 
-/* ---- Width and tone ---- */
-
-static double light_of(const uint8_t rgb[3])
-{
-	return (0.2126 * lod_light_of[rgb[0]] + 0.7152 * lod_light_of[rgb[1]] + 0.0722 * lod_light_of[rgb[2]]) / 65535;
-}
-
-static uint8_t code_of(double deviation)
+uint8_t lod_deviation_code(double deviation)
 {
 	double code = deviation * ECO_DEVIATION_ONE + 0.5;
 	return (uint8_t)(code < 255 ? code : 255);
 }
 
-/* Means by area: the width of the square that a leaf covers as seen from all sides, half its area; and the deviation of
- * leaves' light from its mean. */
-static void measure_leaves(struct eco_plant *plant, const struct lod_leaf_parts *parts)
+/* The mean by area of the width of the square that a leaf covers as seen from all sides, half its area. */
+static void measure_width(struct eco_plant *plant, const struct lod_leaf_parts *parts)
 {
-	double area = 0, square = 0, light = 0, light2 = 0;
+	double area = 0, square = 0;
 	for (uint32_t c = 0; c < parts->mesh->component_count; c++) {
 		const struct lod_component *leaf = &parts->organs->components[c];
 		if (leaf->organ == ECO_ORGAN_WOOD)
 			continue;
-		double own = 0, bright = light_of(leaf->rgb);
+		double own = 0;
 		for (uint32_t i = parts->mesh->member_first[c]; i < parts->mesh->member_first[c + 1]; i++)
 			own += parts->organs->area[parts->mesh->member[i]];
 		area += own;
 		square += own * own;
-		light += own * bright;
-		light2 += own * bright * bright;
 	}
-	if (!(area > 0 && light > 0))
+	if (!(area > 0))
 		return;
-	double width = sqrt(0.5 * square / area) / ECO_LEAF_UNIT_M + 0.5, mean = light / area;
+	double width = sqrt(0.5 * square / area) / ECO_LEAF_UNIT_M + 0.5;
 	plant->leaf_width = (uint16_t)(width < 1 ? 1 : width < UINT16_MAX ? width : UINT16_MAX);
-	plant->leaf_tone = code_of(sqrt(fmax(light2 / area - mean * mean, 0)) / mean);
 }
 
 /* ---- Shade ---- */
@@ -127,7 +115,7 @@ static double shade_of(const struct shades *s)
 void lod_plant_measure_leaves(struct eco_plant *plant, const struct lod_leaf_parts *parts)
 {
 	struct lod_arena arena = { 0 };
-	measure_leaves(plant, parts);
+	measure_width(plant, parts);
 	struct shades *s = eco_alloc(1, sizeof *s);
 	s->parts = parts;
 	s->radius = lod_model_sphere(parts->model, s->center);
@@ -136,7 +124,7 @@ void lod_plant_measure_leaves(struct eco_plant *plant, const struct lod_leaf_par
 		double x = 0.6, y = 0.8;
 		for (uint32_t i = 0; i < VIEWS; i++, lod_turn_golden(&x, &y))
 			look_from(s, i, x, y, masks);
-		plant->leaf_shade = code_of(shade_of(s));
+		plant->leaf_shade = lod_deviation_code(shade_of(s));
 		for (uint32_t i = 0; i < VIEWS; i++)
 			lod_raster_free(&s->looks[i].raster);
 	}

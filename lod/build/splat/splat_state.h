@@ -22,8 +22,9 @@ struct splat_view {
 	/* share of each pixel that the plant covers; rows of `stride`. Coarse pixels have four shares, those
 	 * of the pixels in each: one plane after another */
 	float *cover;
-	/* mean light of that share, in 1/65535, and how much of it is wood; `pixels` a row */
-	float (*light)[4];
+	/* mean light of that share, in 1/65535, how much of it is wood, and the mean square of its lod_light_gray; `pixels`
+	 * a row */
+	float (*light)[5];
 	double covered;              /* sum of cover */
 	float (*sample)[3];          /* points of the visible surface */
 	uint32_t *triangle;          /* of the model, that each shows */
@@ -82,8 +83,8 @@ void splat_gains(const struct splat_views *views, const struct splat_params *par
 
 /* The colours of a level: means of the light that the plant shows where a splat is in front; and which splats are wood:
  * more than half of that. A splat that is nowhere in front is as its parent, in `parents` (NULL in the first level), or
- * grey foliage. */
-void splat_color_level(const struct splat_views *views, const struct splat_params *splats, uint32_t count,
+ * grey foliage. Returns the deviation of what foliage splats stand for (lod_splats.tone). */
+double splat_color_level(const struct splat_views *views, const struct splat_params *splats, uint32_t count,
 	const struct lod_splat *parents, uint32_t children, struct lod_arena *arena, struct lod_splat *out);
 
 /* ---- Descent (splat_descent.c) ---- */

@@ -21,6 +21,7 @@ struct drawing {
 	const struct eco_model *model;
 	const struct lod_mask *masks;
 	const uint8_t (*rgb)[3], *organ;     /* per triangle; organ may be NULL */
+	double *square;              /* of each triangle's lod_light_gray */
 	struct lod_raster *rasters;
 	uint32_t raster_count;
 };
@@ -60,19 +61,20 @@ static void reduce_pixel(const struct drawing *d, struct splat_view *view, const
 	uint32_t x, uint32_t y)
 {
 	struct lod_light light = { .weight = 0 };
-	double wood = 0;
+	double more[2] = { 0, 0 };               /* wood, square */
 	for (uint32_t s = 0; s < SIDE * SIDE; s++) {
 		size_t i = (size_t)(SIDE * y + s / SIDE) * raster->width + SIDE * x + s % SIDE;
 		if (raster->cover[i]) {
 			lod_light_add(&light, d->rgb[raster->item[i]], 1);
-			wood += d->organ && d->organ[raster->item[i]] == ECO_ORGAN_WOOD;
+			more[0] += d->organ && d->organ[raster->item[i]] == ECO_ORGAN_WOOD;
+			more[1] += d->square[raster->item[i]];
 		}
 	}
 	view->cover[(size_t)y * d->views->stride + x] = (float)(light.weight / (SIDE * SIDE));
 	view->covered += light.weight / (SIDE * SIDE);
-	for (int k = 0; k < 4; k++)
+	for (int k = 0; k < 5; k++)
 		view->light[(size_t)y * d->views->pixels + x][k] = light.weight > 0
-			? (float)((k < 3 ? light.sum[k] : wood) / light.weight) : 0;
+			? (float)((k < 3 ? light.sum[k] : more[k - 3]) / light.weight) : 0;
 }
 
 /* The point that a sample shows, in radii from the centre. */
@@ -145,10 +147,15 @@ void splat_views_make(struct splat_views *views, const struct eco_model *model,
 	allocate(views, arena);
 	struct drawing d = { views, model, lod_model_masks(model, arena),
 		options->rgb ? options->rgb : lod_model_colors(model, arena), options->organ,
+		lod_arena_take(arena, model->triangle_count, sizeof *d.square),
 		lod_arena_take(arena, parts, sizeof *d.rasters), parts };
 	for (uint32_t i = 0; i < parts; i++)
 		lod_raster_init(&d.rasters[i], &(struct lod_raster_options){ .width = SIDE * pixels,
 			.height = SIDE * pixels, .item = true });
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		const double light[3] = { lod_light_of[d.rgb[t][0]], lod_light_of[d.rgb[t][1]], lod_light_of[d.rgb[t][2]] };
+		d.square[t] = lod_light_gray(light) * lod_light_gray(light);
+	}
 	lod_each_run(options->each, options->ctx, parts, draw_part, &d);
 	for (uint32_t i = 0; i < parts; i++)
 		lod_raster_free(&d.rasters[i]);
