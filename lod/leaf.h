@@ -33,12 +33,12 @@ typedef struct leaf_splat leaf_splat;
 #define LOD_LEAF_LATTICE 1.2599f /* between lattice points, over the side of a cube of a cell's volume: 2^(1/3) */
 
 /* The leaves of a splat that lod_ellipse_make was given, of half axes `half` in its plant's space. leaf: the width of
- * a leaf, pixel: of a pixel at the splat's distance, both there. */
+ * a leaf, radius: of the disc of the ellipse's area, pixel: width of a pixel at the splat's distance, all there. */
 static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ellipse, const float across[3],
 	const float down[3], const float farther[3], float w, const float center[3], const float half[9], float leaf,
-	float pixel)
+	float radius, float pixel)
 {
-	float side = leaf, to[3][4], radius = pixel * sqrtf(ellipse->half * ellipse->high), bulge = ellipse->bulge / w;
+	float side = leaf, to[3][4], bulge = ellipse->bulge / w;
 	while (side < LOD_LEAF_PIXEL * pixel)
 		side *= 2;
 	float cells = 1 / (LOD_LEAF_LATTICE * side);

@@ -103,7 +103,7 @@ static struct view_picture draw_gl(const struct frame *frame)
 		return picture;
 	must(view_picture_init(&picture, width, height, must_error));
 	must(view_gl_draw(gl, &(struct view_draw_job){ frame->store, &frame->drawing.selection,
-		&frame->drawing.eye, frame->drawing.job.near_m, 0, NULL, VIEW_TINT_NONE, 1 }, &picture, must_error));
+		&frame->drawing.eye, frame->drawing.job.near_m, 0, NULL, VIEW_TINT_NONE, 1, false }, &picture, must_error));
 	view_gl_close(gl);
 	return picture;
 }

@@ -164,7 +164,7 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 		!view_picture_init(&picture, view->width, view->height, &why);
 	for (int i = 0; i < 2 && drawn; i++)
 		drawn = !view_gl_draw(gl, &(struct view_draw_job){ store, selection, &eye, near_m,
-			0, NULL, VIEW_TINT_NONE, 1 }, &picture, &why);
+			0, NULL, VIEW_TINT_NONE, 1, false }, &picture, &why);
 	double ms = drawn ? picture.draw_ms : NAN;
 	view_gl_close(gl);
 	view_picture_free(&picture);

@@ -13,7 +13,7 @@ static struct view_picture drawn(double share, double *ceiling)
 {
 	AT_END(scene_release) struct scene_held d = scene_hold_view(&grove, scene_view(), share);
 	scene_select(&d);
-	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 2, NULL, VIEW_TINT_NONE, 1 };
+	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 2, NULL, VIEW_TINT_NONE, 1, false };
 	struct view_picture p = scene_draw(&d, false, VIEW_TINT_NONE);
 	assert_int_equal(view_measure_soft(&job, &p, NULL), ECO_OK);
 	if (ceiling)

@@ -55,7 +55,7 @@ UNIT_TEST(empty_store_draws_an_empty_picture)
 	/* and none of another size than the target */
 	struct view_selection selection = { 0 };
 	struct view_draw_job job = { store, &selection, &(struct lod_eye){ .tan_x = 1 }, 0.1, 0, NULL,
-		VIEW_TINT_NONE, 1 };
+		VIEW_TINT_NONE, 1, false };
 	assert_int_equal(view_picture_init(&p, 7, 5, NULL), ECO_OK);
 	assert_int_not_equal(view_gl_draw(scene_gl, &job, &p, NULL), ECO_OK);
 	view_picture_free(&p);

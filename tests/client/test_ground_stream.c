@@ -158,10 +158,10 @@ UNIT_TEST(opengl_and_software_draw_the_same_ground)
 		assert_int_equal(view_picture_init(&a, 480, 320, NULL), ECO_OK);
 		assert_int_equal(view_picture_init(&b, 480, 320, NULL), ECO_OK);
 		assert_good(view_gl_draw(gl, &(struct view_draw_job){ held, &selection, &eye, 0.05,
-			2, NULL, VIEW_TINT_NONE, 1 },
+			2, NULL, VIEW_TINT_NONE, 1, false },
 				&a, &cause));
 		assert_int_equal(view_reference_draw(&(struct view_draw_job){ held, &selection, &eye,
-			0.05, 2, NULL, VIEW_TINT_NONE, 1 }, &b, NULL), ECO_OK);
+			0.05, 2, NULL, VIEW_TINT_NONE, 1, false }, &b, NULL), ECO_OK);
 		struct picture_difference apart = picture_compare(&a, &b);
 		assert_true(apart.seen < 0.01 && apart.masks < 1 / 2000.0 && apart.owners < 1 / 1000.0);
 	}

@@ -29,7 +29,7 @@ static void light_leaf(const struct scene_held *h, const float sun[3], const flo
 	one.owner[0] = at->owner;
 	one.depth[0] = (float)(1 / at->distance_m);
 	one.surface[0] = view_surface_direction(VIEW_FACET, turned);
-	struct view_draw_job job = { h->store, &s, &h->eye, 0.1, 1, NULL, VIEW_TINT_NONE, 1 };
+	struct view_draw_job job = { h->store, &s, &h->eye, 0.1, 1, NULL, VIEW_TINT_NONE, 1, false };
 	struct view_lamp *lamp;
 	assert_good(view_lamp_make(&lamp, &job, &one, &cause));
 	view_lamp_light(lamp, &h->eye, &one, 1);

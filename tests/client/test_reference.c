@@ -54,7 +54,7 @@ static void draw_software(const struct scene_held *d, const struct eco_view *vie
 	struct view_picture *picture)
 {
 	struct view_draw_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL,
-		VIEW_TINT_NONE, 1 };
+		VIEW_TINT_NONE, 1, false };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
 }
@@ -108,7 +108,7 @@ UNIT_TEST(samples_are_averaged)
 	static const uint32_t counts[] = { 1, 4, 8, 16 };
 	AT_END(scene_release) struct scene_held d = scene_hold(&grove);
 	scene_select(&d);
-	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 2, NULL, VIEW_TINT_NONE, 1 };
+	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 2, NULL, VIEW_TINT_NONE, 1, false };
 	FREED(view_picture) one, some, fine, other;
 	size_t pixels = (size_t)d.view.width * d.view.height;
 	struct view_picture *const pictures[4] = { &one, &some, &fine, &other };
@@ -124,7 +124,8 @@ UNIT_TEST(samples_are_averaged)
 		assert_good(view_reference_draw(&job, i ? &some : &one, &cause));
 		differ(i ? &some : &one, &fine, apart);
 		print_message("%u samples: %.3f from 64, %.3f with its sign\n", counts[i], apart[0], apart[1]);
-		assert_true(apart[0] < 0.75 * before && fabs(apart[1]) <= 0.5);
+		/* the byte of a mean of light is above the mean of bytes */
+		assert_true(apart[0] < 0.75 * before && fabs(apart[1]) <= 0.7);
 		before = apart[0];
 	}
 	assert_memory_equal(one.owner, some.owner, pixels * sizeof *one.owner);
@@ -156,7 +157,7 @@ UNIT_TEST(samples_count_what_is_covered)
 	AT_END(scene_release) struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	draw_software(&d, &view, 2, &p);
-	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE, 1 };
+	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE, 1, false };
 	struct view_coverage coverage = { view.width, view.height, 1, counts };
 	assert_int_equal(view_reference_count(&job, &coverage, NULL), ECO_OK);
 	for (uint32_t i = 0; i < pixels; i++)

@@ -205,7 +205,7 @@ static struct view_picture picture_of(const struct client *c, const struct eco_r
 	assert_int_equal(view_picture_init(&picture, WIDTH, HEIGHT, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&(struct view_draw_job){ c->store, &selection, &eye, 0.05,
 		1, NULL,
-		VIEW_TINT_NONE, 1 }, &picture, NULL), ECO_OK);
+		VIEW_TINT_NONE, 1, false }, &picture, NULL), ECO_OK);
 	return picture;
 }
 

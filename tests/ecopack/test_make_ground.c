@@ -93,7 +93,7 @@ static void covers(struct served *seen, const double eye[3], const double target
 	served_look(seen, &view, 0);
 	assert_int_equal(view_picture_init(&picture, view.width, view.height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&(struct view_draw_job){ seen->held, &seen->selection,
-						     &seen->eye, 0.05, 1, NULL, VIEW_TINT_NONE, 1 },
+						     &seen->eye, 0.05, 1, NULL, VIEW_TINT_NONE, 1, false },
 				 &picture, NULL),
 		ECO_OK);
 	for (uint32_t i = 0; i < view.width * view.height; i++) {

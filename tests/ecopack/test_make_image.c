@@ -60,12 +60,12 @@ UNIT_TEST(colours_are_seen_where_they_lie_by_opengl_and_in_software)
 	assert_int_equal(view_picture_init(&soft, PIXELS, PIXELS, NULL), ECO_OK);
 	assert_int_equal(view_picture_init(&hard, PIXELS, PIXELS, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&(struct view_draw_job){ seen.held, &seen.selection, &seen.eye, 0.1, 2,
-		NULL, VIEW_TINT_NONE, 1 }, &soft, NULL), ECO_OK);
+		NULL, VIEW_TINT_NONE, 1, false }, &soft, NULL), ECO_OK);
 	if (view_gl_open(&gl, &(struct view_gl_options){ PIXELS, PIXELS }, &error))
 		print_message("only in software: %s\n", error.text);
 	else
 		assert_ok(view_gl_draw(gl, &(struct view_draw_job){ seen.held, &seen.selection, &seen.eye, 0.1,
-			2, NULL, VIEW_TINT_NONE, 1 }, &hard, &error), error);
+			2, NULL, VIEW_TINT_NONE, 1, false }, &hard, &error), error);
 	for (uint32_t i = 0; i < PIXELS * PIXELS; i++) {
 		double half = 150 * tan(20 * M_PI / 180), east = ((i % PIXELS + 0.5) / PIXELS * 2 - 1) * half,
 			north = (1 - (i / PIXELS + 0.5) / PIXELS * 2) * half;

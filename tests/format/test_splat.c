@@ -7,10 +7,10 @@
 
 UNIT_TEST(degenerate_ellipsoids_have_codes)
 {
-	static const struct eco_splat cases[] = { { { { 0 } }, 1 }, { { { 1, 2, 3 } }, 0.5f },
-		{ { { 1, 0, 0 }, { 2, 0, 0 }, { 3, 0, 0 } }, 1 },
-		{ { { 1e30f, 0, 0 }, { 0, 1e-30f, 0 } }, 2 },
-		{ { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 } }, -1 }, { { { 0 }, { 0 }, { 0, 0, -2 } }, 1 } };
+	static const struct eco_splat cases[] = { { { { 0 } }, 1, false }, { { { 1, 2, 3 } }, 0.5f, true },
+		{ { { 1, 0, 0 }, { 2, 0, 0 }, { 3, 0, 0 } }, 1, true },
+		{ { { 1e30f, 0, 0 }, { 0, 1e-30f, 0 } }, 2, false },
+		{ { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 } }, -1, true }, { { { 0 }, { 0 }, { 0, 0, -2 } }, 1, true } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		int32_t code[ECO_SPLAT_CODES];
 		struct eco_splat back;
@@ -19,7 +19,7 @@ UNIT_TEST(degenerate_ellipsoids_have_codes)
 		eco_splat_read(&back, code, 1);
 		for (int k = 0; k < 9; k++)
 			assert_true(isfinite(back.half[k / 3][k % 3]));
-		assert_true(back.opacity > 0 && back.opacity <= 1);
+		assert_true(back.opacity > 0 && back.opacity <= 1 && back.wood == cases[i].wood);
 	}
 }
 

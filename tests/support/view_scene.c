@@ -186,7 +186,7 @@ void scene_make(struct scene_builder *b, const struct eco_bytes *const texture[2
 		.like = { .grid_origin = { 0, 0, -0.5 }, .grid_step = { 0.001, 0.001, 0.001 },
 		.palette_count = 8 } };
 	scene_add_colors(b, colors, 8);
-	scene_add_plant(b, (struct eco_plant){ .name = "tree", .height_m = 7 });
+	scene_add_plant(b, (struct eco_plant){ .name = "tree", .height_m = 7, .leaf_width = 2000, .leaf_tone = 40 });
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 3.5f }, 4.6f });
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 3.2f }, 3.2f });
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 5.6f }, 3.2f });
@@ -425,11 +425,11 @@ struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view
 	assert_good(view_picture_init(&picture, h->view.width, h->view.height, &cause));
 	if (by_gl)
 		assert_good(view_gl_draw(scene_gl, &(struct view_draw_job){ h->store, &h->selection, &h->eye, 0.1, 2,
-			NULL, tint, 1 },
+			NULL, tint, 1, false },
 			&picture, &cause));
 	else
 		assert_good(view_reference_draw(&(struct view_draw_job){ h->store, &h->selection, &h->eye, 0.1, 2,
-			NULL, tint, 1 }, &picture, &cause));
+			NULL, tint, 1, false }, &picture, &cause));
 	return picture;
 }
 
