@@ -241,16 +241,17 @@ static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const 
 	uint8_t rgb[3])
 {
 	const float *center = mesh->geometry.position + 3 * (size_t)primitive;
-	float normal[3] = { 0, 0, 1 }, tone = leaf_tone(leaf, mesh->tone);
+	uint32_t look = leaf_look(leaf), side = leaf_side(look);
+	float normal[3] = { 0, 0, 1 }, tone = sqrtf(leaf_tone(leaf, look, mesh->tone));  /* of bytes, nearly */
 	double to_eye[3] = { rays->eye[0] - center[0], rays->eye[1] - center[1], rays->eye[2] - center[2] }, turn[3];
 	double far = sqrt(lod_dot(to_eye, to_eye));
 	for (uint32_t k = 0; k < 3; k++) {
-		rgb[k] = lod_light_byte(tone * lod_light_of[rgb[k]]);
-		turn[k] = (double)leaf_turn(leaf, k);
+		rgb[k] = (uint8_t)fminf(tone * rgb[k] + 0.5f, 255);
+		turn[k] = (double)leaf_turn(side, k);
 	}
-	if (!leaf_is_lit(leaf) || mesh->by_point)
+	if (!leaf_is_lit(leaf, look) || mesh->by_point)
 		return smooth_of(mesh, primitive, rays);
-	if (!leaf_is_mean(leaf, mesh->geometry.half ? 0.5f
+	if (!leaf_is_mean(look, mesh->geometry.half ? 0.5f
 			: leaf_level((float)eco_level_share(mesh->list->list.level), (float)(to_eye[2] / far)))) {
 		double length = sqrt(lod_dot(turn, turn));
 		for (int k = 0; k < 3; k++)

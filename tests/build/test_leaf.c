@@ -35,12 +35,13 @@ static void draw(const struct lod_raster_batch *batch, double half_m, struct sum
 		uint32_t leaf = raster.leaf[i];
 		if (!raster.cover[i])
 			continue;
-		float turn[3] = { leaf_turn(leaf, 0), leaf_turn(leaf, 1), leaf_turn(leaf, 2) };
+		uint32_t look = leaf_look(leaf), side = leaf_side(look);
+		float turn[3] = { leaf_turn(side, 0), leaf_turn(side, 1), leaf_turn(side, 2) };
 		float length = sqrtf(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
 		sums->pixels++;
 		sums->depth += 1 / (double)raster.depth[i];
-		sums->tone += (double)leaf_tone(leaf, 0.4f);
-		sums->lit += leaf_is_lit(leaf);
+		sums->tone += (double)leaf_tone(leaf, look, 0.4f);
+		sums->lit += leaf_is_lit(leaf, look);
 		/* cosine between the eye and the unit vector of that direction, and that to the eye */
 		sums->facing += sqrt(0.5 + 0.5 * (double)(turn[0] / length));
 	}
