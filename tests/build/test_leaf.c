@@ -24,7 +24,7 @@ static void look(const float at[3], double half_m)
 	lod_raster_look(&raster, &eye, 0.1);
 }
 
-/* What is drawn of one splat: pixels, sums over them. */
+/* The picture of one splat: pixels, sums over them. */
 struct sums { double pixels, depth, tone, lit, facing; };
 
 static void draw(const struct lod_raster_batch *batch, double half_m, struct sums *sums)

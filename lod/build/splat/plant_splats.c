@@ -69,7 +69,7 @@ static bool has_colorless(const struct eco_model *model)
 	return any;
 }
 
-/* Of the model's triangles, in its order. rgb: the usual colours of their organs where the file says none; NULL if it
+/* The model's triangles, in its order. rgb: the usual colours of their organs where the file says none; NULL if it
  * says all. */
 struct triangles { uint8_t *organ, (*rgb)[3]; };
 

@@ -285,7 +285,7 @@ LOD_INLINE void weigh(const struct splat_views *views, const struct splat_view *
 	}
 }
 
-/* What the plant shows where nothing is in front of an ellipse. */
+/* The plant's own pixels where nothing is in front of an ellipse. */
 struct shown { struct lod_light light; double wood, square; };
 
 static void add_shown(const struct splat_ellipse *e, const struct splat_views *views,

@@ -1,4 +1,4 @@
-/* What leaves drawn on splats need to know of a plant's own (lod/leaf.h): how wide they are, and how much of their
+/* Figures of a plant's own leaves that leaves drawn on splats follow (lod/leaf.h): how wide they are, and how much of their
  * difference is shade. */
 #include <math.h>
 #include <stdlib.h>
