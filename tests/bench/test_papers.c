@@ -102,14 +102,15 @@ static char *sources(void)
 	return all;
 }
 
-/* A string that is it; of a pattern, one that begins as it does, as such names are made of formats. */
+/* A string that is it; of a pattern, one that begins as it does; or the format that makes it of a scene's name. */
 static bool has_string(const char *all, const char *name)
 {
-	char quoted[128];
+	char quoted[128], format[128];
 	bool pattern = strpbrk(name, "*?");
 	size_t fixed = strcspn(name, pattern ? "-*?" : ".");
 	snprintf(quoted, sizeof quoted, "\"%.*s%s", (int)fixed, name, name[fixed] ? "" : "\"");
-	return strstr(all, quoted);
+	snprintf(format, sizeof format, "\"%.*s_%%s\"", (int)strcspn(name, "_"), name);
+	return strstr(all, quoted) || strstr(all, format);
 }
 
 UNIT_TEST(every_entry_names_a_section_with_such_tables_and_pictures)
