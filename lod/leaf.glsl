@@ -3,8 +3,10 @@
  * takes as it is and a shader as a string; hence no directives. */
 LOD_LEAF_TEXT(
 /* A splat in its plant's space, in cells: the point (u, v, s) of the unit ball is at x + xu u + xv v + xs s and so
- * on. ragged: what the squares of the shells' radii differ by. amount: contrast that is left, 0 to 1. */
-struct leaf_splat { float x, xu, xv, xs, y, yu, yv, ys, z, zu, zv, zs, ragged, opacity, amount; };
+ * on. ragged: what the squares of the shells' radii differ by. amount: a leaf's width in cells, at most 1. A larger cell
+ * stands for the mean of 1 / amount^2 leaves, whose deviation is that part of one's: tones deviate less, and only that
+ * share of cells is drawn as a leaf, the others anew in each of a pixel's samples. */
+struct leaf_splat { float x, xu, xv, xs, y, yu, yv, ys, z, zu, zv, zs, ragged, opacity, amount; uint nth; };
 
 LEAF uint leaf_mix(uint h)
 {
@@ -37,8 +39,9 @@ LEAF uint leaf_at(leaf_splat splat, float u, float v)
 	float s = sqrt(max(1.0f - u * u - v * v, 0.0f));
 	uint cell = leaf_cell(splat.x + splat.xu * u + splat.xv * v + splat.xs * s,
 		splat.y + splat.yu * u + splat.yv * v + splat.ys * s, splat.z + splat.zu * u + splat.zv * v + splat.zs * s);
-	uint shell = ((cell & 1023u) * 3u >> 10) + 1u;
-	return leaf_height2(splat, shell, u, v) >= 0.0f && real(cell >> 10 & 255u) < splat.opacity * 256.0f
+	uint one = real(cell >> 24) < 256.0f * splat.amount * splat.amount ? cell : leaf_mix(cell + splat.nth * 0x27D4EB2Fu);
+	uint shell = ((one & 1023u) * 3u >> 10) + 1u;
+	return leaf_height2(splat, shell, u, v) >= 0.0f && real(one >> 10 & 255u) < splat.opacity * 256.0f
 		? (cell & 0xFFFFFC00u) | whole(splat.amount * 255.0f + 0.5f) << 2 | shell : 0u;
 }
 
@@ -57,7 +60,11 @@ LEAF float leaf_tone(uint leaf, uint look, float deviation)
 /* Whether it is lit as a leaf, and not as the mean of many; and whether that leaf is turned as the mean (as its ellipsoid;
  * of a cloud, level) or anyhow, as `side` says: the normal of a leaf that is seen is the unit vector of any direction
  * plus the direction to the eye. So leaves count by the area that they show. */
-LEAF bool leaf_is_lit(uint leaf, uint look) { return real(look >> 10 & 255u) < 256.0f * leaf_amount(leaf); }
+LEAF bool leaf_is_lit(uint leaf, uint look) 
+{
+	return real(look >> 10 & 255u) < 256.0f * leaf_amount(leaf) * leaf_amount(leaf);
+}
+
 LEAF bool leaf_is_mean(uint look, float share) { return real(look >> 18 & 1023u) < 1024.0f * share; }
 
 /* A coordinate of the direction, of which sums of two numbers make all nearly alike. */

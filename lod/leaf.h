@@ -33,10 +33,11 @@ typedef struct leaf_splat leaf_splat;
 #define LOD_LEAF_LATTICE 1.2599f /* between lattice points, over the side of a cube of a cell's volume: 2^(1/3) */
 
 /* The leaves of a splat that lod_ellipse_make was given, of half axes `half` in its plant's space. leaf: the width of
- * a leaf, radius: of the disc of the ellipse's area, pixel: width of a pixel at the splat's distance, all there. */
+ * a leaf, radius: of the disc of the ellipse's area, pixel: width of a pixel at the splat's distance, all there.
+ * nth: the number of a pixel's sample. */
 static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ellipse, const float across[3],
 	const float down[3], const float farther[3], float w, const float center[3], const float half[9], float leaf,
-	float radius, float pixel)
+	float radius, float pixel, uint32_t nth)
 {
 	float side = leaf, to[3][4], bulge = ellipse->bulge / w;
 	while (side < LOD_LEAF_PIXEL * pixel)
@@ -58,7 +59,7 @@ static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ell
 	}
 	*out = (leaf_splat){ to[0][0], to[0][1], to[0][2], to[0][3], to[1][0], to[1][1], to[1][2], to[1][3], to[2][0],
 		to[2][1], to[2][2], to[2][3], .ragged = fminf(leaf / radius, LOD_LEAF_RAGGED), .opacity = 1,
-		.amount = fminf(leaf / pixel, 1) };
+		.amount = fminf(leaf / pixel, 1), .nth = nth };
 }
 
 #endif

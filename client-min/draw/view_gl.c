@@ -382,7 +382,9 @@ static struct leaves leaves_of(const struct frame *f, const struct eco_list *lis
 	if (f->map || f->job->smooth || plant == ECO_NONE || list->kind != ECO_LIST_POINTS)
 		return (struct leaves){ 0, 0 };
 	const struct eco_plant *p = &view_store_plant(f->job->store, plant)->plant;
-	return (struct leaves){ (float)(p->leaf_width * ECO_LEAF_UNIT_M), (float)p->leaf_tone / ECO_DEVIATION_ONE };
+	/* the colour of a point is that of its leaf already */
+	return (struct leaves){ (float)(p->leaf_width * ECO_LEAF_UNIT_M),
+		list->attributes & ECO_ATTR_SPLAT ? (float)p->leaf_tone / ECO_DEVIATION_ONE : 0 };
 }
 
 static enum view_program program_of(const struct eco_list *list, const struct leaves *leaves)

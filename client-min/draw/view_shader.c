@@ -355,6 +355,9 @@ static const char vertex_points[] =
 	"	surface |= SUMMARY;\n"
 	"#endif\n"
 	"	v_seen = uvec4(p.whose, surface, color_of(t0.w) | opacity << 24, salt_of(t0.xyz));\n"
+	"#ifdef LEAVES\n"
+	"	if (leafy) v_seen.w = u_sample;\n"
+	"#endif\n"
 	/* the first and the last of columns and rows whose middles it may cover */
 	"	vec2 sides = vec2(sqrt(xx), height) * grown + 0.01, from = middle + u_half - 0.5;\n"
 	"	vec2 low = ceil(from - sides), high = floor(from + sides), size = high - low + 1.0;\n"
@@ -448,7 +451,7 @@ static const char fragment_plant[] =
 	"	if (v_leaves[1].w >= 0.0) {\n"
 	"		leaf_splat leaves = leaf_splat(v_leaves[3].x, v_leaves[0].x, v_leaves[1].x, v_leaves[2].x,\n"
 	"			v_leaves[3].y, v_leaves[0].y, v_leaves[1].y, v_leaves[2].y, v_leaves[3].z, v_leaves[0].z,\n"
-	"			v_leaves[1].z, v_leaves[2].z, v_leaves[0].w, v_leaves[2].w, v_leaves[1].w);\n"
+	"			v_leaves[1].z, v_leaves[2].z, v_leaves[0].w, v_leaves[2].w, v_leaves[1].w, v_seen.w);\n"
 	"		leaf = leaf_at(leaves, u, v);\n"
 	"		if (leaf == 0u) return 0.0;\n"
 	"		rest = leaf_height2(leaves, leaf & 3u, u, v);\n"

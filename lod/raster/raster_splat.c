@@ -50,7 +50,7 @@ static bool project(const struct lod_raster_state *state, const float center[3],
 		const struct lod_ellipse *e = &disc->outline.ellipse;
 		float far = disc->w / (float)state->place.scale, drawn = fabsf(LOD_SUBPIXEL / state->project[1][1]);
 		lod_leaf_splat(&disc->leaves, e, across, down, farther, disc->w, center, half, disc->leaf,
-			sqrtf(e->half * e->high) * drawn * far, far * (float)state->eye.pixel_rad);
+			sqrtf(e->half * e->high) * drawn * far, far * (float)state->eye.pixel_rad, state->eye.sample);
 		disc->leaves.opacity = disc->opacity;
 	}
 	return true;

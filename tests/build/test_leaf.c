@@ -89,12 +89,12 @@ UNIT_TEST(leaves_keep_what_splats_show)
 	assert_true(fabs(leafy.facing / leafy.pixels - 2.0 / 3) < 0.01);
 }
 
-/* Leaves wider than a pixel are all lit as leaves, of thinner ones that part that is left of their contrast. */
+/* Leaves wider than a pixel are all lit as leaves, of thinner ones as many as leave their contrast. */
 UNIT_TEST(contrast_fades_where_leaves_are_finer_than_pixels)
 {
 	const float center[3] = { 0, 0, 0 }, half[9] = { 5, 0, 0, 0, 5, 0, 0, 0, 5 };
-	static const struct { float leaf; double lit; } cases[] = { { 0.4f, 1 }, { 0.1f, 1 }, { 0.025f, 0.5 },
-		{ 0.00625f, 0.125 } };
+	static const struct { float leaf; double lit; } cases[] = { { 0.4f, 1 }, { 0.1f, 1 }, { 0.025f, 0.25 },
+		{ 0.00625f, 0.0156 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct sums sums = { 0 };
 		draw(&(struct lod_raster_batch){ .count = 1, .position = center, .half = half, .leaf = cases[i].leaf,
