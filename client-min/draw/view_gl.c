@@ -621,37 +621,53 @@ static void begin(const struct view_gl *gl, unsigned framebuffer, const struct v
 	glActiveTexture(GL_TEXTURE0 + 15);
 }
 
-static enum eco_code draw_cuts(struct frame *f)
+/* From *cut on, until there are `most` vertices. */
+static enum eco_code draw_cuts(struct frame *f, uint64_t most, uint32_t *cut)
 {
 	enum eco_code code = ECO_OK;
+	uint64_t before = f->picture->vertices;
 	bind(1, f->gl->instances.texture);
 	bind(2, f->gl->members.texture);
-	for (uint32_t c = 0; c < f->job->selection->cut_count && !code; c++)
-		code = draw_cut(f, c);
+	while (*cut < f->job->selection->cut_count && f->picture->vertices - before < most && !code)
+		code = draw_cut(f, (*cut)++);
 	return code ? code : view_gpu_check(&f->gl->gpu, f->error);
 }
 
-enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
-	struct eco_error *error)
+static enum eco_code begin_record(struct frame *f)
+{
+	f->picture->vertices = 0;
+	glClearBufferuiv(GL_COLOR, 0, (const unsigned[]){ 0, 0, 0, 0 });
+	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
+	enum eco_code code = note_owners(f);
+	if (!code)
+		code = upload_selection(f);
+	if (!code && f->job->selection->ground.count)
+		code = draw_ground(f);
+	return code;
+}
+
+enum eco_code view_gl_record_part(struct view_gl *gl, const struct view_draw_job *job, uint64_t most, uint32_t *cut,
+	struct view_picture *picture, struct eco_error *error)
 {
 	struct frame f = { .gl = gl, .job = job, .picture = picture, .error = error };
 	if (picture->width != gl->width || picture->height != gl->height)
 		return eco_fail(error, ECO_BAD_USAGE, "the picture is %u x %u, the target %u x %u",
 			picture->width, picture->height, gl->width, gl->height);
-	picture->vertices = 0;
 	view_context_use(&gl->context);
 	enum eco_code code = make_target(gl, job->eye->sample > 0, error);
 	if (code)
 		return code;
 	begin(gl, gl->framebuffers[job->eye->sample > 0], picture);
-	glClearBufferuiv(GL_COLOR, 0, (const unsigned[]){ 0, 0, 0, 0 });
-	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
-	code = note_owners(&f);
-	if (!code)
-		code = upload_selection(&f);
-	if (!code && job->selection->ground.count)
-		code = draw_ground(&f);
-	return code ? code : draw_cuts(&f);
+	if (!*cut)
+		code = begin_record(&f);
+	return code ? code : draw_cuts(&f, most, cut);
+}
+
+enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
+	struct eco_error *error)
+{
+	uint32_t cut = 0;
+	return view_gl_record_part(gl, job, UINT64_MAX, &cut, picture, error);
 }
 
 enum eco_code view_gl_cast(struct view_gl *gl, const struct view_gl_map *map, struct eco_error *error)
@@ -669,7 +685,8 @@ enum eco_code view_gl_cast(struct view_gl *gl, const struct view_gl_map *map, st
 	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
 	bind(5, map->rows);
 	enum eco_code code = upload_selection(&f);
-	return code ? code : draw_cuts(&f);
+	uint32_t cut = 0;
+	return code ? code : draw_cuts(&f, UINT64_MAX, &cut);
 }
 
 unsigned view_gl_target(const struct view_gl *gl, uint32_t sample)

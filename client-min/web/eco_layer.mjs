@@ -118,8 +118,6 @@ export class EcoLayer {
 	 * which the rest comes (firstBytes Infinity: all comes at once); tint: 'none' or 'kind'; sky: draw one where
 	 * nothing is; ground: draw it, else plants alone, which it still hides; scale: pixels drawn for each
 	 * of the page's, either way; memoryBytes: of decoded data;
-	 * samples: of each pixel's colour, up to 16, once all of a view is here: each draw() of the same view adds
-	 * one, and onChange() asks for it; what draws no half floats keeps one;
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
 	 * shadows: 'none', 'standard' or 'perspective', by a map of shadowSize texels a side (0: 1024);
 	 * haze: metres after which it hides all but 1/e (0: as usual);
@@ -129,10 +127,10 @@ export class EcoLayer {
 	 * onChange(): there is more to draw; onError(error): an EcoError, `offline` if the
 	 * server does not answer and will be asked again. */
 	constructor({ url, gl, vertices = 300000, bytes = -1, firstVertices = 80000, firstBytes = 65536,
-		tint = 'none', sky = true, ground = true, scale = 1, samples = 1, memoryBytes, sun = null, shadows = 'none',
+		tint = 'none', sky = true, ground = true, scale = 1, memoryBytes, sun = null, shadows = 'none',
 		shadowSize = 0, haze = 0, keep = false, token, first, onChange, onError }) {
-		Object.assign(this, { gl, vertices, bytes, firstVertices, firstBytes, tint, sky, ground, scale, samples,
-			sun, shadows, shadowSize, haze, onChange, onError });
+		Object.assign(this, { gl, vertices, bytes, firstVertices, firstBytes, tint, sky, ground, scale, sun, shadows,
+			shadowSize, haze, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.offline = false;           // the server did not answer, and is asked again in a while
@@ -227,24 +225,27 @@ export class EcoLayer {
 			return false;
 		const { view, depth } = cameraOf(viewProjection, eye);
 		this.ask(view, width, height, next);
-		const there = this.stream.selected && this.present(view, depth, width, height);
-		if (there && this.refines)
-			queueMicrotask(() => this.onChange?.());
-		return there;
+		return this.stream.selected && this.present(view, depth, width, height);
 	}
 
-	/** Whether the next draw() of the same view adds a sample. */
+	/** Whether the picture that was drawn last can have more samples: all of it is here. */
 	get refines() {
-		return this.complete && this.sampled < Math.min(this.samples, this.most);
+		return this.complete && this.sampled < this.most;
 	}
 
-	/** Adds a sample to the picture that was drawn last, unless it has all that it can have. */
-	sample() {
-		const { gl, module, stream } = this, restore = blendingOf(gl), failed = module._web_sample(stream.web);
-		restore();
-		this.sampled += !failed;
-		this.most = failed ? this.sampled : SAMPLES_MAX;
-		stream.check(failed > 0);
+	/** Adds a sample of each pixel's colour to the picture that was drawn last, which the next draw() of the same
+	 * view shows; false: it has all that it can have, or is not complete. `vertices`: so many at once are drawn
+	 * of the sample, and the next calls draw the rest. */
+	refine(vertices = Number.MAX_SAFE_INTEGER) {
+		const { gl, module, stream } = this;
+		return this.refines && !gl.isContextLost() && this.reading(() => {
+			const restore = blendingOf(gl), failed = module._web_sample(stream.web, vertices);
+			restore();
+			this.sampled = failed ? this.sampled : module._web_samples(stream.web);
+			this.most = failed ? this.sampled : SAMPLES_MAX;
+			stream.check(failed > 0);
+			return !failed;
+		});
 	}
 
 	/** Whether a picture gets a shadow map of its own: not while the camera moves, nor before all is here. */
@@ -271,8 +272,6 @@ export class EcoLayer {
 					this.haze, this.resting ? 1 : 0));
 				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint]));
 				[this.drawn, this.sampled, this.most] = [key, 1, SAMPLES_MAX];
-			} else if (this.refines) {
-				this.sample();
 			}
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);
 			module.HEAPF64.set([...depth, x, y, width, height], stream.view / 8);

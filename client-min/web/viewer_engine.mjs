@@ -21,7 +21,8 @@ import './eco_keep.mjs';
 import './eco_stream.mjs';
 
 const PIXELS_MAX = 1.6e6;
-const SAMPLES = 16;                              // of a picture at rest
+// samples are drawn in parts of so many vertices at first, then of so many as take so long: input waits for a part
+const PART_VERTICES = 50000, PART_LEAST = 5000, PART_MOST = 1e9, PART_MS = 20;
 // a moving picture may take so long; it has fewer pixels for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const ROWS_MAX = 40;                             // of an explanation that are shown
@@ -35,7 +36,7 @@ class Engine {
 		const attributes = { antialias: false, alpha: false, preserveDrawingBuffer: true };
 		this.gl = canvas.getContext('webgl2', attributes);
 		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false, stale: false,
-			movingScale: 0.4 });
+			movingScale: 0.4, part: PART_VERTICES });
 		this.gl?.clearColor(0.55, 0.6, 0.65, 1);        // of the page, until there is a picture
 		this.gl?.clear(this.gl.COLOR_BUFFER_BIT);
 		if (!this.gl)
@@ -70,6 +71,7 @@ class Engine {
 				if (layer && layer === this.layer && !this.gl.isContextLost()) {
 					this.tell();
 					await this.offer();
+					await this.refine(layer);
 				}
 			} catch (error) {
 				// the next one may do without what was refused, as shadows
@@ -92,6 +94,19 @@ class Engine {
 			await new Promise((done) => setTimeout(done, 1));
 		while (fence && gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED);
 		gl.deleteSync(fence);
+	}
+
+	/** Adds a sample to a picture at rest, unless something comes that is to be drawn; the next frame shows it. */
+	async refine(layer) {
+		const { sampled: before, refines } = layer;
+		while (!this.stale && !this.wanted.moving && layer === this.layer && layer.sampled === before
+				&& layer.refine(this.part)) {
+			const since = performance.now();
+			await this.finished();
+			const change = between(0.5, PART_MS / (performance.now() - since), 2);
+			this.part = between(PART_LEAST, this.part * change, PART_MOST);
+		}
+		this.stale ||= layer.sampled > before || layer.refines !== refines;
 	}
 
 	/** A moving picture has as many pixels as can be drawn in time. */
@@ -128,14 +143,14 @@ class Engine {
 	}
 
 	/** False: nothing is here yet. */
-	draw(samples = SAMPLES) {
+	draw() {
 		const { layer, gl, canvas, wanted } = this, { matrix, eye, next, size, moving } = wanted;
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
 		const { vertices, bytes, tint, sun, shadows, haze } = wanted;
 		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, sun, shadows, haze, moving, samples: moving ? 1 : samples,
+		Object.assign(layer, { vertices, bytes, tint, sun, shadows, haze, moving,
 			scale: moving ? scale * this.movingScale : scale });
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);
@@ -169,10 +184,8 @@ class Engine {
 	}
 
 	async pick({ at }) {
-		// a click waits for no sample
-		if (!this.layer?.stream?.selected || !this.draw(1))
+		if (!this.layer?.stream?.selected || !this.draw())
 			return;
-		this.layer.samples = SAMPLES;
 		const picked = this.layer.pick(...at);
 		this.post({ type: 'picked', picked });
 		if (picked.kind === 'plant')

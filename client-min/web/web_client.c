@@ -28,6 +28,7 @@ struct web {
 	struct lod_eye eye;                      /* of the picture */
 	enum view_tint tint;
 	uint32_t samples;                        /* of each of its pixels; 0: what it shows is not here any more */
+	uint32_t cut;                            /* up to which the next sample is recorded */
 	struct view_sky sky;
 	struct eco_writer body, text;
 	uint64_t bytes;                          /* of answers */
@@ -226,17 +227,21 @@ int web_prepare(struct web *web, double width, double height)
 	return (int)code;
 }
 
-static enum eco_code draw_sample(struct web *web, uint32_t sample)
+/* Records at most about so many vertices; once all of the sample is, it is lit. */
+static enum eco_code draw_sample(struct web *web, uint32_t sample, uint64_t most)
 {
 	struct lod_eye eye = web->eye;
 	const struct view_draw_job job = { .store = web->store, .selection = &web->selection, .eye = &eye,
 		.near_m = view_store_near_m(web->store), .tint = web->tint };
 	lod_eye_sample(&eye, sample);
-	enum eco_code code = view_gl_record(web->gl, &job, &web->picture, &web->error);
+	enum eco_code code = view_gl_record_part(web->gl, &job, most, &web->cut, &web->picture, &web->error);
+	if (!code && web->cut < web->selection.cut_count)
+		return ECO_OK;
 	if (!code)
 		code = web_light_draw(&web->light, web->gl, &job, web->picture.width, web->picture.height,
 			&web->error);
 	web->samples = code ? 0 : sample + 1;
+	web->cut = 0;
 	return code;
 }
 
@@ -251,15 +256,21 @@ int web_draw(struct web *web, const double view[10], double width, double height
 	web->selection.sky.casters = web->casters.instance_count ? &web->casters : NULL;
 	web->read = false;
 	web->tint = (enum view_tint)tint;
-	return (int)draw_sample(web, 0);
+	web->cut = 0;
+	return (int)draw_sample(web, 0, UINT64_MAX);
 }
 
-int web_sample(struct web *web)
+int web_sample(struct web *web, double vertices)
 {
 	forget_error(web);
 	if (!web->samples || web->samples == LOD_SAMPLES_MAX || !web_mean_prepare(&web->light.mean, &web->light.lit))
 		return -1;
-	return (int)draw_sample(web, web->samples);
+	return (int)draw_sample(web, web->samples, (uint64_t)vertices);
+}
+
+unsigned web_samples(const struct web *web)
+{
+	return web->samples;
 }
 
 /* Reads the last picture into memory; false, with an error: it cannot be read. */

@@ -196,12 +196,11 @@ function drawShaded(shadows, count) {
 function drawRest(shadows, [width, height]) {
 	const { gl, layer, camera } = ours, since = performance.now();
 	camera.yaw += 1e-4;
-	Object.assign(layer, { shadows, samples: 16, wanted: layer.asked });
+	Object.assign(layer, { shadows, wanted: layer.asked });
 	do {
 		layer.present({ ...camera.view() }, [0, 0], width, height);
 		gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-	} while (layer.refines);
-	layer.samples = 1;
+	} while (layer.refine());
 	return performance.now() - since;
 }
 
