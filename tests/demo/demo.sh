@@ -13,8 +13,8 @@ rm -rf "$OUT"; mkdir -p "$OUT"
 serve "$OUT/serve.log" "park=$OUT/park.eco"
 URL=$BASE/v1/scenes/park
 
-# every second frame of the camera: the truth of a view takes some 15 s of processor time, and serves both budgets
-jq '.fps /= 2' "$OUT/park/camera.json" >"$OUT/camera.json"
+# every third frame of the camera: the truth of a view takes some 15 s of processor time, and serves both budgets
+jq '.fps /= 3' "$OUT/park/camera.json" >"$OUT/camera.json"
 for budget in 300 30; do
 	"$BUILD/ecoview" "$URL" --camera "$OUT/camera.json" --size 800x600 --vertices ${budget}000 --reference --truths "$OUT/truths" \
 		-o "$OUT/frames-${budget}k"
