@@ -12,7 +12,7 @@
 #   layers, headers      what each room may include; every header compiles alone
 #   lines                how long each room is, against its budget
 #   coverage             lines and branches of each room that the tests reach (gcov): half an hour of processor time
-#   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
+#   bench [FULL=1] [DATA=DIR] [ONLY=SECTION] [SHADOWS=no]    error against run time, this and the literature's methods: build/bench/report.html
 #   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, clients, faults, attacks
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
@@ -379,7 +379,8 @@ DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data)
 bench: deps
 	@tests/packages.sh python3-matplotlib libavif-bin libjxl-tools || true  # sections say what they leave out without these
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests
-	$(B)/bench/ecobench --build $(B) $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY))
+	$(B)/bench/ecobench --build $(B) $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY)) \
+		$(if $(filter no,$(SHADOWS)),--no-shadows)
 
 # Damaged models and random requests (MUTANTS=, REQUESTS= in the environment for hours of it), then clients for SECONDS
 soak: deps

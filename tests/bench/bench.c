@@ -159,7 +159,8 @@ json_t *bench_unit(struct bench *bench, const char *unit, const char *stamp, jso
 	struct eco_error why = { 0 };
 	snprintf(path, sizeof path, "%s/units/%016llx.json", bench->cache,
 		(unsigned long long)XXH3_64bits(unit, strlen(unit)));
-	snprintf(key, sizeof key, "%s, %s, %s", unit, stamp ? stamp : "", program_hash());
+	snprintf(key, sizeof key, "%s, %s, %s%s", unit, stamp ? stamp : "", program_hash(),
+		bench->sky.shadows ? "" : ", no shadows");
 	json_t *kept = json_load_file(path, 0, NULL), *result = json_object_get(kept, "result");
 	const char *as = json_string_value(json_object_get(kept, "key"));
 	if (result && as && !strcmp(as, key)) {
@@ -527,7 +528,7 @@ int bench_main(int argc, char **argv, const struct bench_section *const *all)
 {
 	static const char *given_out, *given_cache;
 	static char out[1000], cache[1008];
-	static bool list;
+	static bool list, no_shadows;
 	static const struct eco_option options[] = {
 		{ "full", 0, ECO_OPTION_FLAG, NULL, &bench.full,
 			.help = "all methods, scenes and frames; else fewer of them, and the same keys" },
@@ -544,11 +545,13 @@ int bench_main(int argc, char **argv, const struct bench_section *const *all)
 		{ "only", 0, ECO_OPTION_READ, "SECTION", &asked, .read = read_only,
 			.help = "runs this section, or several (with commas, or the option again); the report "
 			"keeps earlier results of the others" },
+		{ "no-shadows", 0, ECO_OPTION_FLAG, NULL, &no_shadows,
+			.help = "judges pictures without shadows; else with those that ecoview draws" },
 		{ "list", 0, ECO_OPTION_FLAG, NULL, &list, .help = "names sections and their state" },
 		{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &bench.quiet, .help = "no progress" }, { 0 } };
 	static const struct eco_command command = { .name = "ecobench", .options = options,
 		.synopsis = "[--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... "
-		"[--list]",
+		"[--no-shadows] [--list]",
 		.says = "Error against run time of the methods of the literature and ours, on the same scenes.",
 		.notes = "Finished pieces of work are kept: after Ctrl-C the next run goes on from there.\n" };
 	struct eco_error error = { 0 };
@@ -558,6 +561,9 @@ int bench_main(int argc, char **argv, const struct bench_section *const *all)
 	if (eco_command_answers(&command, argc - 1, argv + 1))
 		return eco_command_end(&command, ECO_OK, &error);
 	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);
+	if (!no_shadows)
+		bench.sky = (struct view_sky){ .shadows = VIEW_SHADOWS_PERSPECTIVE,
+			.shadow_size = VIEW_SHADOW_SIZE };
 	if (bench.data && !*bench.data)
 		bench.data = NULL;
 	snprintf(out, sizeof out, "%s%s", given_out ? given_out : bench.build, given_out ? "" : "/bench");

@@ -29,6 +29,7 @@ struct bench {
 	const char *data;
 	bool full;                   /* all methods and scenes; else fewer frames, the same keys */
 	bool quiet;
+	struct view_sky sky;         /* of pictures that are judged: with shadows, as ecoview draws, or without */
 };
 
 struct bench_section {

@@ -89,7 +89,7 @@ static void open_frame(struct frame *frame, const struct srv_scene *scene, const
 	*frame = (struct frame){ 0 };
 	must(view_store_new(&frame->store, &options, must_error));
 	must(bench_fetch(NULL, scene, request, frame->store, must_error));
-	must(bench_draw(&frame->drawing, frame->store, &request->view, &frame->picture, must_error));
+	must(bench_draw(&frame->drawing, frame->store, &request->view, NULL, &frame->picture, must_error));
 }
 
 /* Nothing where there is no OpenGL. */

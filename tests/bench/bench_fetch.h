@@ -25,10 +25,10 @@ enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *sce
 
 /* Nearest plane of pictures of the store's plan. */
 double bench_near_m(const struct view_store *store);
-/* Draws the store's plan by the rasteriser. The caller frees the picture and the selection, also after an
+/* Draws the store's plan by the rasteriser, in the light of a sky (NULL: without shadows). The caller frees the picture and the selection, also after an
  * error; `drawing` must stay where it is while its job is used. */
 struct bench_drawing { struct view_selection selection; struct lod_eye eye; struct view_draw_job job; };
 enum eco_code bench_draw(struct bench_drawing *drawing, const struct view_store *store, const struct eco_view
-	*view, struct view_picture *picture, struct eco_error *error);
+	*view, const struct view_sky *sky, struct view_picture *picture, struct eco_error *error);
 
 #endif

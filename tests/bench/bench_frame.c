@@ -99,7 +99,7 @@ double bench_near_m(const struct view_store *store)
 }
 
 enum eco_code bench_draw(struct bench_drawing *drawing, const struct view_store *store, const struct eco_view
-	*view, struct view_picture *picture, struct eco_error *error)
+	*view, const struct view_sky *sky, struct view_picture *picture, struct eco_error *error)
 {
 	*drawing = (struct bench_drawing){ .job = { .store = store, .selection = &drawing->selection,
 		.eye = &drawing->eye, .near_m = bench_near_m(store) } };
@@ -107,6 +107,8 @@ enum eco_code bench_draw(struct bench_drawing *drawing, const struct view_store 
 	enum eco_code code = view_select_make(&drawing->selection, store, &drawing->eye, error);
 	if (!code)
 		code = view_picture_init(picture, view->width, view->height, error);
+	if (!code && sky)
+		drawing->selection.sky = *sky;
 	return code ? code : view_reference_draw(&drawing->job, picture, error);
 }
 
@@ -150,6 +152,11 @@ void bench_client_see(struct bench_client *client, struct bench *bench) { client
 void bench_client_untimed(struct bench_client *client) { client->untimed = true; }
 
 /* ---- Drawing ---- */
+
+static const struct view_sky *sky_of(const struct bench_client *client)
+{
+	return client->bench ? &client->bench->sky : NULL;
+}
 
 double bench_gl_ms(const struct view_store *store, const struct view_selection *selection,
 	const struct eco_view *view)
@@ -339,7 +346,7 @@ void bench_client_reference(struct bench_client *client, const struct eco_reques
 		return;
 	view_picture_free(&client->reference);
 	must(bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, must_error));
-	must(bench_draw(&drawing, client->full, &full.view, &client->reference, must_error));
+	must(bench_draw(&drawing, client->full, &full.view, sky_of(client), &client->reference, must_error));
 	if (client->bench)
 		find_truth(client, &drawing.job, &full.view);
 	view_select_free(&drawing.selection);
@@ -451,7 +458,7 @@ bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, 
 	bench_client_reference(client, &frame->request);
 	bool answered = answer(client, frame, &store);
 	if (answered) {
-		must(bench_draw(&drawing, store, view, &drawn, must_error));
+		must(bench_draw(&drawing, store, view, sky_of(client), &drawn, must_error));
 		double gl_ms = client->untimed ? NAN : bench_gl_ms(store, &drawing.selection, view);
 		frame->vertices = drawn.vertices;
 		frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
@@ -476,7 +483,7 @@ void bench_client_step(struct bench_client *client, struct bench_frame *frame, s
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	answer(client, frame, &client->steps);
 	if (picture)
-		must(bench_draw(&drawing, client->steps, &frame->request.view, picture, must_error));
+		must(bench_draw(&drawing, client->steps, &frame->request.view, sky_of(client), picture, must_error));
 	if (picture && client->bench)
 		draw_samples(&drawing.job, picture);
 	view_select_free(&drawing.selection);

@@ -46,6 +46,7 @@ struct paper_scene {
 	const struct eco_scene *scene;
 	struct lod_plan_tables *tables;
 	struct view_store *store;
+	struct view_sky sky;  /* of frames; the caller's */
 	uint32_t *points;     /* per ladder: two points a triangle; ECO_NONE where it has lines */
 	struct paper_lines *lines;   /* PAPER_WIDTHS per ladder; width 0: it has no lines */
 	uint32_t **triangles; /* per list of triangles: those of its first i elements, i = 0 .. */

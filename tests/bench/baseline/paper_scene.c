@@ -161,6 +161,7 @@ static void draw(struct paper_scene *s, struct eco_plan *plan, const struct eco_
 	view_store_begin(s->store);
 	paper_must(view_store_events.plan(s->store, plan, paper_error));
 	paper_must(view_select_make(&frame->selection, s->store, &eye, paper_error));
+	frame->selection.sky = s->sky;
 	struct view_draw_job job = { .store = s->store, .selection = &frame->selection, .eye = &eye,
 		.near_m = view_store_near_m(s->store), .samples = samples };
 	paper_must(view_picture_init(&frame->picture, view->width, view->height, paper_error));

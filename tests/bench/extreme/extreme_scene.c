@@ -454,7 +454,7 @@ void extreme_draw(struct extreme *x, const struct extreme_world *world, const st
 {
 	struct bench_drawing drawing;
 	struct view_store *store = fetch(x, world, request);
-	extreme_good(x, bench_draw(&drawing, store, &request->view, picture, &x->error));
+	extreme_good(x, bench_draw(&drawing, store, &request->view, NULL, picture, &x->error));
 	view_select_free(&drawing.selection);
 	view_store_free(store);
 }

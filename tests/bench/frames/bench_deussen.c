@@ -61,9 +61,11 @@ static void draw(struct study *s, double px, struct paper_deussen how, const cha
 	if (!s->client) {
 		s->client = bench_client_open(s->pack);
 		bench_client_untimed(s->client);
-		if (s->sees)
-			bench_client_see(s->client, s->bench);
 		must(paper_scene_open(&s->scene, s->pack, must_error));
+		if (s->sees) {
+			bench_client_see(s->client, s->bench);
+			s->scene->sky = s->bench->sky;
+		}
 	}
 	bench_client_reference(s->client, &s->request);
 	paper_shoot(s->scene, &s->request, paper_deussen, &how, &x, s->sees ? BENCH_SAMPLES : 0, &drawn);

@@ -148,6 +148,7 @@ static void open_packs(struct shot *shot)
 	bench_client_see(shot->client, shot->bench);
 	bench_client_untimed(shot->client);
 	must(paper_scene_open(&shot->papers, shot->stochastic, must_error));
+	shot->papers->sky = shot->bench->sky;
 	shot->tables = paper_tables_make(shot->papers);
 }
 

@@ -58,13 +58,14 @@ static struct eco_view moved(const struct eco_view *start, enum kind kind, uint3
 	return view;
 }
 
-static void shoot(struct reel *reel, const struct srv_scene *scene, uint32_t row, const struct eco_view *view)
+static void shoot(struct reel *reel, const struct srv_scene *scene, uint32_t row, const struct eco_view *view,
+	const struct view_sky *sky)
 {
 	struct eco_request request = { .view = *view, .vertices = budgets[row], .bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = row < FULL ? 0 : ECO_GROUND_PX_MIN, .texel_px = row < FULL ? 0 : ECO_TEXEL_PX_MIN };
 	struct bench_drawing drawing;
 	must(bench_fetch(NULL, scene, &request, reel->store, must_error));
-	must(bench_draw(&drawing, reel->store, view, &reel->after[0], must_error));
+	must(bench_draw(&drawing, reel->store, view, sky, &reel->after[0], must_error));
 	for (uint32_t i = 1; i < SHOWN; i++) {
 		must(view_picture_init(&reel->after[i], WIDTH, HEIGHT, must_error));
 		drawing.job.samples = i < TRUTH ? samples[i] : 1;
@@ -77,12 +78,13 @@ static void shoot(struct reel *reel, const struct srv_scene *scene, uint32_t row
 }
 
 /* One kind of motion along one camera, all budgets: means over pairs of frames. */
-static void run_motion(struct reel reels[ROWS], const struct srv_scene *scene, const struct eco_view *start,
-	enum kind kind, uint32_t pairs, double figure[ROWS][KINDS][TRUTH])
+static void run_motion(const struct work *w, struct reel reels[ROWS], const struct srv_scene *scene, enum kind kind,
+	double figure[ROWS][KINDS][TRUTH])
 {
 	const struct reel *full = &reels[FULL];
+	uint32_t pairs = w->bench->full ? PAIRS_FULL : PAIRS_QUICK;
 	for (uint32_t i = 0; i <= pairs; i++) {
-		const struct eco_view view = moved(start, kind, i);
+		const struct eco_view view = moved(&w->view->view, kind, i);
 		for (uint32_t row = ROWS; row-- > 0;) {
 			struct reel *reel = &reels[row];
 			forget(reel->before);
@@ -90,7 +92,7 @@ static void run_motion(struct reel reels[ROWS], const struct srv_scene *scene, c
 				reel->before[k] = reel->after[k];
 				reel->after[k] = (struct view_picture){ 0 };
 			}
-			shoot(reel, scene, row, &view);
+			shoot(reel, scene, row, &view, &w->bench->sky);
 			for (int k = 0; k < TRUTH && i > 0; k++) {
 				struct view_motion motion;
 				view_measure_motion(WIDTH, HEIGHT,
@@ -116,8 +118,7 @@ static json_t *run_camera(void *ctx)
 		must(view_store_new(&reels[row].store, &(struct view_store_options){ .images = true,
 			.memory_max = 16ull << 30 }, must_error));
 	for (int kind = 0; kind < KINDS; kind++)
-		run_motion(reels, served.scenes[0], &w->view->view, (enum kind)kind,
-			w->bench->full ? PAIRS_FULL : PAIRS_QUICK, figure);
+		run_motion(w, reels, served.scenes[0], (enum kind)kind, figure);
 	for (int row = 0; row < ROWS; row++) {
 		forget(reels[row].before);
 		forget(reels[row].after);
