@@ -301,7 +301,7 @@ LIGHT float noise_in(uint x, uint y, float u, float v)
  * sparkle. Its mean is 0. */
 LIGHT float octave(ground_place at, int which, float per_m, float distance_m)
 {
-	float near = 1.4f - distance_m * per_m / 300.0f;
+	float near = 1.4f - distance_m * per_m / 450.0f;
 	return near > 0.0f ? (noise_at(at, which) - 0.5f) * min(near, 1.0f) : 0.0f;
 }
 
@@ -318,7 +318,7 @@ LIGHT vec3 ground_albedo(ground_place at, float up, float distance_m)
 		wide = octave(at, 4, 0.045f, distance_m) + octave(at, 5, 0.009f, distance_m);
 	vec3 grass = blend(vec3(0.036f, 0.060f, 0.018f), vec3(0.092f, 0.096f, 0.042f),
 		within(0.40f + 0.7f * wide + 0.6f * patches + 0.25f * tufts));
-	grass = scale(grass, 1.0f + 0.7f * fine_at(at, distance_m) + 0.35f * tufts);
+	grass = scale(grass, 1.0f + 0.9f * fine_at(at, distance_m) + 0.35f * tufts);
 	vec3 soil = scale(vec3(0.130f, 0.096f, 0.062f), 1.0f + 0.8f * tufts);
 	return blend(grass, soil, within(smoothstep(0.10f, 0.42f, 1.0f - up)
 		+ 0.5f * smoothstep(0.5f, 0.85f, patches + tufts + 0.5f * wide)));
