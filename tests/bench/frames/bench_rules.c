@@ -407,7 +407,7 @@ static void run_curves(struct bench *bench)
 		CURVE_COLUMNS, true);
 	bench_say(bench, "Errors against the truth of frames drawn in software with 1, 4, 8 and 16 samples a pixel; "
 		"plots show the papers' at %u. CPU: processor time of drawing, all samples. Bytes of ours are a whole "
-		"first answer with its coarser steps; those of Cook, Neubert and Lee the chunks that their lists need "
+		"first answer with its coarser steps, asked without a budget of bytes; those of Cook, Neubert and Lee the chunks that their lists need "
 		"and the plan. Deussen's points and lines are in no pack: he has no bytes. S is the picture error.",
 		BENCH_SAMPLES);
 	for (size_t i = 0; i < CURVE_SCENES; i++) {
