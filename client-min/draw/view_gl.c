@@ -646,8 +646,8 @@ static enum eco_code begin_record(struct frame *f)
 	return code;
 }
 
-enum eco_code view_gl_record_part(struct view_gl *gl, const struct view_draw_job *job, uint64_t most, uint32_t *cut,
-	struct view_picture *picture, struct eco_error *error)
+enum eco_code view_gl_record_part(struct view_gl *gl, const struct view_draw_job *job, uint64_t most,
+	uint32_t *cut, struct view_picture *picture, struct eco_error *error)
 {
 	struct frame f = { .gl = gl, .job = job, .picture = picture, .error = error };
 	if (picture->width != gl->width || picture->height != gl->height)

@@ -234,8 +234,8 @@ export class EcoLayer {
 	}
 
 	/** Adds a sample of each pixel's colour to the picture that was drawn last, which the next draw() of the same
-	 * view shows; false: it has all that it can have, or is not complete. `vertices`: so many at once are drawn
-	 * of the sample, and the next calls draw the rest. */
+	 * view shows; false: it has all that it can have, or is not complete. A call draws about so many vertices of
+	 * the sample, and the next calls draw the rest. */
 	refine(vertices = Number.MAX_SAFE_INTEGER) {
 		const { gl, module, stream } = this;
 		return this.refines && !gl.isContextLost() && this.reading(() => {

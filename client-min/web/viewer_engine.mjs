@@ -21,7 +21,8 @@ import './eco_keep.mjs';
 import './eco_stream.mjs';
 
 const PIXELS_MAX = 1.6e6;
-// samples are drawn in parts of so many vertices at first, then of so many as take so long: input waits for a part
+// Samples are drawn in parts, as input waits for the part under way: of so many vertices at first, then of as
+// many as take 20 ms, a frame and a bit.
 const PART_VERTICES = 50000, PART_LEAST = 5000, PART_MOST = 1e9, PART_MS = 20;
 // a moving picture may take so long; it has fewer pixels for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
@@ -157,8 +158,8 @@ class Engine {
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 		const there = layer.draw(matrix, eye, size, next), { complete, offline, stream } = layer;
-		this.said = { number: wanted.number, moving, facts: layer.facts(), complete, offline, sampled: layer.sampled, more: layer.refines,
-			received: stream.received, ahead: layer.ahead,
+		this.said = { number: wanted.number, moving, facts: layer.facts(), complete, offline,
+			sampled: layer.sampled, more: layer.refines, received: stream.received, ahead: layer.ahead,
 			ground: stream.selected ? stream.ground(eye[0], eye[1]) : null };
 		return there;
 	}

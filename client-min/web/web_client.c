@@ -263,7 +263,8 @@ int web_draw(struct web *web, const double view[10], double width, double height
 int web_sample(struct web *web, double vertices)
 {
 	forget_error(web);
-	if (!web->samples || web->samples == LOD_SAMPLES_MAX || !web_mean_prepare(&web->light.mean, &web->light.lit))
+	if (!web->samples || web->samples == LOD_SAMPLES_MAX
+			|| !web_mean_prepare(&web->light.mean, &web->light.lit))
 		return -1;
 	return (int)draw_sample(web, web->samples, (uint64_t)vertices);
 }
