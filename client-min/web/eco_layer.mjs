@@ -115,8 +115,8 @@ function blendingOf(gl) {
 
 export class EcoLayer {
 	/** vertices, bytes: budgets of a view (bytes -1: none); firstVertices, firstBytes: of a first picture, after
-	 * which the rest comes (firstBytes Infinity: all comes at once); tint: 'none' or 'kind'; sky: draw one where
-	 * nothing is; ground: draw it, else plants alone, which it still hides; scale: pixels drawn for each
+	 * which the rest comes (firstBytes Infinity: all comes at once); tint: 'none' or 'kind'; smooth: no leaves on
+	 * ellipsoids; sky: draw one where nothing is; ground: draw it, else plants alone, which it still hides; scale: pixels drawn for each
 	 * of the page's, either way; memoryBytes: of decoded data;
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
 	 * shadows: 'none', 'standard' or 'perspective', by a map of shadowSize texels a side (0: 1024);
@@ -127,9 +127,9 @@ export class EcoLayer {
 	 * onChange(): there is more to draw; onError(error): an EcoError, `offline` if the
 	 * server does not answer and will be asked again. */
 	constructor({ url, gl, vertices = 300000, bytes = -1, firstVertices = 80000, firstBytes = 65536,
-		tint = 'none', sky = true, ground = true, scale = 1, memoryBytes, sun = null, shadows = 'none',
+		tint = 'none', smooth = false, sky = true, ground = true, scale = 1, memoryBytes, sun = null, shadows = 'none',
 		shadowSize = 0, haze = 0, keep = false, token, first, onChange, onError }) {
-		Object.assign(this, { gl, vertices, bytes, firstVertices, firstBytes, tint, sky, ground, scale, sun, shadows,
+		Object.assign(this, { gl, vertices, bytes, firstVertices, firstBytes, tint, smooth, sky, ground, scale, sun, shadows,
 			shadowSize, haze, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
@@ -254,7 +254,7 @@ export class EcoLayer {
 	/** A picture's key: pictures of the same key look the same. */
 	keyOf(view, width, height) {
 		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
-		return [view, size, this.tint, this.version, this.sun, this.shadows, this.shadowSize, this.haze,
+		return [view, size, this.tint, this.smooth, this.version, this.sun, this.shadows, this.shadowSize, this.haze,
 			this.resting];
 	}
 
@@ -270,7 +270,8 @@ export class EcoLayer {
 					origin.convergence_deg, this.sun ?? NaN);
 				stream.check(module._web_sky(stream.web, SHADOWS[this.shadows], this.shadowSize,
 					this.haze, this.resting ? 1 : 0));
-				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint]));
+				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint],
+					this.smooth ? 1 : 0));
 				[this.drawn, this.sampled, this.most] = [key, 1, SAMPLES_MAX];
 			}
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);

@@ -8,7 +8,8 @@ import { nameSpecies, number, showFacts, showNorth, showPicked, showPlant, showR
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');
 const camera = new Camera();
-const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '', shadows: 'perspective' };
+const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, smooth: 0, sun: '',
+	shadows: 'perspective' };
 const STILL_MS = 250, LOADING_MS = 300;
 const AHEAD_S = 1;                       // what a moving camera will need so soon is asked for, too
 let engine = null, about = null, settled = true, frame = 0, movedAt = -Infinity, recording = null;
@@ -107,14 +108,14 @@ function draw(now) {
 		redraw();
 	const ratio = Math.min(devicePixelRatio, 2);
 	const size = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.max(1, Math.round(n * ratio)));
-	const { vertices, bytes, kind, shadows } = settings, sun = Date.parse(`${settings.sun}Z`) / 1000;
+	const { vertices, bytes, kind, smooth, shadows } = settings, sun = Date.parse(`${settings.sun}Z`) / 1000;
 	const convergence = (about?.origin?.convergence_deg ?? 0) * Math.PI / 180;
 	showScale(camera.metresAcross() / canvas.clientHeight, camera.heading() + convergence);
 	if (!about)
 		return;
 	engine.postMessage({ type: 'draw', number: ++asked, matrix: camera.matrix(size[0] / size[1]), size,
 		moving, eye: camera.view().eye, next: nextView(now, moving), vertices, bytes, shadows, sun: sun || null,
-		tint: kind ? 'kind' : 'none', haze: camera.haze() });
+		tint: kind ? 'kind' : 'none', smooth: !!smooth, haze: camera.haze() });
 }
 
 function moved() {

@@ -4,7 +4,7 @@
 //   { type: 'open', url, token, first }             another scene; 'opened' brings what is said of it;
 //                                                  first: EcoLayer's, or its body comes later:
 //   { type: 'answer', body }                        that
-//   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, sun, shadows, haze }
+//   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, smooth, sun, shadows, haze }
 //                                                  the view from now on; at rest its picture gets more
 //                                                  samples, and 'sampled' says how many it has
 //   { type: 'pick', at }                            what is seen there? 'picked', then of a plant 'identified':
@@ -149,9 +149,9 @@ class Engine {
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
-		const { vertices, bytes, tint, sun, shadows, haze } = wanted;
+		const { vertices, bytes, tint, smooth, sun, shadows, haze } = wanted;
 		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, sun, shadows, haze, moving,
+		Object.assign(layer, { vertices, bytes, tint, smooth, sun, shadows, haze, moving,
 			scale: moving ? scale * this.movingScale : scale });
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);

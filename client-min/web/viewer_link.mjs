@@ -36,6 +36,7 @@ const readers = {
 	vertices: [whole(1, VERTICES_MAX), `a whole number from 1 to ${VERTICES_MAX}`],
 	bytes: [whole(-1, Number.MAX_SAFE_INTEGER), 'a whole number, -1 for no limit'],
 	kind: [whole(0, 1), '0 or 1'],
+	smooth: [whole(0, 1), '0 or 1'],
 	sun: [time, 'a time such as 2026-06-21T10:00Z'],
 	shadows: [choice('none', 'standard', 'perspective'), 'none, standard or perspective'],
 	eye: [point, A_POINT],

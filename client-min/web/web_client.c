@@ -27,6 +27,7 @@ struct web {
 	struct web_light light;
 	struct lod_eye eye;                      /* of the picture */
 	enum view_tint tint;
+	bool smooth;
 	uint32_t samples;                        /* of each of its pixels; 0: what it shows is not here any more */
 	uint32_t cut;                            /* up to which the next sample is recorded */
 	struct view_sky sky;
@@ -214,7 +215,8 @@ static enum eco_code prepare(struct web *web, uint32_t width, uint32_t height)
 }
 
 /* Programs of whole scenes, from where plants are no triangles; of others they are compiled in vain. */
-#define FAR_PROGRAMS (1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY | 1u << VIEW_PROGRAM_SPLATS)
+#define FAR_PROGRAMS (1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY \
+	| 1u << VIEW_PROGRAM_LEAFY_SPLATS)
 
 int web_prepare(struct web *web, double width, double height)
 {
@@ -232,7 +234,7 @@ static enum eco_code draw_sample(struct web *web, uint32_t sample, uint64_t most
 {
 	struct lod_eye eye = web->eye;
 	const struct view_draw_job job = { .store = web->store, .selection = &web->selection, .eye = &eye,
-		.near_m = view_store_near_m(web->store), .tint = web->tint };
+		.near_m = view_store_near_m(web->store), .tint = web->tint, .smooth = web->smooth };
 	lod_eye_sample(&eye, sample);
 	enum eco_code code = view_gl_record_part(web->gl, &job, most, &web->cut, &web->picture, &web->error);
 	if (!code && web->cut < web->selection.cut_count)
@@ -245,7 +247,7 @@ static enum eco_code draw_sample(struct web *web, uint32_t sample, uint64_t most
 	return code;
 }
 
-int web_draw(struct web *web, const double view[10], double width, double height, double tint)
+int web_draw(struct web *web, const double view[10], double width, double height, double tint, double smooth)
 {
 	struct eco_view v = view_of(view, width, height);
 	forget_error(web);
@@ -256,6 +258,7 @@ int web_draw(struct web *web, const double view[10], double width, double height
 	web->selection.sky.casters = web->casters.instance_count ? &web->casters : NULL;
 	web->read = false;
 	web->tint = (enum view_tint)tint;
+	web->smooth = smooth > 0;
 	web->cut = 0;
 	return (int)draw_sample(web, 0, UINT64_MAX);
 }

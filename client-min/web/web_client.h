@@ -13,7 +13,7 @@
  *   web_prepare(web, width, height)                 while nothing has come yet: what a view from afar needs
  *   web_select(web)                                 what the plan that has come draws from now on; -1: none
  *                                                   has
- *   web_draw(web, view, width, height, tint)        a picture, by the WebGL context that is current
+ *   web_draw(web, view, width, height, tint, smooth)        a picture, by the WebGL context that is current
  *   web_sample(web, vertices)                       adds a sample of each pixel's colour to that picture, or a
  *                                                   part of it, of about so many vertices; -1: it has all, or
  *                                                   this driver cannot
@@ -47,7 +47,7 @@ int web_finish(struct web *web);
 
 int web_prepare(struct web *web, double width, double height);
 int web_select(struct web *web);
-int web_draw(struct web *web, const double view[10], double width, double height, double tint);
+int web_draw(struct web *web, const double view[10], double width, double height, double tint, double smooth);
 int web_sample(struct web *web, double vertices);
 unsigned web_samples(const struct web *web);     /* of the last picture */
 /* From now on the sun is where it is at a place and time (view_sun_at); a time of NaN: view_sun_usual there; a
