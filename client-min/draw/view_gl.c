@@ -384,7 +384,7 @@ static struct leaves leaves_of(const struct frame *f, const struct eco_list *lis
 	const struct eco_plant *p = &view_store_plant(f->job->store, plant)->plant;
 	/* the colour of a point is that of its leaf already */
 	return (struct leaves){ (float)(p->leaf_width * ECO_LEAF_UNIT_M),
-		list->attributes & ECO_ATTR_SPLAT ? (float)p->leaf_tone / ECO_DEVIATION_ONE : 0 };
+		list->attributes & ECO_ATTR_SPLAT ? (float)p->leaf_tone / ECO_TONE_ONE : 0 };
 }
 
 static enum view_program program_of(const struct eco_list *list, const struct leaves *leaves)

@@ -84,7 +84,7 @@ void view_mesh_add_leaves(struct view_mesh *mesh, const struct eco_plant *plant)
 {
 	mesh->batch.leaf = mesh->list->list.kind == ECO_LIST_POINTS ? (float)(plant->leaf_width * ECO_LEAF_UNIT_M) : 0;
 	/* the colour of a point is that of its leaf already */
-	mesh->tone = mesh->geometry.half ? (float)plant->leaf_tone / ECO_DEVIATION_ONE : 0;
+	mesh->tone = mesh->geometry.half ? (float)plant->leaf_tone / ECO_TONE_ONE : 0;
 	mesh->radius *= 1 + 0.5f * LOD_LEAF_RAGGED;
 }
 

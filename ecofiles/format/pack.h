@@ -135,12 +135,12 @@ struct eco_plant {
 	float area;                            /* m^2, all organs, a leaf counted once */
 	uint32_t triangles;                    /* full detail */
 	/* for leaves that are drawn on its splats and points (lod/leaf.h): their width, ECO_LEAF_UNIT_M, 0: none are
-	 * drawn; deviations over means, 1/ECO_DEVIATION_ONE: of their own light, and of which of them the sun reaches */
+	 * drawn; and the deviation, over the mean, of the luminance of what a splat stands for, 1/ECO_TONE_ONE */
 	uint16_t leaf_width;
-	uint8_t leaf_tone, leaf_shade;
+	uint8_t leaf_tone;
 };
 #define ECO_LEAF_UNIT_M 1e-4
-#define ECO_DEVIATION_ONE 128
+#define ECO_TONE_ONE 128
 
 /* A view opens a tile or draws its summary. Below a tile that is open it opens all tiles without a summary,
  * and looks at their plants one by one. A pack with more of these below one tile is refused: no view of it

@@ -100,7 +100,7 @@ static const struct field scene_fields[] = {
 static const struct field plant_fields[] = {
 	FIELD(NAME, plant, name), ONE(plant, height_m), ONE(plant, anchor_first), ONE(plant, anchor_count),
 	ONE(plant, ladder_first), ONE(plant, ladder_count), ONE(plant, area), ONE(plant, triangles),
-	ONE(plant, leaf_width), ONE(plant, leaf_tone), ONE(plant, leaf_shade),
+	ONE(plant, leaf_width), ONE(plant, leaf_tone),
 };
 
 static const struct field anchor_fields[] = { ARRAY(anchor, center), ONE(anchor, radius) };

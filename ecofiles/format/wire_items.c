@@ -129,7 +129,6 @@ static void code_plant(struct eco_range *r, struct eco_wire_items *s, struct eco
 	s->anchor_end = p->anchor_first + p->anchor_count;
 	p->leaf_width = (uint16_t)eco_range_raw(r, 16, p->leaf_width);
 	p->leaf_tone = (uint8_t)eco_range_raw(r, 8, p->leaf_tone);
-	p->leaf_shade = (uint8_t)eco_range_raw(r, 8, p->leaf_shade);
 }
 
 void eco_wire_anchor_code(struct eco_range *r, struct eco_wire_items *s, struct eco_anchor *anchor)

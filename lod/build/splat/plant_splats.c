@@ -95,7 +95,7 @@ static struct triangles read_organs(struct lod_plant *plant, const struct eco_mo
 		triangles.organ[mesh.source[t]] = organs.components[mesh.component[t]].organ;
 	if (has_colorless(model))
 		color_triangles(&triangles, model, &mesh, &organs, arena);
-	lod_plant_measure_leaves(&plant->plant, &(struct lod_leaf_parts){ model, &mesh, &organs, triangles.organ });
+	lod_plant_set_leaves(&plant->plant, &mesh, &organs);
 	return triangles;
 }
 
@@ -201,7 +201,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		put_elements(draft, &splats);
 		add_ladder(plant, &splats);
 		color_elements(draft, plant, &splats);
-		plant->plant.leaf_tone = lod_deviation_code(splats.tone);
+		lod_plant_set_tone(&plant->plant, &splats);
 		if (!options->draft)
 			code = lod_plant_add_impostor(plant, model, rgb, options, error);
 	}

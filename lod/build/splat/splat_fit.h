@@ -59,12 +59,9 @@ void lod_splats_free(struct lod_splats *splats);
 enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error);
 
-/* Measures the plant's leaves. organ: of each triangle of the model. */
-struct lod_leaf_parts { const struct eco_model *model; const struct lod_mesh *mesh; const struct lod_organs *organs;
-	const uint8_t *organ; };
-/* A deviation over its mean as the pack has it. */
-uint8_t lod_deviation_code(double deviation);
-void lod_plant_measure_leaves(struct eco_plant *plant, const struct lod_leaf_parts *parts);
+/* Sets what leaves that are drawn on its splats are like. */
+void lod_plant_set_leaves(struct eco_plant *plant, const struct lod_mesh *mesh, const struct lod_organs *organs);
+void lod_plant_set_tone(struct eco_plant *plant, const struct lod_splats *splats);
 
 static inline uint32_t lod_splats_first(const struct lod_splats *splats, uint32_t level)
 {
