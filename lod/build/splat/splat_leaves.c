@@ -1,4 +1,4 @@
-/* What leaves that are drawn on splats need to know of a plant's own (lod/leaf.h). */
+/* Figures of a plant's own leaves that leaves drawn on splats follow (lod/leaf.h). */
 #include <math.h>
 
 #include "lod/build/splat/splat_fit.h"
