@@ -157,6 +157,35 @@ async function refuseSamples(url, view, { width, height, ...budgets }) {
 	return [...said, ...errors];
 }
 
+/** Pictures with shadows: before all is here, of a camera that moves, at rest, moving again, at rest again. Shaders of
+ * shadows and depths cleared (one of the picture, one of a map) of each. */
+async function keepShadows(url, view, { width, height, ...budgets }) {
+	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
+	const gl = new OffscreenCanvas(16, 16).getContext('webgl2'), { prototype: own } = WebGL2RenderingContext;
+	const said = [];
+	let texts = 0, clears = 0;
+	gl.shaderSource = (shader, text) => {
+		texts += /#define SHADOW|u_tops|u_cells/.test(text);
+		own.shaderSource.call(gl, shader, text);
+	};
+	gl.clearBufferfv = (...values) => {
+		clears += values[0] === gl.DEPTH;
+		own.clearBufferfv.apply(gl, values);
+	};
+	const layer = new EcoLayer({ url, gl, shadows: 'perspective', firstBytes: Infinity });
+	await layer.ready;
+	await layer.load({ view, width, height, ...budgets });
+	for (const moving of [false, true, false, true, false]) {
+		[texts, clears, layer.moving] = [0, 0, moving];
+		const eye = view.eye.map((v) => v + 0.01 * said.length);
+		layer.present({ ...view, eye }, [0, 0], width, height);
+		said.push([texts > 0, clears]);
+		layer.wanted = layer.asked;
+	}
+	layer.free();
+	return said;
+}
+
 async function inBrowser(scenes) {
 	const browser = new Browser(chromium);
 	const call = (f, ...values) => browser.evaluate(`(${f})(...${JSON.stringify(values)})`);
@@ -202,6 +231,8 @@ async function inBrowser(scenes) {
 			`shadows that are refused: ${errors.length} errors, ${errors[0]}; programs ${counts}`);
 		const refused = await call(refuseSamples, url, view, wanted);
 		expect(String(refused) === 'true,false,1,false', `samples that are refused: ${refused}`);
+		const kept = String(await call(keepShadows, url, view, wanted));
+		expect(kept === 'false,1,false,1,true,2,false,1,false,2', `maps of shadows at rest and while moving: ${kept}`);
 		console.log(`${requests} requests: P and R of owners are at least ${least.toFixed(5)}`);
 		expect(!browser.complaints.length, browser.complaints.join('\n'));
 	} finally {
