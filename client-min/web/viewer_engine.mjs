@@ -21,9 +21,9 @@ import './eco_keep.mjs';
 import './eco_stream.mjs';
 
 const PIXELS_MAX = 1.6e6;
-// Samples are drawn in parts, as input waits for the part under way: of so many vertices at first, then of as
-// many as take 20 ms, a frame and a bit.
-const PART_VERTICES = 50000, PART_LEAST = 5000, PART_MOST = 1e9, PART_MS = 20;
+// Samples are drawn in parts of as many vertices as take 20 ms, as input waits for the part under way. Smaller
+// parts than these would take longer to wait for than to draw.
+const PART_LEAST = 50000, PART_MOST = 1e9, PART_MS = 20;
 // a moving picture may take so long; it has fewer pixels for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const ROWS_MAX = 40;                             // of an explanation that are shown
@@ -37,7 +37,7 @@ class Engine {
 		const attributes = { antialias: false, alpha: false, preserveDrawingBuffer: true };
 		this.gl = canvas.getContext('webgl2', attributes);
 		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false, stale: false,
-			movingScale: 0.4, part: PART_VERTICES });
+			movingScale: 0.4, part: PART_LEAST });
 		this.gl?.clearColor(0.55, 0.6, 0.65, 1);        // of the page, until there is a picture
 		this.gl?.clear(this.gl.COLOR_BUFFER_BIT);
 		if (!this.gl)
