@@ -313,10 +313,10 @@ static void mean_light(const struct worker *w, uint32_t x, uint32_t y, uint8_t r
 {
 	uint32_t samples = w->parts.samples, count = samples * samples, sum[3] = { 0, 0, 0 };
 	for (uint32_t i = 0; i < count; i++) {
-		const uint8_t *one = w->picture->rgb + 3 * ((size_t)(y * samples + i / samples)
+		const uint16_t *one = w->picture->light + 3 * ((size_t)(y * samples + i / samples)
 			* w->picture->width + x * samples + i % samples);
 		for (int k = 0; k < 3; k++)
-			sum[k] += lod_light_of[one[k]];
+			sum[k] += one[k];
 	}
 	for (int k = 0; k < 3; k++)
 		rgb[k] = lod_light_byte((double)sum[k] / count);
@@ -473,6 +473,7 @@ static enum eco_code draw_parts(const struct scene *scene, const struct view_lam
 		workers[i].whole = whole;
 		workers[i].picture = &pictures[i];
 		code = view_picture_init(&pictures[i], options.width, options.height, error);
+		pictures[i].light = eco_alloc((size_t)options.width * options.height, 3 * sizeof *pictures[i].light);
 	}
 	if (!code)
 		view_threads_run(count, light_parts, workers);

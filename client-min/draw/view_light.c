@@ -334,11 +334,6 @@ static vec3 ground_pixel(const struct shot *shot, size_t pixel, vec3 to, const d
 	return ground_color(shot->lamp->sun, lit, to, shot->lamp->haze_m, shot->lamp->job->tint == VIEW_TINT_KIND);
 }
 
-static uint8_t encode(const struct shot *shot, float c)
-{
-	return shot->lamp->bytes[(uint32_t)(65535 * shown(c) + 0.5f)];
-}
-
 static void light_pixel(const struct shot *shot, struct owned *owned, uint32_t x, uint32_t y)
 {
 	struct view_picture *picture = shot->picture;
@@ -357,9 +352,13 @@ static void light_pixel(const struct shot *shot, struct owned *owned, uint32_t x
 	} else {
 		color = sky_color(shot->lamp->sun, ray, shot->lamp->job->tint == VIEW_TINT_KIND);
 	}
-	picture->rgb[3 * i] = encode(shot, color.x);
-	picture->rgb[3 * i + 1] = encode(shot, color.y);
-	picture->rgb[3 * i + 2] = encode(shot, color.z);
+	const float channels[3] = { color.x, color.y, color.z };
+	for (size_t k = 0; k < 3; k++) {
+		uint16_t light = (uint16_t)(65535 * shown(channels[k]) + 0.5f);
+		picture->rgb[3 * i + k] = shot->lamp->bytes[light];
+		if (picture->light)
+			picture->light[3 * i + k] = light;
+	}
 }
 
 static void light_rows(void *ctx, uint32_t first)
@@ -388,6 +387,9 @@ void view_lamp_light(const struct view_lamp *lamp, const struct lod_eye *eye, st
 			memset(picture->rgb + 3 * i, picture->depth[i] > 0 ? VIEW_OWN_GROUND : 0, 3);
 	if (lamp->job->tint != VIEW_TINT_OWN)
 		view_threads_run(threads, light_rows, &shot);
+	for (size_t i = 0; lamp->job->tint == VIEW_TINT_OWN && picture->light && i < 3 * (size_t)picture->width
+			* picture->height; i++)
+		picture->light[i] = lod_light_of[picture->rgb[i]];
 }
 
 static enum eco_code cast_shadows(struct view_lamp *lamp, struct view_picture *picture, struct eco_error *error)
@@ -439,40 +441,40 @@ void view_lamp_free(struct view_lamp *lamp)
 
 /* ---- Samples ---- */
 
-/* Adds the light of sRGB bytes; the last of `count` pictures is replaced by the mean. */
-static void add_light(const struct view_lamp *lamp, uint32_t *sums, uint8_t *rgb, size_t bytes, uint32_t count)
+/* Adds one sample of all pixels to the sums. */
+static enum eco_code add_sample(const struct view_draw_job *job, const struct view_lamp *lamp, view_record *record,
+	void *ctx, uint32_t number, struct view_picture *picture, uint32_t *sums, struct eco_error *error)
 {
-	for (size_t i = 0; i < bytes; i++) {
-		sums[i] += lod_light_of[rgb[i]];
-		if (count)
-			rgb[i] = lamp->bytes[(sums[i] + count / 2) / count];
-	}
+	struct lod_eye eye = *job->eye;
+	struct view_draw_job at = *job;
+	at.eye = &eye;
+	lod_eye_sample(&eye, number);
+	enum eco_code code = record(ctx, &at, picture, error);
+	if (code)
+		return code;
+	view_lamp_light(lamp, &eye, picture, view_thread_count(job->threads));
+	for (size_t i = 0; i < 3 * (size_t)picture->width * picture->height; i++)
+		sums[i] += picture->light[i];
+	return ECO_OK;
 }
 
-/* The others, whose mean with the first takes its place. */
-static enum eco_code more_samples(const struct view_draw_job *job, const struct view_lamp *lamp, view_record *record,
+/* Replaces the colours of the first sample by the mean of all. */
+static enum eco_code all_samples(const struct view_draw_job *job, const struct view_lamp *lamp, view_record *record,
 	void *ctx, struct view_picture *first, struct eco_error *error)
 {
-	size_t bytes = 3 * (size_t)first->width * first->height;
-	uint32_t *sums = calloc(bytes, sizeof *sums), threads = view_thread_count(job->threads);
+	size_t channels = 3 * (size_t)first->width * first->height;
+	uint32_t *sums = calloc(channels, sizeof *sums), count = job->samples;
 	struct view_picture picture = { 0 };
-	enum eco_code code = sums ? view_picture_init(&picture, first->width, first->height, error)
-		: eco_no_memory(error, "the samples of a picture");
-	if (!code)
-		add_light(lamp, sums, first->rgb, bytes, 0);
-	for (uint32_t i = 1; i < job->samples && !code; i++) {
-		struct lod_eye eye = *job->eye;
-		struct view_draw_job at = *job;
-		at.eye = &eye;
-		lod_eye_sample(&eye, i);
-		code = record(ctx, &at, &picture, error);
-		if (!code) {
-			view_lamp_light(lamp, &eye, &picture, threads);
-			add_light(lamp, sums, picture.rgb, bytes, i + 1 == job->samples ? job->samples : 0);
-		}
-	}
-	if (!code)
-		memcpy(first->rgb, picture.rgb, bytes);
+	enum eco_code code = view_picture_init(&picture, first->width, first->height, error);
+	picture.light = calloc(channels, sizeof *picture.light);
+	if (!code && (!sums || !picture.light))
+		code = eco_no_memory(error, "the samples of a picture");
+	for (size_t i = 0; i < channels && !code; i++)
+		sums[i] = first->light[i];
+	for (uint32_t i = 1; i < count && !code; i++)
+		code = add_sample(job, lamp, record, ctx, i, &picture, sums, error);
+	for (size_t i = 0; i < channels && !code; i++)
+		first->rgb[i] = lamp->bytes[(sums[i] + count / 2) / count];
 	view_picture_free(&picture);
 	free(sums);
 	return code;
@@ -486,11 +488,18 @@ enum eco_code view_light_samples(const struct view_draw_job *job, view_record *r
 	enum eco_code code = record(ctx, job, picture, error);
 	if (!code)
 		code = view_lamp_make(&lamp, job, picture, error);
-	if (!code) {
-		view_lamp_light(lamp, job->eye, picture, view_thread_count(job->threads));
-		if (job->samples > 1)
-			code = more_samples(job, lamp, record, ctx, picture, error);
+	if (!code && job->samples > 1) {
+		free(picture->light);
+		picture->light = calloc(3 * (size_t)picture->width * picture->height, sizeof *picture->light);
+		if (!picture->light)
+			code = eco_no_memory(error, "the samples of a picture");
 	}
+	if (!code)
+		view_lamp_light(lamp, job->eye, picture, view_thread_count(job->threads));
+	if (!code && job->samples > 1)
+		code = all_samples(job, lamp, record, ctx, picture, error);
+	free(picture->light);
+	picture->light = NULL;
 	view_lamp_free(lamp);
 	picture->draw_ms = view_clock_ms() - start;
 	return code;

@@ -24,6 +24,7 @@ enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, ui
 void view_picture_free(struct view_picture *picture)
 {
 	free(picture->rgb);
+	free(picture->light);
 	free(picture->cover);
 	free(picture->owner);
 	free(picture->depth);

@@ -10,6 +10,7 @@
 struct view_picture {                    /* owns its arrays */
 	uint32_t width, height;
 	uint8_t *rgb;                    /* 3 per pixel, sRGB */
+	uint16_t *light;                 /* rgb before it is rounded (lod_light_of); NULL unless wanted */
 	uint8_t *cover;                  /* 255 where a plant is nearest, else 0 */
 	uint64_t *owner;                 /* 0: nothing or ground */
 	float *depth;                    /* 1 / distance forward of the eye; 0: the sky */
