@@ -1,5 +1,5 @@
 /* ecoview: streams the frames of a camera script, draws them, and scores them against the full-detail
- * reference. */
+ * reference. Longer than 600 lines: all steps of a frame work on struct viewer. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "client-min/view_options.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
-#include "client-min/view_truth.h"
+#include "client-min/view_measure.h"
 #include "ecofiles/base/json_read.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/options.h"

@@ -7,7 +7,6 @@
  * Items number the ground's triangles first, TILE_TRIANGLES a tile, then the primitives of all cuts. */
 #include "client-min/view_reference.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +14,6 @@
 #include "client-min/draw/view_picture.h"
 #include "ecofiles/base/memory.h"
 #include "lod/light.h"
-#include "lod/raster/flip.h"
 
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
 #define TILE_TRIANGLES (2 * ECO_GROUND_CELLS * ECO_GROUND_CELLS)
@@ -528,89 +526,4 @@ enum eco_code view_reference_count(const struct view_draw_job *job, struct view_
 	}
 	scene_free(&scene);
 	return !code && stopped(job) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
-}
-
-/* ---- Measures ---- */
-
-#define CEILING_SAMPLES 8u
-
-static enum eco_code count(const struct view_draw_job *job, const struct view_picture *picture,
-	uint32_t samples, uint8_t *counts, struct eco_error *error)
-{
-	struct view_coverage coverage = { picture->width, picture->height, samples, counts };
-	return view_reference_count(job, &coverage, error);
-}
-
-enum eco_code view_measure_soft(const struct view_draw_job *job, struct view_picture *picture,
-	struct eco_error *error)
-{
-	if (!picture->soft)
-		picture->soft = eco_alloc(picture->width, picture->height);
-	return count(job, picture, VIEW_SOFT_SAMPLES, picture->soft, error);
-}
-
-enum eco_code view_measure_ceiling(const struct view_draw_job *job, const struct view_picture *reference,
-	double *ceiling, struct eco_error *error)
-{
-	size_t pixels = (size_t)reference->width * reference->height;
-	uint8_t *counts = eco_alloc(pixels, 1);
-	enum eco_code code = count(job, reference, CEILING_SAMPLES, counts, error);
-	if (!code)
-		*ceiling = lod_q_ceiling(counts, reference->cover, pixels);
-	free(counts);
-	return code;
-}
-
-/* Mean change of bytes, and of blocks. */
-static void find_change(uint32_t width, uint32_t height, const uint8_t *const rgb[2], double *bytes, double *pop)
-{
-	uint32_t count = lod_block_count(width, height);
-	struct lod_block *blocks = eco_alloc(2 * (size_t)count, sizeof *blocks);
-	uint64_t sum = 0;
-	for (size_t i = 0; i < 3 * (size_t)width * height; i++)
-		sum += (uint64_t)abs(rgb[0][i] - rgb[1][i]);
-	for (int i = 0; i < 2; i++)
-		lod_blocks_make(blocks + (size_t)i * count, width, height, rgb[i]);
-	*bytes = (double)sum / (3.0 * width * height);
-	*pop = lod_blocks_pop(blocks, blocks + count, count);
-	free(blocks);
-}
-
-void view_measure_motion(uint32_t width, uint32_t height, const uint8_t *const rgb[2], const uint8_t *const truth[2],
-	struct view_motion *motion)
-{
-	double bytes[2], pop[2];
-	find_change(width, height, rgb, &bytes[0], &pop[0]);
-	find_change(width, height, truth, &bytes[1], &pop[1]);
-	*motion = (struct view_motion){ bytes[1] > 0 ? bytes[0] / bytes[1] : NAN, pop[1] > 0 ? pop[0] / pop[1] : NAN };
-}
-
-/* Colours and contrast of blocks. */
-static void compare_blocks(const struct view_picture *picture, const struct view_picture *reference,
-	struct lod_block_error *error)
-{
-	uint32_t count = lod_block_count(picture->width, picture->height);
-	struct lod_block *blocks = eco_alloc(2 * (size_t)count, sizeof *blocks);
-	lod_blocks_make(blocks, picture->width, picture->height, picture->rgb);
-	lod_blocks_make(blocks + count, picture->width, picture->height, reference->rgb);
-	lod_blocks_compare(error, blocks, blocks + count, count);
-	free(blocks);
-}
-
-double view_picture_error(const struct view_picture *picture, const struct view_picture *reference)
-{
-	return lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb, reference->rgb,
-		NULL });
-}
-
-void view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
-	float *error_map, struct view_measures *measures)
-{
-	lod_score(&measures->score, &(struct lod_score_input){ picture->width, picture->height,
-		picture->cover, reference->cover, picture->owner, reference->owner });
-	measures->soft_q = picture->soft && reference->soft ? lod_soft_q(picture->soft, reference->soft,
-		(size_t)picture->width * picture->height) : NAN;
-	measures->picture_error = lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
-		reference->rgb, error_map });
-	compare_blocks(picture, reference, &measures->blocks);
 }

@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #include "client-min/view_fetch.h"
-#include "client-min/view_reference.h"
+#include "client-min/view_measure.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/plan.h"
 

@@ -14,7 +14,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "client-min/view_reference.h"
+#include "client-min/view_measure.h"
 #include "ecofiles/base/status.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/plan.h"

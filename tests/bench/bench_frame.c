@@ -14,7 +14,7 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_report.h"
-#include "client-min/view_truth.h"
+#include "client-min/view_measure.h"
 #include "ecofiles/base/memory.h"
 #include "lod/scattered.h"
 #include "tests/bench/bench.h"

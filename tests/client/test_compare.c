@@ -3,9 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_reference.h"
+#include "client-min/view_measure.h"
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"
+#include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -98,6 +99,27 @@ UNIT_TEST(narrow_pictures_break_their_words)
 		assert_int_equal(view_compare_draw(&compare, &rgb, size, NULL), ECO_OK);
 		assert_true(size[0] == 3 * width && size[1] > 2 + 10 * 3 && size[1] < 2 + 10 * 40);
 	}
+}
+
+/* Colours of the truth are kept for the view and light that they were drawn for. */
+UNIT_TEST(truths_are_kept)
+{
+	AT_END(scene_release) struct scene_held d = scene_hold(&grove);
+	scene_select(&d);
+	struct view_draw_job job = { d.store, &d.selection, &d.eye, 0.1, 2, NULL, VIEW_TINT_NONE, 1, false };
+	FREED(view_picture) first = scene_draw(&d, false, VIEW_TINT_NONE), again = scene_draw(&d, false, VIEW_TINT_NONE);
+	size_t bytes = 3 * (size_t)first.width * first.height;
+	double cpu_ms;
+	scratch_open("truths");
+	assert_true(memcmp(first.rgb, again.rgb, bytes) == 0);
+	assert_good(view_truth_draw(&job, scratch_root, &first, &cpu_ms, &cause));
+	assert_true(cpu_ms > 0 && memcmp(first.rgb, again.rgb, bytes) != 0);
+	assert_good(view_truth_draw(&job, scratch_root, &again, &cpu_ms, &cause));
+	assert_true(cpu_ms == 0 && memcmp(first.rgb, again.rgb, bytes) == 0);
+	d.selection.sky.haze_m = 100;
+	assert_good(view_truth_draw(&job, scratch_root, &again, &cpu_ms, &cause));
+	assert_true(cpu_ms > 0 && memcmp(first.rgb, again.rgb, bytes) != 0);
+	scratch_close(NULL);
 }
 
 UNIT_MAIN(scene_open, scene_close)

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_reference.h"
+#include "client-min/view_measure.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/format/wire.h"
 #include "lod/ladder.h"
