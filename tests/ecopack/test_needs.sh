@@ -50,7 +50,7 @@ done
 
 # ---- Shaders: those of what is drawn; none where there is no OpenGL ----
 if [ -n "$(field bare 11)" ]; then
-	for shader in triangles textured points summary ground; do lacks bare 11 $shader; done
+	for shader in triangles textured points summary ground leafy; do lacks bare 11 $shader; done
 	has bare 11 lines
 	for shader in textured ground; do lacks leaves 11 $shader; done
 	has textures 11 textured
