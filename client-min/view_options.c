@@ -150,7 +150,7 @@ static const struct eco_option option_table[] = {
 		"there" },
 	{ "haze", 0, ECO_OPTION_NUMBER, "M", &given.sky.haze_m, 1, 1e9,
 		.help = "distance in metres at which haze at sea level leaves 1/e of the light; default "
-		"12000" },
+		"20000" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "NAME", &given.tint, .choices = tints,
 		.help = "kind: colour by representation (green triangles, red lines, blue points, yellow "
 		"and orange blends, violet ellipsoids for whole plants). own: the plants' own "

@@ -51,7 +51,7 @@ enum view_shadows { VIEW_SHADOWS_NONE, VIEW_SHADOWS_STANDARD, VIEW_SHADOWS_PERSP
 
 struct view_sky {                        /* zero is the usual light */
 	float sun[3];                    /* towards it (view_sun_at); all 0: the usual one */
-	double haze_m;                   /* at sea level it hides all but 1/e of what is so far; 0: 12000 */
+	double haze_m;                   /* at sea level it hides all but 1/e of what is so far; 0: 20000 */
 	enum view_shadows shadows;       /* by maps (draw/view_shadow.h) */
 	uint32_t shadow_size;            /* texels a side of the map, in the limits above */
 	const struct view_selection *casters;    /* view_select_casters; NULL: the plants in sight */

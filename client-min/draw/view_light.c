@@ -9,7 +9,7 @@
 #include "client-min/draw/view_picture.h"
 #include "lod/light.h"
 
-#define HAZE_M 12000.0
+#define HAZE_M 20000.0                  /* clear weather: a dark hill is seen for 80 km */
 
 const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 	[VIEW_ROLE_TRIANGLES] = { 26, 158, 41 }, [VIEW_ROLE_LINES] = { 219, 26, 26 },

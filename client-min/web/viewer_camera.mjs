@@ -3,7 +3,7 @@
 
 const FOV_Y_DEG = 45, PITCH_MAX = 1.55, TURN = 0.005, KEY_TURN = 1.2;
 const STEEP = -0.8;                      // pitch of the steepest first view
-const HAZE_M = 12000;                    // as view_select.h has it
+const HAZE_M = 20000;                    // as view_select.h has it
 const EYE_M = 1.7;                       // above the ground, of who walks
 const CLICK_PX = 6, CLICK_MS = 600;      // a pointer that moves more, or is held longer, drags
 const keys = { a: [-1, 0, 0], d: [1, 0, 0], w: [0, 1, 0], s: [0, -1, 0], q: [0, 0, -1], e: [0, 0, 1] };
