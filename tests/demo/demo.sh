@@ -36,7 +36,7 @@ echo '{"fps": 1, "keyframes": [{"time_s": 0, "eye": [7, -2, 4], "target": [0, 0,
 "$BUILD/ecopack" make "$OUT/near/scene.json" -o "$OUT/near/oak.eco" >"$OUT/near/make.log"
 serve "$OUT/near/serve.log" "oak=$OUT/near/oak.eco"
 "$BUILD/ecoview" "$BASE/v1/scenes/oak" --camera "$OUT/near/camera.json" --size 800x600 --vertices 40000 --tint=kind -o "$OUT/near/kinds"
-"$BUILD/ecoview" "$BASE/v1/scenes/oak" --camera "$OUT/near/camera.json" --size 800x600 --vertices 40000 --reference -o "$OUT/near-oak"
+"$BUILD/ecoview" "$BASE/v1/scenes/oak" --camera "$OUT/near/camera.json" --size 640x480 --vertices 40000 --reference -o "$OUT/near-oak"
 curl -fsS "$BASE/v1/scenes/oak/plan?eye=7,-2,4&target=0,0,9&fov_y_deg=80&width=800&height=600&vertices=40000" >"$OUT/near/plan.json"
 stop_serving
 cp "$OUT/near/kinds/frame-0000.png" "$OUT/near-kinds.png"
