@@ -1,5 +1,5 @@
 /* One text for all programs; what a program needs is switched on by a #define, so that a scene without lines
- * compiles no lines.
+ * compiles no lines. Longer than 600 lines: parts of the text are shared by most programs.
  *
  * Geometry: positions are taken to view space (right, up, forward; metres from the eye) by one float matrix
  * an instance, made in doubles, as lod/raster/raster.h does; y points down in the picture, so that row 0 is

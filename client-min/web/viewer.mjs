@@ -33,7 +33,7 @@ function readAddress() {
 	sunIsLinked = Boolean(values.sun);
 }
 
-/** Where the sun is unless a time is given (view_sun_usual): ten in the morning of midsummer, in UTC. */
+/** The usual time of the sun (view_sun_usual), in UTC: ten in the morning of midsummer. */
 function usualSun() {
 	const { longitude_deg: longitude, latitude_deg: latitude } = about?.origin ?? {};
 	const ms = Date.UTC(new Date().getUTCFullYear(), latitude < 0 ? 11 : 5, 21, 10) - longitude * 240000;

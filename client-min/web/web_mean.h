@@ -6,8 +6,8 @@
  *   web_mean_add(&mean, &lit, count)        lit is sample count - 1; after this the mean of `count` samples
  *
  * Sums of 16 half floats put the mean off by at most .21 steps of 8 bits, or .54 where a driver cuts instead
- * of rounding, as Mesa does (200,000 sums of random colours, and all sums of equal ones). Of the bytes of 14
- * pictures 99.94 % or more differ by at most 1 from those of view_light_samples.
+ * of rounding, as Mesa does (200,000 sums of random colours, and all sums of equal ones). In 14 pictures
+ * 99.94 % of the bytes or more differ by at most 1 from those of view_light_samples.
  *
  * Nothing is made or compiled before the first picture that gets a second sample. */
 #ifndef WEB_MEAN_H

@@ -1,5 +1,6 @@
 /* A soup while a reader makes it: vertices in double, with colours, and meshes of one material each. At the
- * end it is known how far from the origin everything is, and which colours of vertices differ.
+ * end it is known how far from the origin everything is, and which colours of vertices differ. Longer than
+ * 600 lines: readers add to one soup, whose arrays no other file grows.
  *
  * Vertex colours become materials, one for each colour: lists have a colour per primitive, not per vertex.
  *
