@@ -57,15 +57,16 @@ LEAF float leaf_tone(uint leaf, uint look, float deviation)
 	return max(1.0f + 1.7320508f * deviation * leaf_amount(leaf) * (real(look & 1023u) / 511.5f - 1.0f), 0.0f);
 }
 
-/* Whether it is lit as a leaf, and not as the mean of many; and whether that leaf is turned as the mean (as its ellipsoid;
- * of a cloud, level) or anyhow, as `side` says: the normal of a leaf that is seen is the unit vector of any direction
- * plus the direction to the eye. So leaves count by the area that they show. */
+/* Whether it is lit as a leaf, and not as the mean of many; and how that leaf is turned: level, or of
+ * an ellipsoid half of the others as its surface, or anyhow, as `side` says: the normal of a leaf that is seen is the unit vector of any
+ * direction plus the direction to the eye. So leaves count by the area that they show. */
 LEAF bool leaf_is_lit(uint leaf, uint look) 
 {
 	return real(look >> 10 & 255u) < 256.0f * leaf_amount(leaf) * leaf_amount(leaf);
 }
 
-LEAF bool leaf_is_mean(uint look, float share) { return real(look >> 18 & 1023u) < 1024.0f * share; }
+LEAF bool leaf_is_surface(uint look) { return look >> 31 == 0u; }
+LEAF bool leaf_is_level(uint look, float share) { return real(look >> 18 & 511u) < 512.0f * share; }
 
 /* A coordinate of the direction, of which sums of two numbers make all nearly alike. */
 LEAF float leaf_turn(uint side, uint axis)

@@ -225,9 +225,8 @@ void view_light_sun(const struct view_sky *sky, double eye_z, struct view_light_
 
 /* ---- Surfaces ---- */
 
-static uint32_t coordinate(float at) { return (uint32_t)((at * 0.5f + 0.5f) * 32767 + 0.5f); }
-
-uint32_t view_surface_direction(enum view_surface kind, const float d[3])
+/* A direction as an octahedron's x and y, [-1, 1]. */
+static void octahedron(const float d[3], float at[2])
 {
 	float sum = fabsf(d[0]) + fabsf(d[1]) + fabsf(d[2]), part = sum > 0 && sum < INFINITY ? 1 / sum : 0;
 	float x = d[0] * part, y = d[1] * part, z = part > 0 ? d[2] : 1;
@@ -236,13 +235,39 @@ uint32_t view_surface_direction(enum view_surface kind, const float d[3])
 		y = (1 - fabsf(x)) * (y < 0 ? -1 : 1);
 		x = folded;
 	}
-	return (uint32_t)kind << 30 | coordinate(y) << 15 | coordinate(x);
+	at[0] = x;
+	at[1] = y;
 }
+
+static uint32_t whole_of(float share, float most) { return (uint32_t)(share * most + 0.5f); }
+
+uint32_t view_surface_direction(enum view_surface kind, const float direction[3])
+{
+	float at[2];
+	octahedron(direction, at);
+	return (uint32_t)kind << 30 | whole_of(at[1] * 0.5f + 0.5f, 32767) << 15 | whole_of(at[0] * 0.5f + 0.5f, 32767);
+}
+
+static float share_of(double v) { return (float)fmin(fmax(v, 0), 1); }
+
+static uint32_t ball_of(double reach, uint32_t level, const float direction[3])
+{
+	float at[2];
+	octahedron(direction, at);
+	return (uint32_t)VIEW_BALL << 30 | level << 25 | whole_of(share_of(reach), 31) << 20
+		| whole_of(at[1] * 0.5f + 0.5f, 1023) << 10 | whole_of(at[0] * 0.5f + 0.5f, 1023);
+}
+
+uint32_t view_surface_ball(double reach, double level, const float direction[3])
+{
+	return ball_of(reach, whole_of(share_of(level), 30), direction);
+}
+
+uint32_t view_surface_leaf(double reach, const float direction[3]) { return ball_of(reach, 31, direction); }
 
 uint32_t view_surface_cloud(double reach, double level)
 {
-	uint32_t whole = (uint32_t)(fmin(fmax(reach, 0), 1) * 65535 + 0.5);
-	return (uint32_t)VIEW_CLOUD << 30 | (uint32_t)(fmin(fmax(level, 0), 1) * 255 + 0.5) << 16 | whole;
+	return (uint32_t)VIEW_CLOUD << 30 | whole_of(share_of(level), 255) << 16 | whole_of(share_of(reach), 65535);
 }
 
 /* ---- Pixels ---- */

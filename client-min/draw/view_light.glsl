@@ -13,9 +13,9 @@ struct crown { float sun, sky, earth; };
 /* The plant of a pixel: how it is turned, its shape, its tone. Summaries' points have no place in a plant:
  * half_height is 0. tone: in [0, 1), by plant. */
 struct plant { float sine, cosine, center_z, half_width, half_height, tone; };
-/* A pixel's surface: its normal, if it has one; the share of a crown that stands in it; and how far behind it
- * are the leaves that it stands for, in radii of the crown. */
-struct face { sunny sun; vec3 n; bool facet; float reach, behind; };
+/* A pixel's surface: its normal, if it has one; how large it is, in radii of the crown; and the share of the crown
+ * that is in it, before and behind alike. */
+struct face { sunny sun; vec3 n; bool facet; float reach, whole; };
 
 /* ---- Arithmetic ---- */
 
@@ -46,14 +46,17 @@ LIGHT vec3 grey(vec3 c, vec3 weight)
 	return blend(c, vec3(g, g, g), 0.7f);
 }
 
-/* Reads the word of view_light.h. */
-LIGHT vec3 direction_of(uint surface)
+/* Read the word of view_light.h. */
+LIGHT vec3 direction_in(uint surface, int bits)
 {
-	float x = real(surface & 32767u) / 32767.0f * 2.0f - 1.0f;
-	float y = real(surface >> 15 & 32767u) / 32767.0f * 2.0f - 1.0f;
+	uint most = (1u << bits) - 1u;
+	float x = real(surface & most) / real(most) * 2.0f - 1.0f;
+	float y = real(surface >> bits & most) / real(most) * 2.0f - 1.0f;
 	float z = 1.0f - abs(x) - abs(y), under = z < 0.0f ? -z : 0.0f;
 	return unit(vec3(x + (x < 0.0f ? under : -under), y + (y < 0.0f ? under : -under), z));
 }
+
+LIGHT vec3 direction_of(uint surface) { return direction_in(surface, 15); }
 
 /* ---- The sky, and what is far ---- */
 
@@ -113,33 +116,42 @@ LIGHT sunny axis_sun(sunlight s, vec3 axis, vec3 n)
 }
 
 /* The mean over leaves of all directions. */
-LIGHT sunny all_sun(sunlight s, vec3 to_eye) { return round_sun(dot(to_eye, s.to), 0.2122066f); }
+LIGHT sunny all_sun(sunlight s, vec3 to_eye)
+{
+	sunny mean = round_sun(dot(to_eye, s.to), 0.2122066f);
+	return sunny(mean.on, mean.through, 0.667f * to_eye.z);
+}
+
+LIGHT sunny sunny_mix(sunny a, sunny b, float t)
+{
+	return sunny(mix(a.on, b.on, t), mix(a.through, b.through, t), mix(a.facing, b.facing, t));
+}
+
+/* Leaves of which `level` lie level (eco_level_share) and the others give `other`, both by the area that they show. */
+LIGHT sunny partly_level(sunlight s, float level, sunny other, vec3 to_eye)
+{
+	float lying = level * abs(to_eye.z), side = to_eye.z < 0.0f ? -1.0f : 1.0f;
+	return sunny_mix(other, sunny(max(side * s.to.z, 0.0f), max(-side * s.to.z, 0.0f), side),
+		lying / (lying + max(0.5f * (1.0f - level), 1e-3f)));
+}
+
+LIGHT sunny cloud_sun(sunlight s, float level, vec3 to_eye)
+{
+	return partly_level(s, level, all_sun(s, to_eye), to_eye);
+}
 
 /* A splat is half a surface and half a cloud: of balls in a crown mostly the outer sides show, and all
  * facet would be too bright there; as a cloud alone it has no form (lod/EXPERIMENTS.md, Light of splats). */
-LIGHT sunny ball_sun(sunlight s, vec3 n, vec3 to_eye)
+LIGHT sunny ball_sun(sunlight s, vec3 n, float level, vec3 to_eye)
 {
-	sunny facet = facet_sun(s, n), all = all_sun(s, to_eye);
-	return sunny(mix(facet.on, all.on, 0.5f), mix(facet.through, all.through, 0.5f),
-		mix(n.z, 0.667f * to_eye.z, 0.5f));
-}
-
-/* level: the share of leaves that lie level, among those of all directions (eco_level_share). Both are
- * weighted by the area that they show. */
-LIGHT sunny cloud_sun(sunlight s, float level, vec3 to_eye)
-{
-	float lying = level * abs(to_eye.z), shows = lying / (lying + max(0.5f * (1.0f - level), 1e-3f)),
-		side = to_eye.z < 0.0f ? -1.0f : 1.0f;
-	sunny all = all_sun(s, to_eye);
-	return sunny(mix(all.on, max(side * s.to.z, 0.0f), shows),
-		mix(all.through, max(-side * s.to.z, 0.0f), shows), mix(0.667f * to_eye.z, side, shows));
+	return partly_level(s, level, sunny_mix(facet_sun(s, n), all_sun(s, to_eye), 0.5f), to_eye);
 }
 
 /* ---- Plants ---- */
 
 /* TAKES times the way out, in radii of the crown, is Beer's exponent. CLUMPS: waves of clumps in a radius;
  * CLUMP_DEPTH: how much further inside leaves are than their places, in the mean. Leaves that a ball stands for
- * are SEEN_DEPTH behind it. MEAN and TOWARDS are the means of crown_at over all leaves that are seen, if 1/e of
+ * are SEEN_DEPTH of its radius behind it. MEAN and TOWARDS are the means of crown_at over all leaves that are seen, if 1/e of
  * them are seen through a fifth of the radius; these are linear in the cosine between eye and light within 0.01
  * (lod/EXPERIMENTS.md, Light in crowns). */
 #define TAKES_SUN 1.3f
@@ -173,16 +185,18 @@ LIGHT face face_of(sunlight s, plant p, uint surface, vec3 to_eye)
 	uint kind = surface >> 30;
 	if (kind == 2u)
 		return face(cloud_sun(s, real(surface >> 16 & 255u) / 255.0f, to_eye), to_eye, false,
-			real(surface & 65535u) / 65535.0f, 0.0f);
-	vec3 d = turned(p, direction_of(surface));
+			real(surface & 65535u) / 65535.0f, real(surface & 65535u) / 65535.0f);
+	vec3 d = turned(p, kind == 3u ? direction_in(surface, 10) : direction_of(surface));
+	float reach = kind == 3u ? real(surface >> 20 & 31u) / 31.0f : 0.0f;
 	if (kind == 1u) {
 		vec3 n = unit(add(to_eye, scale(d, -dot(d, to_eye))));
 		return face(axis_sun(s, d, n), n, true, 0.0f, 0.0f);
 	}
 	d = dot(d, to_eye) < 0.0f ? scale(d, -1.0f) : d;
-	if (kind == 3u)
-		return face(ball_sun(s, d, to_eye), d, false, 0.0f, SEEN_DEPTH);
-	return face(facet_sun(s, d), d, true, 0.0f, 0.0f);
+	uint level = kind == 3u ? surface >> 25 & 31u : 31u;
+	if (level < 31u)
+		return face(ball_sun(s, d, real(level) / 30.0f, to_eye), d, false, reach, 0.0f);
+	return face(facet_sun(s, d), d, true, reach, 0.0f);
 }
 
 /* From a place in a ball of radius 1 out of it, in the direction d. */
@@ -238,20 +252,23 @@ LIGHT crown crown_of(sunlight s, plant p, face seen, vec3 from_foot, vec3 to_eye
 		(from_foot.z - p.center_z) / p.half_height);
 	float out_of = length(place);
 	place = scale(place, out_of > 0.97f ? 0.97f / out_of : 1.0f);
-	crown here = crown_at(add(place, scale(eye, -seen.behind)), sun, clump(place, p.tone));
-	return crown(mix(here.sun, mean.sun, seen.reach), mix(here.sky, mean.sky, seen.reach),
-		mix(here.earth, mean.earth, seen.reach));
+	crown here = crown_at(add(place, scale(eye, SEEN_DEPTH * (seen.whole - seen.reach))), sun, clump(place, p.tone));
+	return crown(mix(here.sun, mean.sun, seen.whole), mix(here.sky, mean.sky, seen.whole),
+		mix(here.earth, mean.earth, seen.whole));
 }
 
 /* With a shadow map a crown's own shade is what the map has of it, but for what one texel of it, or one
- * primitive, holds: there it stays as it is without a map. Leaves pass light on, so no shadow is black.
+ * primitive, holds: that is as it is without a map. Leaves pass light on, so no shadow is black.
  * lit: the share of sunlight that arrives, below 0 where there is no map; texel: a texel's side over half
- * the width of the plant. */
+ * the width of the plant; reach: of the part of the primitive that the map does not shade. The mean way out of a
+ * ball is 3/4 of its radius, and leaves are seen through a fifth of a crown's: INSIDE = 5 * 3/4. */
+#define INSIDE 3.75f
+
 LIGHT crown crown_by_map(plant p, crown own, float lit, float texel, float reach)
 {
 	if (lit < 0.0f)
 		return own;
-	float coarse = p.half_height > 0.0f ? within(max(reach, texel)) : 1.0f;
+	float coarse = p.half_height > 0.0f ? within(max(1.0f - fade(INSIDE * reach), texel)) : 1.0f;
 	return crown(mix(0.08f, 1.0f, lit) * mix(1.0f, own.sun, coarse), own.sky, own.earth);
 }
 
@@ -374,7 +391,7 @@ LIGHT vec3 plant_color(sunlight s, plant p, vec3 own, face seen, vec3 from_foot,
 	float size, float haze_m, bool by_kind)
 {
 	crown around = crown_by_map(p, crown_of(s, p, seen, from_foot, scale(unit(to), -1.0f)), lit,
-		texel_m / max(p.half_width * size, 1e-6f), seen.reach);
+		texel_m / max(p.half_width * size, 1e-6f), 0.5f * (seen.reach + seen.whole));
 	vec3 color = plant_light(s, p, own, seen.sun, around, by_kind);
 	return by_kind ? color : haze(s, color, to, length(to), haze_m);
 }

@@ -25,12 +25,16 @@
  *
  *   30..31   0 facet, 1 axis (what is round about it: blades, bark), 2 cloud (leaves of all directions),
  *            3 ball (leaves around a middle: on their sunny side they are lit more)
- *    0..29   facet, axis, ball: direction, either way, as an octahedron's x and y: 15 bits each, [-1, 1]
+ *    0..29   facet, axis: direction, either way, as an octahedron's x and y: 15 bits each, [-1, 1]
+ *            ball: the same with 10 bits each; 20..24 its radius over half the width of its plant, at most 1 (31),
+ *            25..29 the share of leaves that lie level (30: all), or 31: one of its leaves, whose direction it is
  *            cloud: 0..15 half its side over half the width of its plant, at most 1 (65535), 16..23 the share
  *            of leaves that lie level (255: all) */
 enum view_surface { VIEW_FACET, VIEW_AXIS, VIEW_CLOUD, VIEW_BALL };
 /* The direction may have any length; a cloud has none. */
 uint32_t view_surface_direction(enum view_surface kind, const float direction[3]);
+uint32_t view_surface_ball(double reach, double level, const float direction[3]);
+uint32_t view_surface_leaf(double reach, const float direction[3]);
 uint32_t view_surface_cloud(double reach, double level);
 
 /* By representation; or in their own colours without light, before a gray ground and a black sky. */

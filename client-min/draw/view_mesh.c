@@ -193,11 +193,22 @@ static uint32_t axis_of(const float *p)
 	return view_surface_direction(VIEW_AXIS, (const float[3]){ p[3] - p[0], p[4] - p[1], p[5] - p[2] });
 }
 
+/* The radius of a point or a splat over half the width of its plant. */
+static double reach_of(const struct view_mesh *mesh, uint32_t primitive)
+{
+	if (!(mesh->half_width > 0))
+		return 1;
+	if (!mesh->geometry.half)
+		return (double)(view_mesh_reach(mesh, primitive) / mesh->half_width);
+	const float *h = mesh->geometry.half + 9 * (size_t)primitive;
+	float cube = h[0] * (h[4] * h[8] - h[5] * h[7]) + h[1] * (h[5] * h[6] - h[3] * h[8])
+		+ h[2] * (h[3] * h[7] - h[4] * h[6]);
+	return cbrt(fabs((double)cube)) / (double)mesh->half_width;
+}
+
 static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
 {
-	double reach = (double)view_mesh_reach(mesh, point);
-	return view_surface_cloud(mesh->half_width > 0 ? reach / mesh->half_width : 1,
-		eco_level_share(mesh->list->list.level));
+	return view_surface_cloud(reach_of(mesh, point), eco_level_share(mesh->list->list.level));
 }
 
 /* The normal where the ray meets the ellipsoid, or passes it most closely: pixels at its rim reach out. In
@@ -228,13 +239,19 @@ static void ball_of(const struct view_mesh *mesh, uint32_t splat, const struct v
 		out[k] = (float)(normal[k] / length);
 }
 
+static bool is_wood(const struct view_mesh *mesh, uint32_t splat)
+{
+	return mesh->geometry.wood && mesh->geometry.wood[splat] > 0;
+}
+
 static uint32_t smooth_of(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays)
 {
 	float normal[3];
 	if (!mesh->geometry.half)
 		return cloud_of(mesh, primitive);
 	ball_of(mesh, primitive, rays, normal);
-	return view_surface_direction(VIEW_BALL, normal);
+	return view_surface_ball(reach_of(mesh, primitive),
+		is_wood(mesh, primitive) ? 0 : eco_level_share(mesh->list->list.level), normal);
 }
 
 /* A leaf on a splat or a point, in place of the mean of leaves. */
@@ -243,7 +260,7 @@ static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const 
 {
 	const float *center = mesh->geometry.position + 3 * (size_t)primitive;
 	uint32_t look = leaf_look(leaf), side = leaf_side(look);
-	float normal[3] = { 0, 0, 1 }, tone = sqrtf(leaf_tone(leaf, look, mesh->tone));  /* of bytes, nearly */
+	float normal[3], tone = sqrtf(leaf_tone(leaf, look, mesh->tone));  /* of bytes, nearly */
 	double to_eye[3] = { rays->eye[0] - center[0], rays->eye[1] - center[1], rays->eye[2] - center[2] }, turn[3];
 	double far = sqrt(lod_dot(to_eye, to_eye));
 	for (uint32_t k = 0; k < 3; k++) {
@@ -252,17 +269,17 @@ static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const 
 	}
 	if (!leaf_is_lit(leaf, look) || mesh->by_point)
 		return smooth_of(mesh, primitive, rays);
-	if (!leaf_is_mean(look, mesh->geometry.half ? 0.5f
-			: leaf_level((float)eco_level_share(mesh->list->list.level), (float)(to_eye[2] / far)))) {
-		double length = sqrt(lod_dot(turn, turn));
-		for (int k = 0; k < 3; k++)
-			normal[k] = (float)(turn[k] / length + to_eye[k] / far);
-	} else if (mesh->geometry.half) {
+	float level = leaf_level((float)eco_level_share(mesh->list->list.level), (float)(to_eye[2] / far));
+	double length = sqrt(lod_dot(turn, turn)), reach = reach_of(mesh, primitive);
+	if (leaf_is_level(look, level))
+		return view_surface_leaf(reach, (const float[3]){ 0, 0, 1 });
+	bool surface = mesh->geometry.half && leaf_is_surface(look);
+	if (surface)
 		ball_of(mesh, primitive, rays, normal);
-		for (int k = 0; k < 3; k++)      /* at the rim rounding would say which side is seen */
-			normal[k] += 0.05f * (float)(to_eye[k] / far);
-	}
-	return view_surface_direction(VIEW_FACET, normal);
+	for (int k = 0; k < 3; k++)      /* at a splat's rim rounding would say which side is seen */
+		normal[k] = surface ? normal[k] + 0.05f * (float)(to_eye[k] / far)
+			: (float)(turn[k] / length + to_eye[k] / far);
+	return view_surface_leaf(reach, normal);
 }
 
 void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
@@ -284,7 +301,7 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 		*surface = facet_of(mesh->geometry.position + 9 * (size_t)primitive);
 	else if (list->kind == ECO_LIST_LINES)
 		*surface = axis_of(mesh->geometry.position + 6 * (size_t)primitive);
-	else if (mesh->batch.leaf > 0 && !(mesh->geometry.wood && mesh->geometry.wood[primitive] > 0))
+	else if (mesh->batch.leaf > 0 && !is_wood(mesh, primitive))
 		*surface = leaf_of(mesh, primitive, rays, leaf, rgb);
 	else
 		*surface = smooth_of(mesh, primitive, rays);

@@ -78,7 +78,7 @@ enum eco_attr {
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
-	uint8_t level;               /* ground: samples are 2^level apart; points and impostors: how level
+	uint8_t level;               /* ground: samples are 2^level apart; points, splats, impostors: how level
 	                              * their leaves lie (eco_level_share); outlines: ECO_LOSS_ONE times
 	                              * what the level before the last shows wrong, of what is opaque, 0:
 	                              * not known; else 0 */

@@ -278,6 +278,26 @@ static void check_samples(const struct lod_plant_options *options)
 	check_error(&plant.curves[whole->curve_first + count - 1], options, 0, &all);
 }
 
+/* Wood, which stands upright, does not count. */
+UNIT_TEST(splats_say_how_level_leaves_lie)
+{
+	const struct lod_v3 x = { 0.2, 0, 0 }, sides[] = { { 0, 0.2, 0 }, { 0, 0.1, 0.1 }, { 0, 0, 0.2 } };
+	static const double shares[] = { 1, 0.25, 0 };
+	for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+		soup_begin(&soup);
+		uint32_t wood = soup_material(&soup, 90, 60, 40, ECO_NONE, false),
+			leaf = soup_material(&soup, 60, 150, 40, ECO_NONE, false);
+		soup_tube(&soup, wood, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 4 }, 0.1, 0.05, 8, 4);
+		for (int k = 0; k < 60; k++)
+			soup_quad(&soup, leaf, (struct lod_v3){ soup_random(&soup, -2, 2), soup_random(&soup, -2, 2),
+				soup_random(&soup, 2, 5) }, x, sides[i]);
+		build(&plant, &quick);
+		assert_true(fabs(eco_level_share(plant.lists[plant.ladders[plant.ladder_count - 1].points].list.level)
+			- shares[i]) < 0.01);
+		finish();
+	}
+}
+
 /* A draft has two levels of the impostor, a plant all; those larger than the plant are left out, unless it has a
  * picture, which is larger still. */
 UNIT_TEST(curves_of_whole_plants_have_the_levels_of_the_impostor_and_of_splats)

@@ -77,7 +77,8 @@ static vec3 direction(int i, int count)          /* a spiral from pole to pole *
 
 static uint32_t surface_of(enum view_surface kind, vec3 n)
 {
-	return view_surface_direction(kind, (const float[3]){ n.x, n.y, n.z });
+	const float d[3] = { n.x, n.y, n.z };
+	return kind == VIEW_BALL ? view_surface_ball(1, 0, d) : view_surface_direction(kind, d);
 }
 
 static float most(vec3 v) { return fmaxf(v.x, fmaxf(v.y, v.z)); }
@@ -131,13 +132,14 @@ static vec3 even_direction(int i, int dimension)
 	return vec3(r * cosf(turn), r * sinf(turn), z);
 }
 
-/* Leaves of all directions fill the crown; each shows the area that it turns to the eye, and others hide it. */
-static float mean_of_leaves(const struct sunlight *s, vec3 eye)
+/* Leaves of all directions, `level` of them level, fill the crown; each shows the area that it turns to the eye, and
+ * others hide it. */
+static float mean_of_leaves(const struct sunlight *s, float level, vec3 eye)
 {
 	vec3 back = unstretched(tree, eye);
 	float sum = 0, weights = 0;
 	for (int i = 0; i < 4000; i++) {
-		vec3 n = even_direction(i, 0), at = scale(even_direction(i, 2), cbrtf(even_number(i, 4)));
+		vec3 n = (float)i < 4000 * level ? vec3(0, 0, 1) : even_direction(i, 0), at = scale(even_direction(i, 2), cbrtf(even_number(i, 4)));
 		float weight = fabsf(dot(n, eye)) * expf(-5 * way_out(at, back));
 		sum += weight * lit(s, surface_of(VIEW_FACET, n), in_tree(at), eye).y;
 		weights += weight;
@@ -146,14 +148,14 @@ static float mean_of_leaves(const struct sunlight *s, vec3 eye)
 }
 
 /* One ball as large as the crown. */
-static float mean_of_ball(const struct sunlight *s, vec3 eye)
+static float mean_of_ball(const struct sunlight *s, float level, vec3 eye)
 {
 	vec3 back = unstretched(tree, eye);
 	float sum = 0, weights = 0;
 	for (int i = 0; i < 4000; i++) {
 		vec3 d = direction(i, 4000), n = unit(vec3(d.x, d.y, d.z * 0.5f));
 		float weight = fmaxf(dot(d, back), 0);
-		sum += weight * lit(s, surface_of(VIEW_BALL, n), in_tree(d), eye).y;
+		sum += weight * lit(s, view_surface_ball(1, (double)level, (const float[3]){ n.x, n.y, n.z }), in_tree(d), eye).y;
 		weights += weight;
 	}
 	return sum / weights;
@@ -163,11 +165,12 @@ UNIT_TEST(a_crown_has_the_same_light_as_leaves_as_a_splat_and_as_a_point)
 {
 	double worst[2] = { 0, 0 }, mean[2] = { 0, 0 };
 	for (int i = 0; i < 60; i++) {
+		float level = (float)(i % 3) * 0.4f;
 		vec3 eye = direction(i * 17 % 60, 60), sun = direction(i % 12, 30);
 		struct sunlight s = noon;
 		s.to = sun;
-		double leaves = (double)mean_of_leaves(&s, eye), others[2] = { (double)mean_of_ball(&s, eye),
-			(double)lit(&s, view_surface_cloud(1, 0), vec3(0, 0, 6), eye).y };
+		double leaves = (double)mean_of_leaves(&s, level, eye), others[2] = { (double)mean_of_ball(&s, level, eye),
+			(double)lit(&s, view_surface_cloud(1, (double)level), vec3(0, 0, 6), eye).y };
 		for (int k = 0; k < 2; k++) {
 			worst[k] = fmax(worst[k], fabs(log(others[k] / leaves)));
 			mean[k] += log(others[k] / leaves) / 60;

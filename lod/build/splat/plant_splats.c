@@ -70,8 +70,8 @@ static bool has_colorless(const struct eco_model *model)
 }
 
 /* The model's triangles, in its order. rgb: the usual colours of their organs where the file says none; NULL if it
- * says all. */
-struct triangles { uint8_t *organ, (*rgb)[3]; };
+ * says all. level: lod_splats_level. */
+struct triangles { uint8_t *organ, (*rgb)[3], level; };
 
 static void color_triangles(struct triangles *triangles, const struct eco_model *model, const struct lod_mesh *mesh,
 	const struct lod_organs *organs, struct lod_arena *arena)
@@ -86,7 +86,7 @@ static void color_triangles(struct triangles *triangles, const struct eco_model 
 /* Finds them, and measures the plant's leaves. */
 static struct triangles read_organs(struct lod_plant *plant, const struct eco_model *model, struct lod_arena *arena)
 {
-	struct triangles triangles = { lod_arena_take(arena, model->triangle_count, 1), NULL };
+	struct triangles triangles = { lod_arena_take(arena, model->triangle_count, 1), NULL, 0 };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	lod_weld(&mesh, model, lod_grid_bits_least(model), arena);
@@ -96,6 +96,7 @@ static struct triangles read_organs(struct lod_plant *plant, const struct eco_mo
 	if (has_colorless(model))
 		color_triangles(&triangles, model, &mesh, &organs, arena);
 	lod_plant_set_leaves(&plant->plant, &mesh, &organs);
+	triangles.level = lod_splats_level(&mesh, &organs);
 	return triangles;
 }
 
@@ -196,6 +197,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	}
 	if (splats.level_count) {
 		struct eco_list list = list_of(&splats, splats.level_end[splats.level_count - 1]);
+		list.level = triangles.level;
 		struct lod_list_draft *draft = add_list(plant, &list,
 			splats.level_count * LEVEL_CHUNKS);
 		put_elements(draft, &splats);

@@ -59,6 +59,9 @@ void lod_splats_free(struct lod_splats *splats);
 enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error);
 
+/* How level the plant's leaves lie (eco_level_code); 0: it has none. */
+uint8_t lod_splats_level(const struct lod_mesh *mesh, const struct lod_organs *organs);
+
 /* Sets what leaves that are drawn on its splats are like. */
 void lod_plant_set_leaves(struct eco_plant *plant, const struct lod_mesh *mesh, const struct lod_organs *organs);
 void lod_plant_set_tone(struct eco_plant *plant, const struct lod_splats *splats);

@@ -19,6 +19,20 @@ static double width_of(const struct lod_mesh *mesh, const struct lod_organs *org
 	return area > 0 ? sqrt(0.5 * square / area) : 0;
 }
 
+uint8_t lod_splats_level(const struct lod_mesh *mesh, const struct lod_organs *organs)
+{
+	double square = 0, area = 0;
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		struct lod_v3 n = lod_mesh_area_normal(mesh, t);
+		double length = lod_v3_length(n);
+		if (organs->components[mesh->component[t]].organ == ECO_ORGAN_WOOD || !(length > 0))
+			continue;
+		square += n.z * n.z / length;
+		area += length;
+	}
+	return area > 0 ? eco_level_code(square / area) : 0;
+}
+
 void lod_plant_set_leaves(struct eco_plant *plant, const struct lod_mesh *mesh, const struct lod_organs *organs)
 {
 	double width = width_of(mesh, organs) / ECO_LEAF_UNIT_M + 0.5;
