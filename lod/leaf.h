@@ -15,6 +15,7 @@ typedef uint32_t uint;
 #define LOD_LEAF_TEXT(...) __VA_ARGS__
 #define real(x) ((float)(x))
 #define whole(x) ((uint32_t)(int32_t)(x))
+#define abs fabsf
 #define floor floorf
 #define max fmaxf
 #define sqrt sqrtf
@@ -22,6 +23,7 @@ typedef struct leaf_splat leaf_splat;
 #include "lod/leaf.glsl"
 #undef real
 #undef whole
+#undef abs
 #undef floor
 #undef max
 #undef sqrt
@@ -58,7 +60,7 @@ static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ell
 		}
 	}
 	*out = (leaf_splat){ to[0][0], to[0][1], to[0][2], to[0][3], to[1][0], to[1][1], to[1][2], to[1][3], to[2][0],
-		to[2][1], to[2][2], to[2][3], .ragged = fminf(leaf / radius, LOD_LEAF_RAGGED), .opacity = 1,
+		to[2][1], to[2][2], to[2][3], .ragged = leaf_rim(fminf(leaf / radius, LOD_LEAF_RAGGED), radius / pixel), .opacity = 1,
 		.amount = fminf(leaf / pixel, 1), .nth = nth };
 }
 
