@@ -26,8 +26,8 @@ LEAF uint leaf_cell(float x, float y, float z)
 		^ whole(2.0f * (other ? n : k)) * 0xC2B2AE3Du);
 }
 
-/* What the squares of the shells' radii differ by, where the ellipse's radius is so many pixels. A rim of less than
- * a pixel is not drawn: it costs pixels and shows nothing. */
+/* `ragged`, but 0 where the ellipse's radius is so few pixels that its rim is less than one: such a rim costs pixels
+ * and shows nothing. */
 LEAF float leaf_rim(float ragged, float radius) { return ragged * radius < 1.0f ? 0.0f : ragged; }
 
 /* The square of the height of shell 1, 2 or 3 over (u, v): the second is the ellipsoid. */

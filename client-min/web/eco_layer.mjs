@@ -136,6 +136,8 @@ export class EcoLayer {
 		this.offline = false;           // the server did not answer, and is asked again in a while
 		this.version = 0;               // of what is drawn
 		this.moving = false;            // set by who draws: shadows are those of the picture before
+		this.hurried = false;           // set by who draws: moving pictures take too long, and lose their leaves
+		this.leafy = false;             // leaves are drawn on ellipsoids
 		this.sampled = 0;               // samples of the picture that was drawn last
 		this.most = SAMPLES_MAX;        // of them, as far as is known
 		this.ahead = { asked: 0, aborted: 0 };   // requests that said where the eye will be
@@ -248,13 +250,14 @@ export class EcoLayer {
 		});
 	}
 
-	/** Whether a picture gets a shadow map of its own: not while the camera moves, nor before all is here. */
+	/** Whether a picture gets a shadow map of its own, and leaves: not while the camera moves, nor before all is here. */
 	get resting() { return this.complete && !this.moving; }
 
 	/** A picture's key: pictures of the same key look the same. */
 	keyOf(view, width, height) {
 		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
-		return [view, size, this.tint, this.smooth, this.version, this.sun, this.shadows, this.shadowSize, this.haze,
+		this.leafy = !this.smooth && (this.resting || (this.leafy && !(this.moving && this.hurried)));
+		return [view, size, this.tint, this.leafy, this.version, this.sun, this.shadows, this.shadowSize, this.haze,
 			this.resting];
 	}
 
@@ -271,7 +274,7 @@ export class EcoLayer {
 				stream.check(module._web_sky(stream.web, SHADOWS[this.shadows], this.shadowSize,
 					this.haze, this.resting ? 1 : 0));
 				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint],
-					this.smooth ? 1 : 0));
+					this.leafy ? 0 : 1));
 				[this.drawn, this.sampled, this.most] = [key, 1, SAMPLES_MAX];
 			}
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);

@@ -24,7 +24,7 @@ const PIXELS_MAX = 1.6e6;
 // Samples are drawn in parts of as many vertices as take 20 ms, as input waits for the part under way. Smaller
 // parts than these would take longer to wait for than to draw.
 const PART_LEAST = 50000, PART_MOST = 1e9, PART_MS = 20;
-// a moving picture may take so long; it has fewer pixels for it
+// a moving picture may take so long; it has fewer pixels and no leaves for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const ROWS_MAX = 40;                             // of an explanation that are shown
 const nextFrame = globalThis.requestAnimationFrame?.bind(globalThis) ?? ((f) => setTimeout(f, 16));
@@ -151,7 +151,7 @@ class Engine {
 			Object.assign(canvas, { width, height });
 		const { vertices, bytes, tint, smooth, sun, shadows, haze } = wanted;
 		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, smooth, sun, shadows, haze, moving,
+		Object.assign(layer, { vertices, bytes, tint, smooth, sun, shadows, haze, moving, hurried: this.movingScale < 1,
 			scale: moving ? scale * this.movingScale : scale });
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);

@@ -216,7 +216,7 @@ static enum eco_code prepare(struct web *web, uint32_t width, uint32_t height)
 
 /* Programs of whole scenes, from where plants are no triangles; of others they are compiled in vain. */
 #define FAR_PROGRAMS (1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY \
-	| 1u << VIEW_PROGRAM_LEAFY_SPLATS)
+	| 1u << VIEW_PROGRAM_SPLATS)
 
 int web_prepare(struct web *web, double width, double height)
 {

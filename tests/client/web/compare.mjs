@@ -157,15 +157,17 @@ async function refuseSamples(url, view, { width, height, ...budgets }) {
 	return [...said, ...errors];
 }
 
-/** Pictures with shadows: before all is here, of a camera that moves, at rest, moving again, at rest again. Shaders of
- * shadows and depths cleared (one of the picture, one of a map) of each. */
+/** Pictures with shadows: before all is here, of a camera that moves, at rest, moving again, at rest again. Of each:
+ * whether shaders of shadows and of leaves are compiled, depths cleared (one of the picture, one of a map), and
+ * whether it has leaves; the last two are hurried. */
 async function keepShadows(url, view, { width, height, ...budgets }) {
 	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2'), { prototype: own } = WebGL2RenderingContext;
 	const said = [];
-	let texts = 0, clears = 0;
+	let texts = 0, leaves = 0, clears = 0;
 	gl.shaderSource = (shader, text) => {
 		texts += /#define SHADOW|u_tops|u_cells/.test(text);
+		leaves += /#define LEAVES/.test(text);
 		own.shaderSource.call(gl, shader, text);
 	};
 	gl.clearBufferfv = (...values) => {
@@ -175,11 +177,11 @@ async function keepShadows(url, view, { width, height, ...budgets }) {
 	const layer = new EcoLayer({ url, gl, shadows: 'perspective', firstBytes: Infinity });
 	await layer.ready;
 	await layer.load({ view, width, height, ...budgets });
-	for (const moving of [false, true, false, true, false]) {
-		[texts, clears, layer.moving] = [0, 0, moving];
+	for (const moving of [false, true, false, true, false, true, false]) {
+		[texts, leaves, clears, layer.moving, layer.hurried] = [0, 0, 0, moving, said.length > 4];
 		const eye = view.eye.map((v) => v + 0.01 * said.length);
 		layer.present({ ...view, eye }, [0, 0], width, height);
-		said.push([texts > 0, clears]);
+		said.push([texts, leaves, clears, layer.leafy].map(Number).map((n) => Math.min(n, 2)).join(''));
 		layer.wanted = layer.asked;
 	}
 	layer.free();
@@ -232,7 +234,8 @@ async function inBrowser(scenes) {
 		const refused = await call(refuseSamples, url, view, wanted);
 		expect(String(refused) === 'true,false,1,false', `samples that are refused: ${refused}`);
 		const kept = String(await call(keepShadows, url, view, wanted));
-		expect(kept === 'false,1,false,1,true,2,false,1,false,2', `maps of shadows at rest and while moving: ${kept}`);
+		expect(kept === '0010,0010,2221,0011,0021,0010,0021',
+			`shadows and leaves before all is here, at rest and while moving: ${kept}`);
 		console.log(`${requests} requests: P and R of owners are at least ${least.toFixed(5)}`);
 		expect(!browser.complaints.length, browser.complaints.join('\n'));
 	} finally {
