@@ -1,5 +1,6 @@
 #include "client-min/view_measure.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +9,6 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "ecofiles/base/files.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/format/image.h"
 #include "lod/raster/flip.h"
@@ -100,75 +100,89 @@ void view_measure_pair(const struct view_picture *picture, const struct view_pic
 
 /* ---- The truth ---- */
 
-/* Another build may draw other bits. */
-static uint64_t program_hash(void)
-{
-	uint64_t hash = 0;
-	uint8_t *program;
-	size_t size;
-	if (!eco_file_read("/proc/self/exe", UINT32_MAX, &program, &size, NULL)) {
-		hash = XXH3_64bits(program, size);
-		free(program);
-	}
-	return hash;
-}
+#define VIEW_LETTERS 17u         /* of a kept truth's name VIEW-DRAWING-MS.png: hashes, and the processor time */
+#define NAME_LETTERS 34u
 
-static void find_path(const struct view_draw_job *job, const char *dir, const struct view_picture *picture,
-	char *path, size_t size)
+/* Draws the view roughly, for its hash: another build, or another light, may draw other bits. */
+static enum eco_code name_truth(const struct view_draw_job *job, struct view_picture *rough, char name[NAME_LETTERS + 1],
+	struct eco_error *error)
 {
 	const struct view_sky *sky = &job->selection->sky;
 	const struct lod_eye *eye = job->eye;
-	const double view[] = { eye->at[0], eye->at[1], eye->at[2], eye->forward[0], eye->forward[1],
-		eye->forward[2], eye->up[0], eye->up[1], eye->up[2], eye->tan_y, picture->width,
-		picture->height, job->tint, (double)sky->sun[0], (double)sky->sun[1], (double)sky->sun[2],
-		sky->haze_m, sky->shadows, sky->shadow_size };
-	XXH3_state_t *state = XXH3_createState();
-	uint64_t program = program_hash();
 	const struct eco_chunk_id *pack = view_store_pack(job->store);
-	if (!state)
-		eco_end("no memory");
-	XXH3_64bits_reset(state);
-	XXH3_64bits_update(state, &program, sizeof program);
-	XXH3_64bits_update(state, view, sizeof view);
+	const double numbers[] = { eye->at[0], eye->at[1], eye->at[2], eye->forward[0], eye->forward[1],
+		eye->forward[2], eye->up[0], eye->up[1], eye->up[2], eye->tan_y, rough->width,
+		rough->height, job->tint, (double)sky->sun[0], (double)sky->sun[1], (double)sky->sun[2],
+		sky->haze_m, sky->shadows, sky->shadow_size, VIEW_TRUTH_SIDE };
+	uint64_t view = XXH3_64bits(numbers, sizeof numbers);
+	struct view_draw_job two = *job;
+	two.samples = 2;
+	enum eco_code code = view_reference_draw(&two, rough, error);
 	if (pack)
-		XXH3_64bits_update(state, pack, sizeof *pack);
-	snprintf(path, size, "%s/%016llx.png", dir, (unsigned long long)XXH3_64bits_digest(state));
-	XXH3_freeState(state);
+		view = XXH3_64bits_withSeed(pack, sizeof *pack, view);
+	snprintf(name, NAME_LETTERS + 1, "%016llx-%016llx-", (unsigned long long)view,
+		(unsigned long long)XXH3_64bits(rough->rgb, 3 * (size_t)rough->width * rough->height));
+	return code;
+}
+
+/* Looks for the truth of this name, and removes those of its view that were drawn otherwise. */
+static bool find_kept(const char *dir, const char *name, char *path, size_t size, double *cpu_ms)
+{
+	DIR *all = opendir(dir);
+	bool found = false;
+	for (const struct dirent *entry; all && (entry = readdir(all));) {
+		const char *end = strrchr(entry->d_name, '.');
+		if (strncmp(entry->d_name, name, VIEW_LETTERS) || !end || strcmp(end, ".png"))
+			continue;
+		bool same = strncmp(entry->d_name, name, NAME_LETTERS) == 0;
+		if (!same)
+			unlinkat(dirfd(all), entry->d_name, 0);
+		else if (snprintf(path, size, "%s/%s", dir, entry->d_name) < (int)size)
+			*cpu_ms = strtod(entry->d_name + NAME_LETTERS, NULL);
+		found |= same;
+	}
+	if (all)
+		closedir(all);
+	return found;
 }
 
 static bool take_kept(const char *path, struct view_picture *picture)
 {
 	struct eco_image image = { 0 };
-	bool kept = access(path, R_OK) == 0 && !eco_image_read(&image, path, NULL)
-		&& image.width == picture->width && image.height == picture->height;
+	bool kept = !eco_image_read(&image, path, NULL) && image.width == picture->width
+		&& image.height == picture->height;
 	for (size_t i = 0; kept && i < (size_t)image.width * image.height; i++)
 		memcpy(picture->rgb + 3 * i, image.rgba + 4 * i, 3);
 	free((void *)image.rgba);
 	return kept;
 }
 
+static enum eco_code draw_truth(const struct view_draw_job *job, struct view_picture *fine, struct view_picture *picture,
+	double *cpu_ms, struct eco_error *error)
+{
+	clock_t start = clock();
+	enum eco_code code = view_reference_fine(job, VIEW_TRUTH_SIDE, fine, error);
+	if (!code)
+		memcpy(picture->rgb, fine->rgb, 3 * (size_t)picture->width * picture->height);
+	*cpu_ms = round(1e3 * (double)(clock() - start) / CLOCKS_PER_SEC);
+	return code;
+}
+
 enum eco_code view_truth_draw(const struct view_draw_job *job, const char *dir, struct view_picture *picture,
 	double *cpu_ms, struct eco_error *error)
 {
-	char path[4096];
-	clock_t start = clock();
+	char name[NAME_LETTERS + 1], path[4096];
 	struct view_picture fine = { 0 };
-	*cpu_ms = 0;
-	if (dir) {
-		find_path(job, dir, picture, path, sizeof path);
-		if (take_kept(path, picture))
-			return ECO_OK;
-	}
 	enum eco_code code = view_picture_init(&fine, picture->width, picture->height, error);
-	if (!code)
-		code = view_reference_fine(job, VIEW_TRUTH_SIDE, &fine, error);
-	if (!code) {
-		memcpy(picture->rgb, fine.rgb, 3 * (size_t)picture->width * picture->height);
-		*cpu_ms = 1e3 * (double)(clock() - start) / CLOCKS_PER_SEC;
-	}
+	*cpu_ms = 0;
 	if (!code && dir)
-		code = eco_png_write(&(struct eco_pixels){ picture->width, picture->height, 3, picture->rgb }, path,
-			error);
+		code = name_truth(job, &fine, name, error);
+	if (!code && !(dir && find_kept(dir, name, path, sizeof path, cpu_ms) && take_kept(path, picture))) {
+		code = draw_truth(job, &fine, picture, cpu_ms, error);
+		if (!code && dir && snprintf(path, sizeof path, "%s/%s%.0f.png", dir, name, *cpu_ms) < (int)sizeof path)
+			code = eco_png_write(&(struct eco_pixels){ picture->width, picture->height, 3, picture->rgb },
+				path, error);
+	}
 	view_picture_free(&fine);
 	return code;
 }

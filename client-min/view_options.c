@@ -129,7 +129,7 @@ static const struct eco_option option_table[] = {
 		"and the visible error (FLIP) side by side with their scores" },
 	{ "truths", 0, ECO_OPTION_TEXT, "DIR", &given.truths,
 		.help = "with --reference: keep the reference's colours in DIR, and take them from there when the "
-		"same program draws the same view of the same pack again" },
+		"same view of the same pack is drawn alike again" },
 	{ "geojson", 0, ECO_OPTION_FLAG, NULL, &given.geojson,
 		.help = "write frame-0000.geojson: the plants in view, each with longitude and latitude "
 		"(metres where the scene has no CRS), species, the species whose model is shown, "

@@ -20,7 +20,7 @@ struct view_frame {
 	struct view_fetch_result fetched;        /* all answers that the frame took */
 	struct view_measures measures;
 	double ceiling, predicted_q, decode_ms, draw_ms, reference_ms;
-	double truth_cpu_ms;                     /* processor time; NaN: it was kept */
+	double truth_cpu_ms;                     /* processor time of drawing the truth; NaN: there is none */
 	/* picture errors of 64 samples of the cuts, and of full detail at the picture's own samples */
 	double bias, floor;
 	struct view_motion motion;               /* since the frame before */
