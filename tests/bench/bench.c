@@ -158,7 +158,7 @@ json_t *bench_unit(struct bench *bench, const char *unit, const char *stamp, jso
 	char path[PATH], key[PATH];
 	struct eco_error why = { 0 };
 	snprintf(path, sizeof path, "%s/units/%016llx.json", bench->cache,
-		(unsigned long long)XXH3_64bits(unit, strlen(unit)));
+		(unsigned long long)XXH3_64bits_withSeed(unit, strlen(unit), !bench->sky.shadows));
 	snprintf(key, sizeof key, "%s, %s, %s%s", unit, stamp ? stamp : "", program_hash(),
 		bench->sky.shadows ? "" : ", no shadows");
 	json_t *kept = json_load_file(path, 0, NULL), *result = json_object_get(kept, "result");
@@ -454,8 +454,8 @@ static void write_report(void)
 	json_t *names = json_array();
 	for (uint32_t i = 0; sections[i]; i++)
 		json_array_append_new(names, json_string(sections[i]->name));
-	json_t *run = json_pack("{s:b, s:s, s:s?, s:o}", "full", (int)bench.full, "program", program_hash(),
-		"data", bench.data, "sections", names);
+	json_t *run = json_pack("{s:b, s:s, s:s?, s:s, s:o}", "full", (int)bench.full, "program", program_hash(),
+		"data", bench.data, "ran", section->name, "sections", names);
 	snprintf(path, sizeof path, "%s/run.json", bench.cache);
 	snprintf(command, sizeof command, SCRIPT " '%s' '%s'", bench.out, bench.cache);
 	if (write_json(path, run, &why) || system(command))

@@ -3,7 +3,7 @@
 
     report.py OUT CACHE [PAPERS.json]
 
-CACHE/run.json names the sections of the program in their order; CACHE/sections/NAME.json is the record that each
+CACHE/run.json names the sections of the program in their order, and the one that ran, whose bars are printed; CACHE/sections/NAME.json is the record that each
 left (bench.c). PAPERS.json (papers.json beside this file) sets tables and pictures beside the papers' figures:
 [{"paper", "title", "entries": [{"figure", "says", "section", "show": [patterns], "why"}]}]. Plots need
 python3-matplotlib; without it the pages hold tables and pictures only."""
@@ -150,6 +150,14 @@ def keys_of(records, barred):
             f'<th>section{lines}</table></div>\n{count}')
 
 
+def print_bars(record):
+    for key in record['keys']:
+        met = reached(key['bar'], key['value'])
+        if met is not None:
+            value = '-' if key['value'] is None else f'{key["value"]:.4g}'
+            print(f'{"met" if met else "missed":7}{key["key"]:32}{value:9}{key["bar"]}', file=sys.stderr)
+
+
 def summary_of(run, records):
     keys = [key for record in records for key in record['keys']]
     summary = {key['key']: key['value'] for key in keys}
@@ -255,6 +263,9 @@ def main():
     run = read(f'{cache}/run.json')
     records = [read(f'{cache}/sections/{name}.json') for name in run['sections']]
     records = [record for record in records if record and isinstance(record.get('items'), list)]
+    for record in records:
+        if record['name'] == run['ran']:
+            print_bars(record)
     draw_plots(out, cache, records)
     write(f'{out}/report.html', report(run, records, out))
     write(f'{out}/papers.html', papers_page(read(papers), records, out))
