@@ -426,7 +426,7 @@ static enum eco_code cast_shadows(struct view_lamp *lamp, struct view_picture *p
 		sky->casters ? sky->casters : job->selection, job->eye, picture,
 		{ lamp->sun.to.x, lamp->sun.to.y, lamp->sun.to.z }, sky->shadows, sky->shadow_size,
 		job->threads }, error);
-	picture->shadow_ms = view_clock_ms() - start;
+	picture->shadow_ms = lamp->shadow.top ? view_clock_ms() - start : 0;
 	if (!code)
 		picture->shadow_texels = view_shadow_sharpness(&lamp->shadow, picture, job->eye);
 	return code;

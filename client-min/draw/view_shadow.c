@@ -99,7 +99,7 @@ enum eco_code view_shadow_make(struct view_shadow *shadow, const struct view_sha
 	struct eco_error *error)
 {
 	*shadow = (struct view_shadow){ .size = job->size };
-	if (!(job->sun[2] > VIEW_SHADOW_LOWEST) || !find_map(shadow, job))
+	if (!(job->sun[2] > VIEW_SHADOW_LOWEST) || !job->casters->instance_count || !find_map(shadow, job))
 		return ECO_OK;
 	shadow->top = malloc((size_t)job->size * job->size * sizeof *shadow->top);
 	if (!shadow->top)

@@ -510,14 +510,14 @@ static void set_all(const struct web_light *light, const struct view_draw_job *j
 	set_rays(light, job->eye);
 	if (job->selection->image.count)
 		set_image(&light->image, light->program, 3, &job->selection->image, job->eye);
-	if (web_shadow_wanted(&light->shadow, &job->selection->sky))
+	if (web_shadow_wanted(&light->shadow, job->selection))
 		web_shadow_set(&light->shadow, light->program, 5, job->eye->at);
 }
 
 enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_draw_job *job,
 	uint32_t width, uint32_t height, struct eco_error *error)
 {
-	bool shadows = web_shadow_wanted(&light->shadow, &job->selection->sky);
+	bool shadows = web_shadow_wanted(&light->shadow, job->selection);
 	uint32_t sample = job->eye->sample;
 	enum eco_code code = web_light_prepare(light, job->selection->image.count > 0, shadows, error);
 	if (!code && shadows && !sample && !light->shadow.keeps)

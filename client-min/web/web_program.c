@@ -224,9 +224,12 @@ static void find_rows(const struct web_shadow *shadow, const struct view_draw_jo
 	web_program_fill(shadow->vertex_array, (const int[4]){ 0, 0, 4, 1 });
 }
 
-bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_sky *sky)
+bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_selection *selection)
 {
+	const struct view_sky *sky = &selection->sky;
 	struct view_light_sun sun;
+	if (!sky->casters && !selection->instance_count)
+		return false;
 	view_light_sun(sky, 0, &sun);
 	bool same = sky->shadows == shadow->of.shadows && sky->shadow_size == shadow->of.shadow_size
 		&& !memcmp(sky->sun, shadow->of.sun, sizeof sky->sun);

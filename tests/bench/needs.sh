@@ -1,6 +1,7 @@
 #!/bin/sh
-# Costs of each feature of a scene, and that it costs nothing where it is not used: six scenes, each with one thing more than the one
-# before, from bare lines to everything. BUILD is the folder of the programs, DIR where to work. Prints a CSV table.
+# Costs of each feature of a scene, and that it costs nothing where it is not used: scenes, each with one thing more than the one before,
+# from bare lines to everything; and views that need less of them: wood alone as splats, ground without a plant. BUILD is the folder of the
+# programs, DIR where to work. Prints a CSV table.
 # With `features` after DIR: scenes of one feature each, and the modules that each takes. MAKE_AS: options of make, --order combined if not given.
 #
 # The modules that ecopack needs for a scene are found by giving it none (ECO_MODULES), then those that it asks for: one not there cannot
@@ -105,12 +106,15 @@ scene leaves leafy '"ground": null, '
 scene textures painted '"ground": null, '
 scene cutouts cut '"ground": null, '
 scene ground cut '"crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, '
+scene covered cut '"crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif", "image": {"file": "painted.png", "crs": "EPSG:32632", "north_west": [690900, 5334100], "pixel": 1}}, '
 printf '{"name": "block", "plants": {"plant": {"model": "cut.obj"}}, "instances": [%s]}\n' "$(instances plant 50)" >"$DIR/block.json"
 printf '{"name": "everything", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, "tile": {"instances": 16}, "plants": {"plant": {"model": "leafy.obj"}, "large": {"model": "large.obj"}, "rough": {"model": "rough.obj"}, "foreign": {"model": "bare.ply", "up": "z", "unit": "m"}}, "instances": [%s, {"plant": "large", "at": [0, -8]}, {"plant": "rough", "at": [8, -8]}, {"from": "places.csv", "x": "lon", "y": "lat", "crs": "EPSG:4326", "plant": "foreign"}, {"from": "places.geojson", "plant": "foreign"}], "children": [{"eco": "block.json", "at": [-20, 60, 0]}]}\n' \
 	"$(instances plant 100)" >"$DIR/everything.json"
-cat >"$DIR/camera.json" <<'JSON'
-{"fps": 1, "keyframes": [{"time_s": 0, "eye": [0, -16, 6], "target": [0, 10, 3], "up": [0, 0, 1], "fov_y_deg": 50}]}
-JSON
+# camera NAME EYE TARGET
+camera() { printf '{"fps": 1, "keyframes": [{"time_s": 0, "eye": [%s], "target": [%s], "up": [0, 0, 1], "fov_y_deg": 50}]}\n' "$2" "$3" >"$DIR/$1.json"; }
+camera near "0, -16, 6" "0, 10, 3"
+camera away "0, -60, 20" "0, -90, 0"
+camera down "1, 6, 30" "0, 6, 0"
 
 # ---- Measuring ----
 
@@ -155,10 +159,12 @@ if [ "${2-}" = features ]; then
 	exit
 fi
 
-echo "scene,pack bytes,sections,lists,stream bytes,server kB,server libraries,server ready ms,viewer libraries,packer modules,shaders,packer libraries,viewer modules"
-budget=1000              # of bare lines; then as many as draw everything
-for name in bare leaves textures cutouts ground everything; do
-	pack "$name"
+echo "scene,pack bytes,sections,lists,stream bytes,server kB,server libraries,server ready ms,viewer libraries,packer modules,shaders,packer libraries,viewer modules,shadow map"
+# ROW SCENE CAMERA VERTICES: as many as draw bare lines, or splats of wood, or everything
+packed=
+while read -r row name camera budget <&3; do
+	[ "$packed" = "$name" ] || pack "$name"
+	packed=$name
 	packer=$(grep -c . "$DIR/packer")
 	sections=$("$BUILD/ecopack" info "$DIR/$name.eco" --json | jq -r '.needs | join(" ")')
 	lists=$("$BUILD/ecopack" info "$DIR/$name.eco" --json | jq -r '[.lists | to_entries[] | select(.value.lists > 0) | .key] | join(" ")' 2>/dev/null || echo "?")
@@ -169,14 +175,24 @@ for name in bare leaves textures cutouts ground everything; do
 	until grep -q '127.0.0.1:' "$DIR/ready"; do kill -0 "$server"; sleep 0.005; done
 	ready=$((($(date +%s%N) - started) / 1000000))
 	url=$(sed -n 's/.*\(127\.0\.0\.1:[0-9]*\).*/http:\/\/\1/p' "$DIR/ready" | head -n 1)
-	libraries "$BUILD/ecoview" "$url/v1/scenes/$name" --camera "$DIR/camera.json" --size 160x120 --vertices "$budget" -o "$DIR/$name" >/dev/null 2>&1
+	libraries "$BUILD/ecoview" "$url/v1/scenes/$name" --camera "$DIR/$camera.json" --size 160x120 --vertices "$budget" -o "$DIR/$row" >/dev/null 2>&1
 	viewer=$(grep -c . "$DIR/libraries")
 	viewing=$(sed -n 's/^eco\(.*\)\.so$/\1/p' "$DIR/libraries" | tr '\n' ' ')
-	stream=$(jq '.frames[0].bytes' "$DIR/$name/report.json")
-	shaders=$(jq -r '.shaders | join(" ")' "$DIR/$name/report.json")
+	stream=$(jq '.frames[0].bytes' "$DIR/$row/report.json")
+	shaders=$(jq -r '.shaders | join(" ")' "$DIR/$row/report.json")
 	resident=$(sed -n 's/^VmHWM:[^0-9]*\([0-9]*\) kB/\1/p' /proc/$server/status)
 	mapped=$(sed -n 's/.* \(\/.*\.so[^ ]*\)$/\1/p' /proc/$server/maps | sort -u | wc -l)
+	shadow=$(jq -r 'if .frames[0].shadow_ms > 0 then "made" else "" end' "$DIR/$row/report.json")
 	stop
-	budget=1000000
-	echo "$name,$(wc -c <"$DIR/$name.eco" | tr -d ' '),$sections,$lists,$stream,$resident,$mapped,$ready,$viewer,${modules% },$shaders,$packer,${viewing% }"
-done
+	echo "$row,$(wc -c <"$DIR/$name.eco" | tr -d ' '),$sections,$lists,$stream,$resident,$mapped,$ready,$viewer,${modules% },$shaders,$packer,${viewing% },$shadow"
+done 3<<'ROWS'
+bare bare near 1000
+wood bare near 300
+leaves leaves near 1000000
+textures textures near 1000000
+cutouts cutouts near 1000000
+ground ground near 1000000
+unplanted ground away 1000000
+covered covered down 1000000
+everything everything near 1000000
+ROWS

@@ -18,7 +18,7 @@ field() { awk -F, -v scene="$1" -v column="$2" '$1 == scene { print $column }' "
 has() { case " $(field "$1" "$2") " in *" $3 "*) ;; *) complain "$1: no $3 among '$(field "$1" "$2")'" ;; esac; }
 lacks() { case " $(field "$1" "$2") " in *" $3 "*) complain "$1: $3 among '$(field "$1" "$2")'" ;; esac; }
 
-[ "$(wc -l <"$DIR/table.csv")" -eq 7 ] || complain "not six scenes: $(cat "$DIR/table.csv")"
+[ "$(wc -l <"$DIR/table.csv")" -eq 10 ] || complain "not nine rows: $(cat "$DIR/table.csv")"
 
 # ---- What is stored and listed among the needs ----
 for scene in bare leaves; do
@@ -57,7 +57,15 @@ if [ -n "$(field bare 11)" ]; then
 	lacks textures 11 ground
 	lacks cutouts 11 ground
 	has ground 11 ground
+	has wood 11 splats
+	has leaves 11 triangles
+	for shader in "leafy splats" "leafy points" ground textured; do lacks wood 11 "$shader"; done
+	for shader in triangles textured lines points splats leafy; do lacks unplanted 11 "$shader"; done
 fi
+
+# ---- Shadow maps: where something casts them ----
+for row in bare leaves ground covered; do has $row 14 made; done
+lacks unplanted 14 made
 
 # ---- Libraries: a module where a scene takes it; the same few of the daemon and of the viewer for all ----
 takes() { [ "$(field "$1" 10)" = "$2" ] || complain "$1: ecopack takes the modules '$(field "$1" 10)', not '$2'"; }
@@ -68,7 +76,7 @@ done
 takes ground gdal
 takes everything "assimp gdal image proj"
 [ "$(field bare 12)" -lt 20 ] || complain "ecopack maps $(field bare 12) libraries for bare lines"
-for scene in leaves textures cutouts ground everything; do
+for scene in wood leaves textures cutouts ground unplanted covered everything; do
 	[ "$(field $scene 7)" = "$(field bare 7)" ] || complain "$scene: the daemon maps $(field $scene 7) libraries, $(field bare 7) for bare lines"
 	[ "$(field $scene 9)" = "$(field bare 9)" ] || complain "$scene: the viewer maps $(field $scene 9) libraries, $(field bare 9) for bare lines"
 	[ -z "$(field $scene 13)" ] || complain "$scene: the viewer loads the modules '$(field $scene 13)'"
@@ -78,6 +86,8 @@ done
 [ "$(field bare 5)" -lt "$(field leaves 5)" ] || complain "bare lines take as many bytes as leaves"
 [ "$(field leaves 5)" -lt "$(field cutouts 5)" ] || complain "flat leaves take as many bytes as leaves with textures"
 [ "$(field cutouts 5)" -lt "$(field ground 5)" ] || complain "the ground takes no bytes"
+[ "$(field wood 5)" -lt "$(field bare 5)" ] || complain "splats of wood take more bytes than its lines"
+[ "$(field unplanted 5)" -lt "$(field ground 5)" ] || complain "plants out of sight take bytes"
 
 # ---- Each feature takes its own module and no other ----
 BUILD=$BUILD MAKE_AS=--draft sh tests/bench/needs.sh "$DIR" features >"$DIR/table.csv" 2>"$DIR/errors" || complain "no features: $(tail -n 3 "$DIR/errors")"
