@@ -1,7 +1,7 @@
 #!/bin/sh
 # Costs of each feature of a scene, and that it costs nothing where it is not used: scenes, each with one thing more than the one before,
-# from bare lines to everything; and views that need less of them: wood alone as splats, ground without a plant. BUILD is the folder of the
-# programs, DIR where to work. Prints a CSV table.
+# from bare wood to everything; and views that draw leaves as splats, or ground without a plant. BUILD is the folder of the programs, DIR where
+# to work. Prints a CSV table.
 # With `features` after DIR: scenes of one feature each, and the modules that each takes. MAKE_AS: options of make, --order combined if not given.
 #
 # The modules that ecopack needs for a scene are found by giving it none (ECO_MODULES), then those that it asks for: one not there cannot
@@ -160,7 +160,7 @@ if [ "${2-}" = features ]; then
 fi
 
 echo "scene,pack bytes,sections,lists,stream bytes,server kB,server libraries,server ready ms,viewer libraries,packer modules,shaders,packer libraries,viewer modules,shadow map"
-# ROW SCENE CAMERA VERTICES: as many as draw bare lines, or splats of wood, or everything
+# ROW SCENE CAMERA VERTICES: as many as draw wood as lines and splats, or leaves as splats, or everything
 packed=
 while read -r row name camera budget <&3; do
 	[ "$packed" = "$name" ] || pack "$name"
@@ -187,8 +187,8 @@ while read -r row name camera budget <&3; do
 	echo "$row,$(wc -c <"$DIR/$name.eco" | tr -d ' '),$sections,$lists,$stream,$resident,$mapped,$ready,$viewer,${modules% },$shaders,$packer,${viewing% },$shadow"
 done 3<<'ROWS'
 bare bare near 1000
-wood bare near 300
 leaves leaves near 1000000
+sparse leaves near 300
 textures textures near 1000000
 cutouts cutouts near 1000000
 ground ground near 1000000

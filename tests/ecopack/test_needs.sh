@@ -57,9 +57,8 @@ if [ -n "$(field bare 11)" ]; then
 	lacks textures 11 ground
 	lacks cutouts 11 ground
 	has ground 11 ground
-	has wood 11 splats
-	has leaves 11 triangles
-	for shader in "leafy splats" "leafy points" ground textured; do lacks wood 11 "$shader"; done
+	has bare 11 splats
+	has sparse 11 "leafy splats"
 	for shader in triangles textured lines points splats leafy; do lacks unplanted 11 "$shader"; done
 fi
 
@@ -76,7 +75,7 @@ done
 takes ground gdal
 takes everything "assimp gdal image proj"
 [ "$(field bare 12)" -lt 20 ] || complain "ecopack maps $(field bare 12) libraries for bare lines"
-for scene in wood leaves textures cutouts ground unplanted covered everything; do
+for scene in leaves sparse textures cutouts ground unplanted covered everything; do
 	[ "$(field $scene 7)" = "$(field bare 7)" ] || complain "$scene: the daemon maps $(field $scene 7) libraries, $(field bare 7) for bare lines"
 	[ "$(field $scene 9)" = "$(field bare 9)" ] || complain "$scene: the viewer maps $(field $scene 9) libraries, $(field bare 9) for bare lines"
 	[ -z "$(field $scene 13)" ] || complain "$scene: the viewer loads the modules '$(field $scene 13)'"
@@ -86,7 +85,7 @@ done
 [ "$(field bare 5)" -lt "$(field leaves 5)" ] || complain "bare lines take as many bytes as leaves"
 [ "$(field leaves 5)" -lt "$(field cutouts 5)" ] || complain "flat leaves take as many bytes as leaves with textures"
 [ "$(field cutouts 5)" -lt "$(field ground 5)" ] || complain "the ground takes no bytes"
-[ "$(field wood 5)" -lt "$(field bare 5)" ] || complain "splats of wood take more bytes than its lines"
+[ "$(field sparse 5)" -lt "$(field leaves 5)" ] || complain "splats take as many bytes as leaves"
 [ "$(field unplanted 5)" -lt "$(field ground 5)" ] || complain "plants out of sight take bytes"
 
 # ---- Each feature takes its own module and no other ----
