@@ -100,12 +100,13 @@ void view_measure_pair(const struct view_picture *picture, const struct view_pic
 
 /* ---- The truth ---- */
 
-#define VIEW_LETTERS 17u         /* of a kept truth's name VIEW-DRAWING-MS.png: hashes, and the processor time */
+/* Of a kept truth's name VIEW-DRAWING-MS.png: hashes, and the processor time. */
+#define VIEW_LETTERS 17u
 #define NAME_LETTERS 34u
 
 /* Draws the view roughly, for its hash: another build, or another light, may draw other bits. */
-static enum eco_code name_truth(const struct view_draw_job *job, struct view_picture *rough, char name[NAME_LETTERS + 1],
-	struct eco_error *error)
+static enum eco_code name_truth(const struct view_draw_job *job, struct view_picture *rough,
+	char name[NAME_LETTERS + 1], struct eco_error *error)
 {
 	const struct view_sky *sky = &job->selection->sky;
 	const struct lod_eye *eye = job->eye;
@@ -157,8 +158,8 @@ static bool take_kept(const char *path, struct view_picture *picture)
 	return kept;
 }
 
-static enum eco_code draw_truth(const struct view_draw_job *job, struct view_picture *fine, struct view_picture *picture,
-	double *cpu_ms, struct eco_error *error)
+static enum eco_code draw_truth(const struct view_draw_job *job, struct view_picture *fine,
+	struct view_picture *picture, double *cpu_ms, struct eco_error *error)
 {
 	clock_t start = clock();
 	enum eco_code code = view_reference_fine(job, VIEW_TRUTH_SIDE, fine, error);
@@ -179,9 +180,10 @@ enum eco_code view_truth_draw(const struct view_draw_job *job, const char *dir, 
 		code = name_truth(job, &fine, name, error);
 	if (!code && !(dir && find_kept(dir, name, path, sizeof path, cpu_ms) && take_kept(path, picture))) {
 		code = draw_truth(job, &fine, picture, cpu_ms, error);
-		if (!code && dir && snprintf(path, sizeof path, "%s/%s%.0f.png", dir, name, *cpu_ms) < (int)sizeof path)
-			code = eco_png_write(&(struct eco_pixels){ picture->width, picture->height, 3, picture->rgb },
-				path, error);
+		const struct eco_pixels pixels = { picture->width, picture->height, 3, picture->rgb };
+		if (!code && dir && snprintf(path, sizeof path, "%s/%s%.0f.png", dir, name, *cpu_ms)
+				< (int)sizeof path)
+			code = eco_png_write(&pixels, path, error);
 	}
 	view_picture_free(&fine);
 	return code;

@@ -31,9 +31,10 @@ void view_measure_pair(const struct view_picture *picture, const struct view_pic
 	float *error_map, struct view_measures *measures);
 
 #define VIEW_TRUTH_SIDE 8u               /* samples along each side of a pixel */
-/* Replaces the colours of `picture`, which the job's selection drew, by those of the truth, drawn in software.
- * dir: a folder where truths are kept and looked for, by pack, view, light and what two samples a pixel show, so that
- * a program that draws otherwise draws them anew; or NULL. *cpu_ms: processor time of drawing, kept with it. */
+/* Replaces the colours of `picture`, which the job's selection drew, by those of the truth, drawn in
+ * software. dir: a folder where truths are kept and looked for, by pack, view, light and what two samples a
+ * pixel show, so that a program that draws otherwise draws them anew; or NULL. *cpu_ms: processor time of
+ * drawing, kept with it. */
 enum eco_code view_truth_draw(const struct view_draw_job *job, const char *dir, struct view_picture *picture,
 	double *cpu_ms, struct eco_error *error);
 

@@ -59,7 +59,7 @@ struct view_shadow {                     /* owns `top`; zero is empty */
 	float *top;                      /* size * size; -INFINITY: nothing. NULL: no map, all is lit */
 };
 
-/* Without casters, without pixels of plants or ground, and with the sun below the horizon, there is no map. */
+/* Without casters, pixels of plants or ground, or a sun above the horizon there is no map. */
 enum eco_code view_shadow_make(struct view_shadow *shadow, const struct view_shadow_job *job,
 	struct eco_error *error);
 void view_shadow_free(struct view_shadow *shadow);

@@ -63,7 +63,7 @@ struct web_shadow {                      /* zero is empty */
 	double eye[3];
 };
 
-/* Whether a picture has any: they are asked for, can be had, something casts them, and the sun is not too low. */
+/* Whether a picture has any: they are asked for and can be had, something casts them, the sun is high enough. */
 bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_selection *selection);
 /* The map of the picture of that width and height that gl has recorded, of the job's selection. */
 enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_draw_job *job,

@@ -454,8 +454,8 @@ static void write_report(void)
 	json_t *names = json_array();
 	for (uint32_t i = 0; sections[i]; i++)
 		json_array_append_new(names, json_string(sections[i]->name));
-	json_t *run = json_pack("{s:b, s:s, s:s?, s:s, s:o}", "full", (int)bench.full, "program", program_hash(),
-		"data", bench.data, "ran", section->name, "sections", names);
+	json_t *run = json_pack("{s:b, s:s, s:s?, s:s, s:o}", "full", (int)bench.full, "program",
+		program_hash(), "data", bench.data, "ran", section->name, "sections", names);
 	snprintf(path, sizeof path, "%s/run.json", bench.cache);
 	snprintf(command, sizeof command, SCRIPT " '%s' '%s'", bench.out, bench.cache);
 	if (write_json(path, run, &why) || system(command))

@@ -154,9 +154,9 @@ double bench_plan_time(struct lod_planner_stats *stats, struct eco_plan *plan, c
 struct bench_truth { double cpu_ms, floor, floor_one, ceiling; };
 #define BENCH_TRUTH_FIGURES 4u
 
-/* Splats and balls of a picture (bench_wide.c). widest_px: the widest that is nearest at its own centre; 0 where there
- * is none, the picture's width where the eye stands in one. ellipses: those of foliage wider than BENCH_WIDE_PX; flat:
- * of these, L* inside deviates by less than half of the truth's. */
+/* Splats and balls of a picture (bench_wide.c). widest_px: the widest that is nearest at its own centre; 0
+ * where there is none, the picture's width where the eye stands in one. ellipses: those of foliage wider than
+ * BENCH_WIDE_PX; flat: of these, L* inside deviates by less than half of the truth's. */
 #define BENCH_WIDE_PX 12.0
 struct bench_wide { double widest_px; uint32_t ellipses, flat; };
 /* smooth: the job's picture with one sample a pixel and no leaves, for its depths. */
@@ -176,8 +176,9 @@ struct bench_frame {
 	uint64_t cut;                /* as in bench_fetch.h */
 	struct eco_request request;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
-	/* Against the truth; all but the score is NaN of a client that does not see. With BENCH_SAMPLES samples a pixel;
-	 * with one and without leaves on splats; with BENCH_SAMPLES and without leaves; bias: picture error with 64 (B). */
+	/* Against the truth; all but the score is NaN of a client that does not see. With BENCH_SAMPLES samples a
+	 * pixel; with one and without leaves on splats; with BENCH_SAMPLES and without leaves; bias: picture
+	 * error with 64 (B). */
 	struct view_measures measures, start, smooth;
 	struct bench_truth truth;
 	struct bench_wide wide;

@@ -296,8 +296,8 @@ double bench_client_sample(const struct bench_client *client, const struct view_
 }
 
 /* Draws what is compared with a picture of BENCH_SAMPLES samples. */
-static void compare(const struct bench_client *client, struct bench_frame *frame, const struct view_draw_job *seen,
-	const struct view_picture *picture)
+static void compare(const struct bench_client *client, struct bench_frame *frame,
+	const struct view_draw_job *seen, const struct view_picture *picture)
 {
 	const struct view_picture *truth = &client->reference;
 	struct view_draw_job job = *seen;

@@ -38,11 +38,12 @@ static void run(struct bench *bench)
 		fclose(file);
 	must(table ? ECO_OK : eco_fail(must_error, ECO_IO, "%s: holds no table of needs", path));
 	bench_table_close(table);
-	bench_say(bench, "A hundred plants each; every scene has one thing more than the one before. The first is drawn as "
-		"lines and splats (1,000 vertices), sparse as splats (300), the others in full. Unplanted: the ground's "
-		"scene, where no plant is in sight or casts a shadow; covered: from above, with an image on the ground. "
-		"ecopack loads GDAL for rasters and layers, PROJ for other coordinates, assimp for models other than OBJ "
-		"and glTF, OpenImageIO for pictures other than PNG, each as a module at its first call.");
+	bench_say(bench, "A hundred plants each; every scene has one thing more than the one before. The first is "
+		"drawn as lines and splats (1,000 vertices), sparse as splats (300), the others in full. Unplanted: "
+		"the ground's scene, where no plant is in sight or casts a shadow; covered: from above, with an "
+		"image on the ground. ecopack loads GDAL for rasters and layers, PROJ for other coordinates, assimp "
+		"for models other than OBJ and glTF, OpenImageIO for pictures other than PNG, each as a module at "
+		"its first call.");
 	bench_key(bench, "needs_bare_pack_bytes", field(bare, PACK_BYTES), "only what lines need");
 	bench_key(bench, "needs_bare_stream_bytes", field(bare, STREAM_BYTES), "only what lines need");
 	bench_key(bench, "needs_bare_packer_libraries", field(bare, PACKER_LIBRARIES), "");

@@ -84,8 +84,8 @@ json_t *bench_shot_row(const struct bench_frame *f)
 		{ "picture_error", m->picture_error }, { "m16", m->blocks.color }, { "s16", m->blocks.contrast },
 		{ "s16_abs", m->blocks.contrast_abs }, { "start_error", f->start.picture_error },
 		{ "start_m16", f->start.blocks.color }, { "start_s16", f->start.blocks.contrast },
-		{ "start_s16_abs", f->start.blocks.contrast_abs }, { "smooth_error", f->smooth.picture_error },
-		{ "wide", f->wide.ellipses }, { "flat", f->wide.flat }, { "bias_error", f->bias },
+		{ "start_s16_abs", f->start.blocks.contrast_abs },
+		{ "smooth_error", f->smooth.picture_error }, { "wide", f->wide.ellipses }, { "flat", f->wide.flat }, { "bias_error", f->bias },
 		{ "floor_error", t->floor }, { "one_floor", t->floor_one }, { "ceiling", t->ceiling },
 		{ "truth_cpu_ms", t->cpu_ms }, { "widest_px", f->wide.widest_px },
 		{ "predicted_q", f->predicted_q }, { "plan_ms", f->plan_ms },
@@ -194,8 +194,7 @@ void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, 
 					must(eco_fail(must_error, ECO_BAD_INPUT,
 						VIEWS ": a camera of %s is not one", view.scene));
 				snprintf(what, sizeof what, "%s, %s", view.scene, view.camera);
-				bench_progress(bench, ((double)i + (double)k / (double)json_array_size(
-					json_object_get(item, "cameras"))) / (double)json_array_size(scenes), what);
+				bench_progress(bench, (double)i / (double)json_array_size(scenes), what);
 				call(bench, ctx, &view);
 			}
 	}

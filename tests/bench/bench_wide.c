@@ -85,7 +85,8 @@ static void look_inside(const struct look *look, const struct ball *b)
 {
 	double sum[2] = { 0, 0 }, squares[2] = { 0, 0 }, deviation[2];
 	uint32_t count = 0, width = look->smooth->width, height = look->smooth->height,
-		right = pixel_at(b->x + b->radius_px + 1, width), bottom = pixel_at(b->y + b->radius_px + 1, height);
+		right = pixel_at(b->x + b->radius_px + 1, width),
+		bottom = pixel_at(b->y + b->radius_px + 1, height);
 	for (uint32_t y = pixel_at(b->y - b->radius_px, height); y < bottom; y++)
 		for (uint32_t x = pixel_at(b->x - b->radius_px, width); x < right; x++) {
 			if (!shows(look, b, x, y))
@@ -144,9 +145,12 @@ static void look_at_cut(struct look *look, const struct view_draw_job *job, uint
 	look->list = &list->list;
 	look->area = ldexpf(list->list.unit_area * cut->scale, -cut->halvings);
 	uint32_t drawn = (uint32_t)eco_cut_primitives(cut);
-	must(lod_geometry_make(&look->points, look->list, drawn, false) ? ECO_OK : eco_no_memory(must_error, "points"));
-	uint32_t points = lod_list_geometry(look->list, &list->elements, cut->first, cut->end, cut->scale, &look->points);
-	lod_scatter(&look->points, points, cut->first, cut->halvings, lod_ball_radius(look->list, cut->scale));
+	if (!lod_geometry_make(&look->points, look->list, drawn, false))
+		must(eco_no_memory(must_error, "points"));
+	uint32_t points = lod_list_geometry(look->list, &list->elements, cut->first, cut->end, cut->scale,
+		&look->points);
+	lod_scatter(&look->points, points, cut->first, cut->halvings,
+		lod_ball_radius(look->list, cut->scale));
 	for (uint32_t m = s->member_first[c]; m < s->member_first[c + 1]; m++)
 		for (uint32_t i = 0; i < drawn; i++)
 			look_at(look, i, &s->instances[s->members[m]].place);

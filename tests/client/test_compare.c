@@ -120,7 +120,7 @@ static int spoil_kept(bool spoil)
 	return count;
 }
 
-/* Colours of the truth are kept for the view and light that they were drawn for, as long as they are drawn alike. */
+/* Colours of the truth are kept by view and light, as long as they are drawn alike. */
 UNIT_TEST(truths_are_kept)
 {
 	AT_END(scene_release) struct scene_held d = scene_hold(&grove);

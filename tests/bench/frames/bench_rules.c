@@ -277,8 +277,9 @@ static const uint64_t curve_budgets[] = { 30000, 100000, 300000, 1000000 };
 static const uint32_t curve_samples[] = { 1, 4, 8, 16 };
 #define CURVE_SAMPLES (sizeof curve_samples / sizeof *curve_samples)
 #define CURVE_SHOWN 2u                       /* the samples of a paper's line in plots: BENCH_SAMPLES */
-/* RULES: ours. OURS_BY_BYTES: ours with as many bytes as Cook's lists take. Without a budget of bytes an answer of
- * 300,000 vertices is larger than one of a million: it has splats and coarser steps, and full detail has not. */
+/* RULES: ours. OURS_BY_BYTES: ours with as many bytes as Cook's lists take. Without a budget of bytes an
+ * answer of 300,000 vertices is larger than one of a million: it has splats and coarser steps, and full detail
+ * has not. */
 #define OURS_BY_BYTES (RULES + 1)
 #define CURVE_BYTES 2u                       /* Cook's */
 static const uint32_t curve_rules[] = { RULES, DEUSSEN_2002, COOK_CORRECTED, OURS_BY_BYTES, NEUBERT_OCCLUDED,
@@ -307,12 +308,13 @@ static void sample_job(void *ctx, const struct view_draw_job *job)
 	}
 }
 
+/* NaN where no answer has so few bytes. */
 static void sample_ours(struct shot *shot, uint64_t bytes, struct curve_point *point)
 {
 	struct sampling sampling = { shot->client, point };
 	struct bench_frame ours = { .request = shot->request, .look = sample_job, .ctx = &sampling };
 	ours.request.bytes = bytes;
-	bool drawn = bench_client_frame(shot->client, &ours, NULL);      /* false: no answer has so few bytes */
+	bool drawn = bench_client_frame(shot->client, &ours, NULL);
 	for (size_t k = 0; k < CURVE_SAMPLES; k++) {
 		for (size_t i = 0; i < CURVE_COLUMNS && !drawn; i++)
 			point->figure[k][i] = NAN;
@@ -362,7 +364,8 @@ static json_t *sample_view(void *ctx)
 
 static const char *curve_name(size_t c)
 {
-	return curve_rules[c] < RULES ? name_of(curve_rules[c]) : curve_rules[c] == RULES ? "ours" : "ours, Cook's bytes";
+	return curve_rules[c] < RULES ? name_of(curve_rules[c]) : curve_rules[c] == RULES ? "ours"
+		: "ours, Cook's bytes";
 }
 
 static void plot_curves(struct bench *bench, const char *scene, const struct curve curves[CURVES], uint32_t x, uint32_t y)
@@ -426,8 +429,9 @@ static void run_curves(struct bench *bench)
 		CURVE_COLUMNS, true);
 	bench_say(bench, "Errors against the truth of frames drawn in software with 1, 4, 8 and 16 samples a pixel; "
 		"plots show the papers' at %u. CPU: processor time of drawing, all samples. Bytes of ours are a whole "
-		"first answer with its coarser steps, without a budget of bytes and with Cook's bytes as one; those of "
-		"Cook, Neubert and Lee the chunks that their lists need and the plan. Deussen's points and lines are in no pack: he has no bytes. S is the picture error.",
+		"first answer with its coarser steps, without a budget of bytes and with Cook's bytes as one; "
+		"those of Cook, Neubert and Lee the chunks that their lists need and the plan. Deussen's points and "
+		"lines are in no pack: he has no bytes. S is the picture error.",
 		BENCH_SAMPLES);
 	for (size_t i = 0; i < CURVE_SCENES; i++) {
 		char pack[512];

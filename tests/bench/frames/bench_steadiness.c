@@ -27,7 +27,8 @@ static const uint64_t budgets[] = { 100000, 300000, ECO_VERTICES_MAX };
 enum { FULL = sizeof budgets / sizeof *budgets - 1, ROWS };      /* FULL: full detail */
 /* Pictures of a frame; START: without leaves on splats. TRUTH: of full detail alone. */
 enum { ONE, START, FINE, TRUTH, SHOWN };
-static const struct { uint32_t samples; bool smooth; } shown[TRUTH] = { { 1, false }, { 1, true }, { BENCH_SAMPLES, false } };
+static const struct { uint32_t samples; bool smooth; } shown[TRUTH] = { [ONE] = { 1, false },
+	[START] = { 1, true }, [FINE] = { BENCH_SAMPLES, false } };
 enum kind { SHIMMER, POP, KINDS };
 #define FIGURES (ROWS * KINDS * TRUTH)
 
@@ -133,12 +134,14 @@ static json_t *run_camera(void *ctx)
 
 /* ---- Report ---- */
 
-static const struct bench_column columns[] = { { "shimmer 1 sample", 3 }, { "start", 3 }, { "8", 3 }, { "pop 1 sample", 3 },
-	{ "start", 3 }, { "8", 3 }, { "shimmer over full detail's 1 sample", 3 }, { "start", 3 }, { "8", 3 } };
+static const struct bench_column columns[] = { { "shimmer 1 sample", 3 }, { "start", 3 }, { "8", 3 },
+	{ "pop 1 sample", 3 }, { "start", 3 }, { "8", 3 }, { "shimmer over full detail's 1 sample", 3 },
+	{ "start", 3 }, { "8", 3 } };
 enum { OVER = KINDS * TRUTH, COLUMNS = OVER + TRUTH };
 
 /* Cameras that the quick bench looks at. */
-static const struct { const char *scene, *camera; } slow[] = { { "park", "45" }, { "grove", "eye" }, { "forest", "45" } };
+static const struct { const char *scene, *camera; } slow[] = { { "park", "45" }, { "grove", "eye" },
+	{ "forest", "45" } };
 #define SCENES_QUICK 4u                  /* the first of pictures.json, which hold them */
 
 struct study { struct bench_table *table; double least, most, pop; };
@@ -187,8 +190,8 @@ static void run(struct bench *bench)
 	bench_table_close(s.table);
 	bench_say(bench, "Cameras move sideways, %u x %u pixels. Shimmer: mean change of pixels at %g cm a frame; pop: the "
 		"largest change of a block of 16 x 16 pixels but for one in a thousand, at 1/16 pixel a frame; both over "
-		"those of full detail with 16 samples a pixel. The start has 1 sample and no leaves on splats.", WIDTH, HEIGHT,
-		100 * STEP_M);
+		"those of full detail with 16 samples a pixel. The start has 1 sample and no leaves on splats.",
+		WIDTH, HEIGHT, 100 * STEP_M);
 	bench_key(bench, "steadiness_shimmer_least", s.least,
 		">= 0.85: shimmer over full detail's at 8 samples, the least of any camera");
 	bench_key(bench, "steadiness_shimmer_most", s.most, "<= 1.1: the most");
