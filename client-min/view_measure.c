@@ -100,7 +100,7 @@ void view_measure_pair(const struct view_picture *picture, const struct view_pic
 
 /* ---- The truth ---- */
 
-/* Of a kept truth's name VIEW-DRAWING-MS.png: hashes, and the processor time. */
+/* The name of a kept truth is VIEW-DRAWING-MS.png: two hashes, and the processor time. */
 #define VIEW_LETTERS 17u
 #define NAME_LETTERS 34u
 
