@@ -314,17 +314,24 @@ LIGHT float noise_in(uint x, uint y, float u, float v)
 	return mix(south, north, up);
 }
 
-/* An octave fades out where its period, a metre over `per_m`, comes near a pixel, so that far ground does not
- * sparkle. Its mean is 0. */
-LIGHT float octave(ground_place at, int which, float per_m, float distance_m)
+/* An octave, or one `finer`, fades out where its period, a metre over `per_m`, comes near a pixel, so that far ground
+ * does not sparkle. Its mean is 0. */
+LIGHT float finer_octave(ground_place at, int which, int finer, float per_m, float distance_m)
 {
 	float near = 1.4f - distance_m * per_m / 450.0f;
-	return near > 0.0f ? (noise_at(at, which) - 0.5f) * min(near, 1.0f) : 0.0f;
+	return near > 0.0f ? (noise_at(at, which, finer) - 0.5f) * min(near, 1.0f) : 0.0f;
 }
 
-LIGHT float fine_at(ground_place at, float distance_m)
+LIGHT float octave(ground_place at, int which, float per_m, float distance_m)
 {
-	return octave(at, 0, 24.0f, distance_m) + octave(at, 1, 5.0f, distance_m);
+	return finer_octave(at, which, 1, per_m, distance_m);
+}
+
+/* Factor of light by blades and tufts; its mean is 1. */
+LIGHT float fine_at(ground_place at, float depth, float distance_m)
+{
+	return (1.0f + depth * finer_octave(at, 0, 5, 120.0f, distance_m)) * (1.0f + depth * octave(at, 0, 24.0f, distance_m))
+		* (1.0f + depth * octave(at, 1, 5.0f, distance_m));
 }
 
 /* Grass has detail at each distance: blades, tufts, patches, meadows; octaves are about a factor of five
@@ -335,7 +342,7 @@ LIGHT vec3 ground_albedo(ground_place at, float up, float distance_m)
 		wide = octave(at, 4, 0.045f, distance_m) + octave(at, 5, 0.009f, distance_m);
 	vec3 grass = blend(vec3(0.036f, 0.060f, 0.018f), vec3(0.092f, 0.096f, 0.042f),
 		within(0.40f + 0.7f * wide + 0.6f * patches + 0.25f * tufts));
-	grass = scale(grass, 1.0f + 0.9f * fine_at(at, distance_m) + 0.35f * tufts);
+	grass = scale(grass, fine_at(at, 0.9f, distance_m) + 0.35f * tufts);
 	vec3 soil = scale(vec3(0.130f, 0.096f, 0.062f), 1.0f + 0.8f * tufts);
 	return blend(grass, soil, within(smoothstep(0.10f, 0.42f, 1.0f - up)
 		+ 0.5f * smoothstep(0.5f, 0.85f, patches + tufts + 0.5f * wide)));
@@ -344,7 +351,7 @@ LIGHT vec3 ground_albedo(ground_place at, float up, float distance_m)
 /* Grain of the ground, finer than texels that are wide: those of .25 m hide all of it. */
 LIGHT float grain(ground_place at, float texel_m, float distance_m)
 {
-	return 1.0f + 0.6f * within(texel_m / 0.25f) * fine_at(at, distance_m);
+	return fine_at(at, 0.6f * within(texel_m / 0.25f), distance_m);
 }
 
 /* image: its light, where it covers `alpha` of the ground, by texels of texel_m. */

@@ -32,15 +32,17 @@ static inline float smoothstep(float low, float high, float v)
 	return t * t * (3 - 2 * t);
 }
 
-static inline float noise_at(ground_place at, int which);
+static inline float noise_at(ground_place at, int which, int finer);
 
 #include "client-min/draw/view_light.glsl"
 #include "client-min/draw/view_glsl_end.h"
 
-static inline float noise_at(ground_place at, int which)
+static inline float noise_at(ground_place at, int which, int finer)
 {
 	double p[2];
 	view_light_octave(which, (const double[2]){ at.x, at.y }, p);
+	p[0] *= finer;
+	p[1] *= finer;
 	if (!(fabs(p[0]) < 1e15 && fabs(p[1]) < 1e15))
 		return 0.5f;
 	int64_t i = (int64_t)p[0], j = (int64_t)p[1];

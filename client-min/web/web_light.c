@@ -18,7 +18,7 @@
 /* The language of view_light.glsl; places on the ground are metres from the eye. */
 static const char language[] = WEB_LANGUAGE
 	"#define ground_place vec2\n"
-	"float noise_at(vec2 at, int which);\n";
+	"float noise_at(vec2 at, int which, int finer);\n";
 
 static const char light_text[] =
 #include "view_light_text.h"
@@ -95,12 +95,12 @@ static const char pixels[] = FRAME
 	"}\n"
 	"float haze_m() { return v_frame[2].w; }\n"
 	"bool by_kind() { return v_frame[3].w != 0.0; }\n"
-	"float noise_at(vec2 at, int which) {\n"
+	"float noise_at(vec2 at, int which, int finer) {\n"
 	"	bool odd = (which & 1) == 1;\n"
 	"	vec4 part = v_part[which >> 1], metre = METRE[which];\n"
 	"	ivec4 base = v_cell[which >> 1];\n"
-	"	vec2 p = (odd ? part.zw : part.xy) + metre.xy * at.x + metre.zw * at.y, cell = floor(p);\n"
-	"	uvec2 whole = uvec2((odd ? base.zw : base.xy) + ivec2(cell));\n"
+	"	vec2 p = float(finer) * ((odd ? part.zw : part.xy) + metre.xy * at.x + metre.zw * at.y), cell = floor(p);\n"
+	"	uvec2 whole = uvec2(finer * (odd ? base.zw : base.xy) + ivec2(cell));\n"
 	"	return noise_in(whole.x, whole.y, p.x - cell.x, p.y - cell.y);\n"
 	"}\n"
 	"vec4 plant_texel(uint i) {\n"
