@@ -120,6 +120,19 @@ static uint32_t find_rings(const struct eco_impostor_rings *rings, const float d
 	return low;
 }
 
+static void order(struct lod_impostor_look *look, uint32_t i, uint32_t k)
+{
+	float weight = look->weight[i];
+	uint32_t tile = look->tile[i];
+	if (!(look->weight[k] > weight))
+		return;
+	look->weight[i] = look->weight[k];
+	look->weight[k] = weight;
+	look->tile[i] = look->tile[k];
+	look->tile[k] = tile;
+}
+
+/* The heaviest first, so that rays that miss the plant are given up soon. */
 static void choose_tiles(struct lod_impostor_look *look, const struct lod_impostor *impostor,
 	const float direction[3])
 {
@@ -134,6 +147,11 @@ static void choose_tiles(struct lod_impostor_look *look, const struct lod_impost
 		look->weight[2 * k] = part * (1 - b.share);
 		look->weight[2 * k + 1] = part * b.share;
 	}
+	order(look, 0, 1);
+	order(look, 2, 3);
+	order(look, 0, 2);
+	order(look, 1, 3);
+	order(look, 1, 2);
 }
 
 /* The nearest of the tiles that have colours. */
@@ -232,13 +250,16 @@ LOD_INLINE uint32_t cell_at(const struct lod_impostor *impostor, uint32_t tile, 
 LOD_CLONES bool lod_impostor_hit(const struct lod_impostor *impostor, const struct lod_impostor_look *look,
 	const float ray[3], struct lod_impostor_hit *hit)
 {
-	float cover = 0, along = 0, out2 = 0, point[3];
+	float cover = 0, along = 0, out2 = 0, left = 1, point[3];
 	for (uint32_t i = 0; i < LOD_IMPOSTOR_LOOKED; i++) {
 		struct met met;
 		float here = look->weight[i];
 		if (!(here > 0))
 			continue;
+		left -= here;
 		here *= tile_cover(impostor, look, i, ray, &met);
+		if (cover + here + left < LOD_IMPOSTOR_HOPE)
+			return false;
 		if (!(here > 0))
 			continue;
 		cover += here;

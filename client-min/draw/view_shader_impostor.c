@@ -24,6 +24,10 @@
 	"	return mat3(a.xyz, vec3(a.w, b.xy), vec3(0.0, b.zw));\n" \
 	"}\n"
 
+#define ORDER(a, b) \
+	"	if (v_weight." #b " > v_weight." #a ") v_weight." #a #b " = v_weight." #b #a ", v_tile." #a #b \
+	" = v_tile." #b #a ";\n"
+
 const char view_shader_impostor_vertex[] =
 	READING
 	"uniform uint u_surface;\n"
@@ -76,6 +80,7 @@ const char view_shader_impostor_vertex[] =
 	"	share = between(tiles, upper, d, tile);\n"
 	"	v_tile.zw = tile;\n"
 	"	v_weight.zw = part * vec2(1.0 - share, share);\n"
+	ORDER(x, y) ORDER(z, w) ORDER(x, z) ORDER(y, w) ORDER(y, z)
 	"}\n"
 	"uint choose_color(uint tiles, uint count, vec3 d) {\n"
 	"	uint best = 0u;\n"
@@ -222,7 +227,7 @@ const char view_shader_impostor_fragment[] =
 	"bool hit(vec3 ray, out float along, out float rest) {\n"
 	"	uvec4 head = record(1u), start = record(2u);\n"
 	"	uint side = head.y & 255u, depths = head.y >> 8 & 255u, codes = head.y >> 24;\n"
-	"	float cover = 0.0, out2 = 0.0;\n"
+	"	float cover = 0.0, out2 = 0.0, left = 1.0;\n"
 	"	along = 0.0, rest = 0.0;\n"
 	"	for (int i = 0; i < 4; i++) {\n"
 	"		if (!(v_weight[i] > 0.0)) continue;\n"
@@ -233,6 +238,8 @@ const char view_shader_impostor_fragment[] =
 	"		t = (deep - from.z) * part;\n"
 	"		vec2 at = from.xy + t * slope.xy;\n"
 	"		float here = v_weight[i] * cover_at(start.z, tile, side, at);\n"
+	"		left -= v_weight[i];\n"
+	"		if (cover + here + left < " TEXT(LOD_IMPOSTOR_HOPE) ") return false;\n"
 	"		if (!(here > 0.0)) continue;\n"
 	"		cover += here;\n"
 	"		along += here * t;\n"
