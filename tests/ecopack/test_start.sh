@@ -252,6 +252,11 @@ awk 'BEGIN { print "species,lon,lat"; for (i = 0; i < 61; i++) printf "%s,%f,48.
 start 0 '"Picea abeis" is meant as "Picea abies".*1 against 60 rows .first in line 62' near.csv
 is '.instances[0] | has("height_m")' false
 
+# ---- Two of 40 rows have a height: the others are as high as their form usually is ----
+awk 'BEGIN { print "species,lon,lat,height_m"; for (i = 0; i < 40; i++) printf "oak,%f,48.1,%s\n", 11.5 + i / 5000, i < 2 ? 2 : "" }' >"$DIR/few.csv"
+start 0 'usual for a broad-leaved tree; only 5 % of the rows have a height' few.csv
+is '.instances[0].height_m[1]' 12
+
 # ---- Questions, each with its choices and the option that answers ----
 awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 20; i++) printf "oak,%d,%d,%d\n", 691600 + i, 5334700 + i, 9 + i % 9 }' >"$DIR/zone.csv"
 start 1 'which CRS .* each UTM zone, at latitude 48\.1.*--crs EPSG:32601' zone.csv

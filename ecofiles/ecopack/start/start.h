@@ -56,7 +56,7 @@ struct start_match {
 
 /* path NULL: none; crs NULL: the file's own */
 struct start_raster { const char *path; struct eco_raster_extent *extent; const char *crs; };
-struct start_size { uint32_t column; struct eco_unit_guess unit; double median; };
+struct start_size { uint32_t column; struct eco_unit_guess unit; double median, share; };  /* of rows that say it */
 
 struct start {
 	const struct start_options *options;

@@ -117,6 +117,7 @@ static void measure(struct start *s, struct start_size *size, enum eco_quantity 
 	struct eco_size_numbers numbers = { eco_spread_quantile(&spread, 0.5),
 		eco_spread_quantile(&spread, 0.98) };
 	bool any = spread.count > 0;
+	size->share = (double)spread.seen / s->table.row_count;
 	eco_spread_free(&spread);
 	size->median = numbers.middle;
 	if (!any)

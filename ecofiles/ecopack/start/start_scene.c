@@ -23,6 +23,9 @@
  * of that at a diameter of 0.3 m. */
 #define TALLEST_M 25.0
 #define RATE_PER_MM 0.002
+/* The share of rows below which known heights are those of odd plants: volunteers' maps have a height where a tree
+ * was planted lately, or is a monument. */
+#define FEW_HEIGHTS 0.1
 
 static double round_to(double value, double step) { return round(value / step) * step; }
 
@@ -127,11 +130,17 @@ static void say_heights(struct start *s)
 			"\"height_m\" in the scene", "a usual curve of city trees, %g m at most, shrubs and "
 			"herbs as high as they grow; \"per_plant\" gives each kind its own", TALLEST_M);
 	}
-	s->height_m = s->height.column != ECO_NONE ? s->height.median * metres(s->height.unit.unit) : 0;
 	if (s->height.column != ECO_NONE) {
+		enum eco_form form = s->models[s->fallback].flora.form;
+		bool few = s->height.share < FEW_HEIGHTS;
+		s->height_m = few ? eco_form_size(form).typical_m : s->height.median * metres(s->height.unit.unit);
 		snprintf(took, sizeof took, "%.3g m", s->height_m);
-		start_guess(s, "without a size", took, "\"height_m\" in the scene", "the middle of "
-			"the heights that are known");
+		if (few)
+			start_guess(s, "without a size", took, "\"height_m\" in the scene", "usual for a %s; only %.2g %% of "
+				"the rows have a height", eco_form_names[form], 100 * s->height.share);
+		else
+			start_guess(s, "without a size", took, "\"height_m\" in the scene", "the middle of the heights "
+				"that are known");
 	} else if (s->trunk.column == ECO_NONE)
 		start_guess(s, "heights", "the models' own", "--height-column, --dbh-column", "no "
 			"column of heights or trunks was found");
