@@ -30,6 +30,12 @@ LEAF uint leaf_cell(float x, float y, float z)
  * and shows nothing. */
 LEAF float leaf_rim(float ragged, float radius) { return ragged * radius < 1.0f ? 0.0f : ragged; }
 
+/* A surface without shells has this leaf in a cell. */
+LEAF uint leaf_in(uint cell, float amount)
+{
+	return (cell & 0xFFFFFC00u) | whole(amount * 255.0f + 0.5f) << 2 | 2u;
+}
+
 /* The square of the height of shell 1, 2 or 3 over (u, v): the second is the ellipsoid. */
 LEAF float leaf_height2(leaf_splat splat, uint shell, float u, float v)
 {

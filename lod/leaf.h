@@ -34,6 +34,14 @@ typedef struct leaf_splat leaf_splat;
 #define LOD_LEAF_PIXEL 0.7f      /* pixels: the least cell */
 #define LOD_LEAF_LATTICE 1.2599f /* between lattice points, over the side of a cube of a cell's volume: 2^(1/3) */
 
+/* The side of a cell, where a pixel is so wide. */
+static inline float lod_leaf_side(float leaf, float pixel)
+{
+	while (leaf < LOD_LEAF_PIXEL * pixel)
+		leaf *= 2;
+	return leaf;
+}
+
 /* The leaves of a splat that lod_ellipse_make was given, of half axes `half` in its plant's space. leaf: the width of
  * a leaf, radius: of the disc of the ellipse's area, pixel: width of a pixel at the splat's distance, all there.
  * nth: the number of a pixel's sample. */
@@ -41,10 +49,7 @@ static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ell
 	const float down[3], const float farther[3], float w, const float center[3], const float half[9], float leaf,
 	float radius, float pixel, uint32_t nth)
 {
-	float side = leaf, to[3][4], bulge = ellipse->bulge / w;
-	while (side < LOD_LEAF_PIXEL * pixel)
-		side *= 2;
-	float cells = 1 / (LOD_LEAF_LATTICE * side);
+	float to[3][4], bulge = ellipse->bulge / w, cells = 1 / (LOD_LEAF_LATTICE * lod_leaf_side(leaf, pixel));
 	for (int i = 0; i < 3; i++) {
 		to[i][0] = center[i] * cells;
 		to[i][1] = to[i][2] = to[i][3] = 0;

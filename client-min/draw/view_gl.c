@@ -379,16 +379,20 @@ struct leaves { float width, tone; };
 
 static struct leaves leaves_of(const struct frame *f, const struct eco_list *list, uint32_t plant)
 {
-	if (f->map || f->job->smooth || plant == ECO_NONE || list->kind != ECO_LIST_POINTS)
+	if (f->map || f->job->smooth || plant == ECO_NONE
+			|| (list->kind != ECO_LIST_POINTS && list->kind != ECO_LIST_IMPOSTOR))
 		return (struct leaves){ 0, 0 };
 	const struct eco_plant *p = &view_store_plant(f->job->store, plant)->plant;
 	/* the colour of a point is that of its leaf already */
 	return (struct leaves){ (float)(p->leaf_width * ECO_LEAF_UNIT_M),
-		list->attributes & ECO_ATTR_SPLAT ? (float)p->leaf_tone / ECO_TONE_ONE : 0 };
+		list->kind == ECO_LIST_IMPOSTOR || list->attributes & ECO_ATTR_SPLAT
+			? (float)p->leaf_tone / ECO_TONE_ONE : 0 };
 }
 
 static enum view_program program_of(const struct eco_list *list, const struct leaves *leaves)
 {
+	if (leaves->width > 0 && list->kind == ECO_LIST_IMPOSTOR)
+		return VIEW_PROGRAM_LEAFY_IMPOSTORS;
 	if (leaves->width > 0)
 		return list->attributes & ECO_ATTR_SPLAT ? VIEW_PROGRAM_LEAFY_SPLATS : VIEW_PROGRAM_LEAFY_POINTS;
 	switch (list->kind) {

@@ -82,9 +82,11 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 
 void view_mesh_add_leaves(struct view_mesh *mesh, const struct eco_plant *plant)
 {
-	mesh->batch.leaf = mesh->list->list.kind == ECO_LIST_POINTS ? (float)(plant->leaf_width * ECO_LEAF_UNIT_M) : 0;
+	if (mesh->list->list.kind != ECO_LIST_POINTS && !mesh->impostor)
+		return;
+	mesh->batch.leaf = (float)(plant->leaf_width * ECO_LEAF_UNIT_M);
 	/* the colour of a point is that of its leaf already */
-	mesh->tone = mesh->geometry.half ? (float)plant->leaf_tone / ECO_TONE_ONE : 0;
+	mesh->tone = mesh->geometry.half || mesh->impostor ? (float)plant->leaf_tone / ECO_TONE_ONE : 0;
 	mesh->radius *= 1 + 0.5f * LOD_LEAF_RAGGED;
 }
 
@@ -247,6 +249,8 @@ static bool is_wood(const struct view_mesh *mesh, uint32_t splat)
 static uint32_t smooth_of(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays)
 {
 	float normal[3];
+	if (mesh->impostor)
+		return view_impostor_surface(&mesh->list->list, mesh->impostor);
 	if (!mesh->geometry.half)
 		return cloud_of(mesh, primitive);
 	ball_of(mesh, primitive, rays, normal);
@@ -258,7 +262,7 @@ static uint32_t smooth_of(const struct view_mesh *mesh, uint32_t primitive, cons
 static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
 	uint8_t rgb[3])
 {
-	const float *center = mesh->geometry.position + 3 * (size_t)primitive;
+	const float *center = mesh->impostor ? mesh->center : mesh->geometry.position + 3 * (size_t)primitive;
 	uint32_t look = leaf_look(leaf), side = leaf_side(look);
 	float normal[3], tone = sqrtf(leaf_tone(leaf, look, mesh->tone));  /* of bytes, nearly */
 	double to_eye[3] = { rays->eye[0] - center[0], rays->eye[1] - center[1], rays->eye[2] - center[2] }, turn[3];
@@ -267,10 +271,13 @@ static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const 
 		rgb[k] = (uint8_t)fminf(tone * rgb[k] + 0.5f, 255);
 		turn[k] = (double)leaf_turn(side, k);
 	}
+	uint32_t smooth = smooth_of(mesh, primitive, rays);
 	if (!leaf_is_lit(leaf, look) || mesh->by_point)
-		return smooth_of(mesh, primitive, rays);
-	float level = leaf_level((float)eco_level_share(mesh->list->list.level), (float)(to_eye[2] / far));
-	double length = sqrt(lod_dot(turn, turn)), reach = reach_of(mesh, primitive);
+		return smooth;
+	float level = leaf_level(mesh->geometry.half ? (float)eco_level_share(mesh->list->list.level)
+		: (float)(smooth >> 16 & 255) / 255, (float)(to_eye[2] / far));
+	double length = sqrt(lod_dot(turn, turn)),
+		reach = mesh->geometry.half ? reach_of(mesh, primitive) : (smooth & 65535) / 65535.0;
 	if (leaf_is_level(look, level))
 		return view_surface_leaf(reach, (const float[3]){ 0, 0, 1 });
 	bool surface = mesh->geometry.half && leaf_is_surface(look);
@@ -287,7 +294,8 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 {
 	if (mesh->impostor) {
 		memcpy(rgb, mesh->impostor->rgb[primitive], 3);
-		*surface = view_impostor_surface(&mesh->list->list, mesh->impostor);
+		*surface = mesh->batch.leaf > 0 ? leaf_of(mesh, primitive, rays, leaf, rgb)
+			: smooth_of(mesh, primitive, rays);
 		return;
 	}
 	static const uint8_t plain[3] = { 95, 127, 79 }, white[3] = { 255, 255, 255 };

@@ -20,7 +20,8 @@
 #include "lod/leaf.h"
 
 const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points",
-	"summary", "splats", "ground", "impostors", "leafy points", "leafy splats" };
+	"summary", "splats", "ground", "impostors", "leafy points", "leafy splats",
+	"leafy impostors" };
 
 #define TEXT(macro) TEXT_OF(macro)
 #define TEXT_OF(value) #value
@@ -87,8 +88,14 @@ static const char leaf_common[] =
 	"#define whole(x) uint(int(x))\n"
 #include "lod/leaf.glsl"
 	"\n"
+	"float side_of(float leaf, float pixel) {\n"
+	"	while (leaf < " TEXT(LOD_LEAF_PIXEL) " * pixel) leaf *= 2.0;\n"
+	"	return leaf;\n"
+	"}\n"
+	"#ifdef ELLIPSE\n"
 	"FLAT vec4 v_leaves[4];\n"
 	"FLAT vec3 v_to_eye;\n"
+	"#endif\n"
 	"#endif\n";
 
 static const char vertex_common[] =
@@ -331,9 +338,8 @@ static const char vertex_points[] =
 	"	mat3 near_side = mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
 	"#endif\n"
 	"#ifdef LEAVES\n"
-	"	float pixel = view.z / (focal.y * p.scale), side = u_leaf.x;\n"
-	"	while (side < " TEXT(LOD_LEAF_PIXEL) " * pixel) side *= 2.0;\n"
-	"	float cells = 1.0 / (" TEXT(LOD_LEAF_LATTICE) " * side);\n"
+	"	float pixel = view.z / (focal.y * p.scale);\n"
+	"	float cells = 1.0 / (" TEXT(LOD_LEAF_LATTICE) " * side_of(u_leaf.x, pixel));\n"
 	"	mat3 to_cells = halves * near_side * cells;\n"
 	"	float radius = sqrt(v_ellipse.w * height), ragged = leaf_rim(min(u_leaf.x / (pixel * radius), "
 	TEXT(LOD_LEAF_RAGGED) "), radius);\n"
@@ -426,14 +432,13 @@ static const char fragment_common[] =
 	"#endif\n"
 	"uint color_word(uvec3 c) { return c.r | c.g << 8 | c.b << 16; }\n";
 
-static const char fragment_plant[] =
-	"flat in uvec4 v_seen;\n"
+static const char fragment_leaf[] =
 	"#ifdef LEAVES\n"
 	/* as leaf_of in view_mesh.c */
-	"void look_leaf(uint leaf, inout uint surface, vec3 normal, inout uint color) {\n"
+	"void look_leaf(uint leaf, vec3 to_eye, float tone, vec3 normal, inout uint surface, inout uint color) {\n"
 	"	uint look = leaf_look(leaf), side = leaf_side(look);\n"
 	"	vec3 own = vec3(uvec3(color, color >> 8, color >> 16) & 255u);\n"
-	"	color = color_word(uvec3(min(sqrt(leaf_tone(leaf, look, v_leaves[3].w)) * own + 0.5, 255.0)));\n"
+	"	color = color_word(uvec3(min(sqrt(leaf_tone(leaf, look, tone)) * own + 0.5, 255.0)));\n"
 	"	bool lit = leaf_is_lit(leaf, look);\n"
 	"#if TEXELS == 4\n"
 	"	uint reach = BALL_LOOK & 31u;\n"
@@ -444,14 +449,17 @@ static const char fragment_plant[] =
 	"	float level = float(surface >> 16 & 255u) / 255.0;\n"
 	"#endif\n"
 	"	if (!lit) return;\n"
-	"	if (leaf_is_level(look, leaf_level(level, v_to_eye.z))) normal = vec3(0.0, 0.0, 1.0);\n"
+	"	if (leaf_is_level(look, leaf_level(level, to_eye.z))) normal = vec3(0.0, 0.0, 1.0);\n"
 	"#if TEXELS == 4\n"
-	"	else if (leaf_is_surface(look)) normal += 0.05 * v_to_eye;\n"
+	"	else if (leaf_is_surface(look)) normal += 0.05 * to_eye;\n"
 	"#endif\n"
-	"	else normal = v_to_eye + normalize(vec3(leaf_turn(side, 0u), leaf_turn(side, 1u), leaf_turn(side, 2u)));\n"
+	"	else normal = to_eye + normalize(vec3(leaf_turn(side, 0u), leaf_turn(side, 1u), leaf_turn(side, 2u)));\n"
 	"	surface = surface_ball(31u << 5 | reach, normal);\n"
 	"}\n"
-	"#endif\n"
+	"#endif\n";
+
+static const char fragment_plant[] =
+	"flat in uvec4 v_seen;\n"
 	"#ifdef ELLIPSE\n"
 	"float shown(inout uint surface, inout uint color) {     // 1 / distance; 0: nothing\n"
 	"	vec2 at = gl_FragCoord.xy - HALF - v_ellipse.xy;\n"
@@ -475,7 +483,7 @@ static const char fragment_plant[] =
 	"		* vec3(u, v, sqrt(max(1.0 - v * v - u * u, 0.0)));    // leaves of all shells are turned alike\n"
 	"#endif\n"
 	"#ifdef LEAVES\n"
-	"	if (leaf != 0u) look_leaf(leaf, surface, normalize(normal), color);\n"
+	"	if (leaf != 0u) look_leaf(leaf, v_to_eye, v_leaves[3].w, normalize(normal), surface, color);\n"
 	"	else\n"
 	"#endif\n"
 	"#if TEXELS == 4\n"
@@ -549,6 +557,8 @@ static const struct { const char *name, *defines, *shared, *vertex, *fragment;
 	fragment_plant }, [VIEW_PROGRAM_GROUND] = { "ground", "", "", vertex_ground, fragment_ground },
 	[VIEW_PROGRAM_IMPOSTORS] = { "impostors", "", vertex_plant, view_shader_impostor_vertex,
 		view_shader_impostor_fragment },
+	[VIEW_PROGRAM_LEAFY_IMPOSTORS] = { "impostors with leaves", "#define LEAVES 1\n#define TEXELS 0\n", vertex_plant,
+		view_shader_impostor_vertex, view_shader_impostor_fragment },
 	[VIEW_PROGRAM_LEAFY_POINTS] = { "points with leaves", "#define LEAVES 1\n" ELLIPSES(1), vertex_plant,
 		vertex_points, fragment_plant },
 	[VIEW_PROGRAM_LEAFY_SPLATS] = { "splats with leaves", "#define LEAVES 1\n" ELLIPSES(4), vertex_plant,
@@ -605,8 +615,8 @@ enum eco_code view_shader_compile(struct view_shader *shader, enum view_program 
 	const char *vs[] = { start, "#define FLAT flat out\n", depth, target, programs[which].defines, common,
 		splat_common, leaf_common, vertex_common, vertex_shadow, programs[which].shared, programs[which].vertex };
 	const char *fs[] = { start, "#define FLAT flat in\n", target, programs[which].defines, common,
-		splat_common, leaf_common, fragment_common, programs[which].fragment };
-	shader->program = view_shader_link(&(struct view_shader_text){ vs, 12, fs, 9 }, programs[which].name, error);
+		splat_common, leaf_common, fragment_common, fragment_leaf, programs[which].fragment };
+	shader->program = view_shader_link(&(struct view_shader_text){ vs, 12, fs, 10 }, programs[which].name, error);
 	if (!shader->program)
 		return ECO_UNSUPPORTED;
 	for (int i = 0; i < VIEW_UNIFORM_COUNT; i++)

@@ -207,6 +207,8 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 /* Rays of pixels in plant space: middle + x across + y down, for pixels from the picture's middle; a metre of
  * depth long. */
 struct rays { float middle[3], across[3], down[3]; };
+/* Leaves on it: cells a metre and their amount, 0: none. */
+struct leaves { float cells, amount; };
 
 /* A direction of the world in plant space, `scale` times as long. */
 static void turn_back(const struct lod_place *place, const double d[3], double scale, double out[3])
@@ -248,9 +250,18 @@ static void look_from(struct lod_impostor_look *look, const struct lod_impostor 
 	lod_impostor_look(look, impostor, eye);
 }
 
+static uint32_t leaf_where(const struct leaves *leaves, const struct lod_impostor *impostor, const float eye[3],
+	const float ray[3], float along)
+{
+	float at[3];
+	for (int k = 0; k < 3; k++)
+		at[k] = (impostor->body.center[k] + eye[k] + along * ray[k]) * leaves->cells;
+	return leaf_in(leaf_cell(at[0], at[1], at[2]), leaves->amount);
+}
+
 static void fill_impostor_row(struct lod_paint *paint, uint32_t item, const struct lod_impostor *impostor,
-	const struct lod_impostor_look *look, const struct rays *rays, uint32_t row, uint32_t from,
-	uint32_t to)
+	const struct lod_impostor_look *look, const struct rays *rays, const struct leaves *leaves, uint32_t row,
+	uint32_t from, uint32_t to)
 {
 	const struct lod_raster *raster = paint->raster;
 	float near_w = raster->state->near_w, y = (float)row + 0.5f - 0.5f * (float)raster->height;
@@ -263,8 +274,11 @@ static void fill_impostor_row(struct lod_paint *paint, uint32_t item, const stru
 		if (!lod_impostor_hit(impostor, look, ray, &hit))
 			continue;
 		paint->item = item + hit.cell;
-		any |= lod_paint_pixel(paint, (size_t)row * raster->width + column,
-			1 / (hit.along > near_w ? hit.along : near_w));
+		size_t i = (size_t)row * raster->width + column;
+		bool seen = lod_paint_pixel(paint, i, 1 / (hit.along > near_w ? hit.along : near_w));
+		if (seen && raster->leaf && leaves->amount > 0)
+			raster->leaf[i] = leaf_where(leaves, impostor, look->eye, ray, hit.along);
+		any |= seen;
 	}
 	if (any)
 		lod_mark_stale(paint, row, from, to);
@@ -286,8 +300,14 @@ void lod_raster_impostor(struct lod_raster *raster, const struct lod_impostor *i
 	put_outline(&disc.outline, at);
 	rays_make(&rays, raster);
 	look_from(&look, impostor, state);
+	struct leaves leaves = { 0, 0 };
+	if (batch->leaf > 0) {
+		float pixel = disc.w / (float)state->place.scale * (float)state->eye.pixel_rad;
+		leaves = (struct leaves){ 1 / (LOD_LEAF_LATTICE * lod_leaf_side(batch->leaf, pixel)),
+			fminf(batch->leaf / pixel, 1) };
+	}
 	outline_rows(&disc.outline, raster, rows);
 	for (uint32_t row = rows[0]; row < rows[1]; row++)
 		if (outline_span(&disc.outline, raster, row, &y, span))
-			fill_impostor_row(&paint, batch->item, impostor, &look, &rays, row, span[0], span[1]);
+			fill_impostor_row(&paint, batch->item, impostor, &look, &rays, &leaves, row, span[0], span[1]);
 }

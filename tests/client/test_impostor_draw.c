@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "client-min/draw/view_shadow.h"
+#include "client-min/view_reference.h"
+#include "lod/light.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
@@ -97,6 +99,33 @@ UNIT_TEST(opengl_and_software_agree_on_all_levels)
 			snprintf(name, sizeof name, "level-%u-%.0f-px", level, sizes[i]);
 			assert_agree(name, view, level, 1);
 		}
+}
+
+/* Leaves on impostors are seen, but what they cover stays, and so does the mean of their light. */
+UNIT_TEST(leaves_change_no_mask_and_no_mean)
+{
+	struct eco_view view = scene_view();
+	view.eye[0] = 60;
+	view.eye[2] = 30;
+	AT_END(scene_release) struct scene_held h = hold(&view, LEVELS - 1, 2);
+	FREED(view_picture) leafy = scene_draw(&h, false, VIEW_TINT_NONE);
+	FREED(view_picture) smooth = { 0 };
+	assert_good(view_picture_init(&smooth, view.width, view.height, &cause));
+	assert_good(view_reference_draw(&(struct view_draw_job){ .store = h.store, .selection = &h.selection,
+		.eye = &h.eye, .near_m = 0.1, .smooth = true }, &smooth, &cause));
+	double light[2] = { 0, 0 }, plants = 0, changed = 0;
+	for (size_t i = 0; i < (size_t)view.width * view.height; i++) {
+		assert_true(leafy.owner[i] == smooth.owner[i] && leafy.depth[i] == smooth.depth[i]);
+		if (!leafy.owner[i])
+			continue;
+		plants++;
+		changed += abs(leafy.rgb[3 * i + 1] - smooth.rgb[3 * i + 1]) > 2;
+		light[0] += lod_light_of[leafy.rgb[3 * i + 1]];
+		light[1] += lod_light_of[smooth.rgb[3 * i + 1]];
+	}
+	print_message("%.0f pixels, %.2f of them changed, light %.3f of smooth\n", plants, changed / plants,
+		light[0] / light[1]);
+	assert_true(plants > 1000 && changed > 0.5 * plants && fabs(light[0] / light[1] - 1) < 0.05);
 }
 
 /* Seen along the sun's beams from where the sun is, a plant is where its shadow is, and as high. */
