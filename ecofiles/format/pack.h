@@ -134,8 +134,9 @@ struct eco_plant {
 	uint32_t ladder_first, ladder_count;   /* whole-plant ladders before those of cells */
 	float area;                            /* m^2, all organs, a leaf counted once */
 	uint32_t triangles;                    /* full detail */
-	/* for leaves that are drawn on its splats and points (lod/leaf.h): their width, ECO_LEAF_UNIT_M, 0: none are
-	 * drawn; and the deviation, over the mean, of the luminance of what a splat stands for, 1/ECO_TONE_ONE */
+	/* for leaves that are drawn on its splats and points (lod/leaf.h): their width as far as they are seen,
+	 * ECO_LEAF_UNIT_M, 0: none are drawn; and the deviation, over the mean, of the luminance of what a splat
+	 * stands for, 1/ECO_TONE_ONE */
 	uint16_t leaf_width;
 	uint8_t leaf_tone;
 };

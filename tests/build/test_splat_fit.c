@@ -256,4 +256,47 @@ UNIT_TEST(a_level_has_a_splat_for_each_blade)
 		assert_true(splats.loss[level] < 0.95 * splats.loss[level - 2]);
 	}
 }
+/* Squares of `leaves` x `leaves` cut-out discs, `size` wide each, in a ball. */
+static void make_cards(struct soup *soup, uint32_t count, uint32_t leaves, double size)
+{
+	static const int corner[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+	soup_begin(soup);
+	uint32_t material = soup_material(soup, 40, 90, 20, soup_disc_image(soup, 64), true);
+	for (uint32_t i = 0; i < count; i++) {
+		struct lod_v3 n = soup_direction(soup), u = lod_v3_unit(lod_v3_cross(n, soup_direction(soup))),
+			v = lod_v3_cross(n, u), at = lod_v3_scale(soup_direction(soup), soup_random(soup, 0.5, 2));
+		uint32_t vertex[4];
+		for (int k = 0; k < 4; k++)
+			vertex[k] = soup_vertex(soup, lod_v3_add(at, lod_v3_add(lod_v3_scale(u, leaves * size * corner[k][0]),
+				lod_v3_scale(v, leaves * size * corner[k][1]))), leaves * corner[k][0], leaves * corner[k][1]);
+		soup_triangle(soup, material, vertex[0], vertex[1], vertex[2]);
+		soup_triangle(soup, material, vertex[0], vertex[2], vertex[3]);
+	}
+}
+
+static double measured_leaf(uint32_t count, uint32_t leaves, double size)
+{
+	FREED(soup) soup;
+	FREED(lod_splats) splats;
+	struct lod_splats_options options = { .levels = 1, .views = 12, .pixels = 160 };
+	make_cards(&soup, count, leaves, size);
+	uint32_t *leaf = calloc(2 * (size_t)count, sizeof *leaf);
+	for (uint32_t t = 0; t < 2 * count; t++)
+		leaf[t] = t / 2;
+	options.leaf = leaf;
+	fit(&splats, &soup.model, &options);
+	free(leaf);
+	return splats.leaf;
+}
+
+/* As wide as what is seen of a leaf, also where a card shows many; in thick foliage, where others hide a part, less. */
+UNIT_TEST(leaves_are_as_wide_as_they_are_seen)
+{
+	double thin = measured_leaf(40, 1, 0.2), thick = measured_leaf(1280, 1, 0.2), cards = measured_leaf(20, 8, 0.2);
+	print_message("leaves of .2 m: %.3f, in thick foliage %.3f, on cards %.3f m\n", thin, thick, cards);
+	assert_true(thin > 0.08 && thin < 0.16);
+	assert_true(thick > 0.04 && thick < 0.8 * thin);
+	assert_true(cards > 0.8 * thick && cards < 1.25 * thin);
+}
+
 

@@ -70,8 +70,8 @@ static bool has_colorless(const struct eco_model *model)
 }
 
 /* The model's triangles, in its order. rgb: the usual colours of their organs where the file says none; NULL if it
- * says all. level: lod_splats_level. */
-struct triangles { uint8_t *organ, (*rgb)[3], level; };
+ * says all. leaf: components, but ECO_NONE of wood. level: how level leaves lie (eco_level_code); 0: there are none. */
+struct triangles { uint8_t *organ, (*rgb)[3]; uint32_t *leaf; uint8_t level; };
 
 static void color_triangles(struct triangles *triangles, const struct eco_model *model, const struct lod_mesh *mesh,
 	const struct lod_organs *organs, struct lod_arena *arena)
@@ -83,20 +83,36 @@ static void color_triangles(struct triangles *triangles, const struct eco_model 
 		memcpy(triangles->rgb[mesh->source[t]], organs->rgb[t], sizeof *triangles->rgb);
 }
 
-/* Finds them, and measures the plant's leaves. */
-static struct triangles read_organs(struct lod_plant *plant, const struct eco_model *model, struct lod_arena *arena)
+static uint8_t level_of(const struct lod_mesh *mesh, const struct lod_organs *organs)
 {
-	struct triangles triangles = { lod_arena_take(arena, model->triangle_count, 1), NULL, 0 };
+	double square = 0, area = 0;
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		struct lod_v3 n = lod_mesh_area_normal(mesh, t);
+		double length = lod_v3_length(n);
+		if (organs->components[mesh->component[t]].organ == ECO_ORGAN_WOOD || !(length > 0))
+			continue;
+		square += n.z * n.z / length;
+		area += length;
+	}
+	return area > 0 ? eco_level_code(square / area) : 0;
+}
+
+static struct triangles read_organs(const struct eco_model *model, struct lod_arena *arena)
+{
+	struct triangles triangles = { lod_arena_take(arena, model->triangle_count, 1), NULL,
+		lod_arena_take(arena, model->triangle_count, sizeof *triangles.leaf), 0 };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	lod_weld(&mesh, model, lod_grid_bits_least(model), arena);
 	lod_organs_find(&organs, &mesh, model, arena);
-	for (uint32_t t = 0; t < mesh.triangle_count; t++)
-		triangles.organ[mesh.source[t]] = organs.components[mesh.component[t]].organ;
+	memset(triangles.leaf, 0xff, model->triangle_count * sizeof *triangles.leaf);
+	for (uint32_t t = 0; t < mesh.triangle_count; t++) {
+		uint8_t organ = triangles.organ[mesh.source[t]] = organs.components[mesh.component[t]].organ;
+		triangles.leaf[mesh.source[t]] = organ == ECO_ORGAN_WOOD ? ECO_NONE : mesh.component[t];
+	}
 	if (has_colorless(model))
 		color_triangles(&triangles, model, &mesh, &organs, arena);
-	lod_plant_set_leaves(&plant->plant, &mesh, &organs);
-	triangles.level = lod_splats_level(&mesh, &organs);
+	triangles.level = level_of(&mesh, &organs);
 	return triangles;
 }
 
@@ -181,14 +197,14 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 {
 	struct lod_splats splats;
 	struct lod_arena arena = { 0 };
-	struct triangles triangles = read_organs(plant, model, &arena);
+	struct triangles triangles = read_organs(model, &arena);
 	const uint8_t (*rgb)[3] = (const uint8_t (*)[3])triangles.rgb;
 	/* a build with small curves is a draft in its splats, too */
 	bool small = options->draft || (options->pixels && options->pixels < 160);
 	struct lod_splats_options fit = { .views = small ? 12 : 0, .pixels = small ? 48 : 0,
 		.levels = options->draft ? LEVELS_DRAFT : 0, .draft = options->draft,
-		.rgb = rgb, .organ = triangles.organ, .progress = options->progress, .each = options->each,
-		.ctx = options->ctx };
+		.rgb = rgb, .organ = triangles.organ, .leaf = triangles.leaf, .progress = options->progress,
+		.each = options->each, .ctx = options->ctx };
 	lod_plant_enter(options, LOD_STAGE_SPLATS);
 	enum eco_code code = lod_splats_fit(&splats, model, &fit, error);
 	if (code) {
@@ -203,7 +219,8 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		put_elements(draft, &splats);
 		add_ladder(plant, &splats);
 		color_elements(draft, plant, &splats);
-		lod_plant_set_tone(&plant->plant, &splats);
+		plant->plant.leaf_width = (uint16_t)fmin(splats.leaf / ECO_LEAF_UNIT_M + 0.5, UINT16_MAX);
+		plant->plant.leaf_tone = (uint8_t)fmin(splats.tone * ECO_TONE_ONE + 0.5, UINT8_MAX);
 		if (!options->draft)
 			code = lod_plant_add_impostor(plant, model, rgb, options, error);
 	}

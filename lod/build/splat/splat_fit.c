@@ -523,6 +523,7 @@ static bool pays(double before, double loss)
 static bool run(struct fit *fit, const struct eco_model *model)
 {
 	splat_views_make(&fit->views, model, fit->options, &fit->arena);
+	fit->splats->leaf = splat_views_leaf(&fit->views) * fit->views.radius;
 	if (!gather(fit))
 		return true;
 	splat_views_coarsen(&fit->coarse, &fit->views, &fit->arena);

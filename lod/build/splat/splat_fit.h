@@ -33,6 +33,9 @@ struct lod_splats {                      /* owns its items */
 	float unit;                      /* metres: sqrt(unit_area) of a list of these splats */
 	double radius, center[3];        /* of the plant's bounding sphere */
 	double loss[LOD_SPLAT_LEVELS];   /* 1 - soft Q of each level in the views that it was fitted to */
+	/* metres: width of the cells (lod/leaf.h) in which lines are as long as those across leaves, as far as leaves
+	 * are seen */
+	double leaf;
 	double tone;                     /* deviation of the light of what the last level stands for, over the mean */
 };
 
@@ -43,6 +46,7 @@ struct lod_splats_options {
 	uint32_t views, pixels;          /* fitted to; 0: 55 views of 160 pixels; pixels: a multiple of 8 */
 	const uint8_t (*rgb)[3];         /* per triangle of the model; NULL: from materials and textures */
 	const uint8_t *organ;            /* the same, enum eco_organ; NULL: nothing is wood */
+	const uint32_t *leaf;            /* the same, number of its leaf; ECO_NONE: none; NULL: none are measured */
 	/* as in lod_plant_options */
 	bool (*progress)(void *ctx, double share);
 	lod_each *each;
@@ -58,13 +62,6 @@ void lod_splats_free(struct lod_splats *splats);
  * to a plant that shows nothing. */
 enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error);
-
-/* How level the plant's leaves lie (eco_level_code); 0: it has none. */
-uint8_t lod_splats_level(const struct lod_mesh *mesh, const struct lod_organs *organs);
-
-/* Sets what leaves that are drawn on its splats are like. */
-void lod_plant_set_leaves(struct eco_plant *plant, const struct lod_mesh *mesh, const struct lod_organs *organs);
-void lod_plant_set_tone(struct eco_plant *plant, const struct lod_splats *splats);
 
 static inline uint32_t lod_splats_first(const struct lod_splats *splats, uint32_t level)
 {

@@ -29,6 +29,8 @@ struct splat_view {
 	float (*sample)[3];          /* points of the visible surface */
 	uint32_t *triangle;          /* of the model, that each shows */
 	uint32_t sample_count;
+	/* samples that show leaves (lod_splats_options.leaf), and in how many runs of one leaf along rows */
+	uint32_t leaf_samples, leaf_runs;
 };
 
 struct splat_views {
@@ -41,6 +43,9 @@ struct splat_views {
 /* Draws the model in all views. `views->covered` is 0 everywhere if it shows nothing. */
 void splat_views_make(struct splat_views *views, const struct eco_model *model,
 	const struct lod_splats_options *options, struct lod_arena *arena);
+
+/* The width of leaves, radii; see lod_splats.leaf. 0: there are none. */
+double splat_views_leaf(const struct splat_views *views);
 
 /* The same views in pixels twice as wide and high, without light and samples: what large splats cover hardly
  * changes within one, so that they are fitted in a quarter of the work (lod/EXPERIMENTS.md, Coarse views). */

@@ -14,13 +14,15 @@
 #define AWAY 512.0               /* of the camera, radii: as good as orthographic */
 #define LOW (-0.2)               /* heights of views on the unit sphere */
 #define HIGH 0.95
+#define CELL_RUN 0.7526          /* mean length of a line in a cell of lod/leaf.h of volume 1: 4 / its surface */
 #define SAMPLES 49152u           /* of the surface, in all views */
 
 struct drawing {
 	struct splat_views *views;
 	const struct eco_model *model;
 	const struct lod_mask *masks;
-	const uint8_t (*rgb)[3], *organ;     /* per triangle; organ may be NULL */
+	const uint8_t (*rgb)[3], *organ;     /* per triangle; organ and leaf may be NULL */
+	const uint32_t *leaf;
 	double *square;              /* of each triangle's lod_light_gray */
 	struct lod_raster *rasters;
 	uint32_t raster_count;
@@ -106,6 +108,21 @@ static void take_samples(struct splat_views *views, uint32_t index, const struct
 	}
 }
 
+/* Other leaves hide parts of one, and a card with many has gaps: pieces in the picture decide, not areas. */
+static void count_leaves(const uint32_t *leaf, struct splat_view *view, const struct lod_raster *raster)
+{
+	for (uint32_t y = 0; y < raster->height; y++) {
+		uint32_t before = ECO_NONE;
+		for (uint32_t x = 0; x < raster->width; x++) {
+			size_t i = (size_t)y * raster->width + x;
+			uint32_t here = raster->cover[i] ? leaf[raster->item[i]] : ECO_NONE;
+			view->leaf_samples += here != ECO_NONE;
+			view->leaf_runs += here != ECO_NONE && here != before;
+			before = here;
+		}
+	}
+}
+
 static void draw_part(void *pieces, uint32_t part)
 {
 	struct drawing *d = pieces;
@@ -118,6 +135,8 @@ static void draw_part(void *pieces, uint32_t part)
 			for (uint32_t x = 0; x < d->views->pixels; x++)
 				reduce_pixel(d, view, raster, x, y);
 		take_samples(d->views, i, raster);
+		if (d->leaf)
+			count_leaves(d->leaf, view, raster);
 	}
 }
 
@@ -147,7 +166,7 @@ void splat_views_make(struct splat_views *views, const struct eco_model *model,
 	allocate(views, arena);
 	struct drawing d = { views, model, lod_model_masks(model, arena),
 		options->rgb ? options->rgb : lod_model_colors(model, arena), options->organ,
-		lod_arena_take(arena, model->triangle_count, sizeof *d.square),
+		options->leaf, lod_arena_take(arena, model->triangle_count, sizeof *d.square),
 		lod_arena_take(arena, parts, sizeof *d.rasters), parts };
 	for (uint32_t i = 0; i < parts; i++)
 		lod_raster_init(&d.rasters[i], &(struct lod_raster_options){ .width = SIDE * pixels,
@@ -159,6 +178,17 @@ void splat_views_make(struct splat_views *views, const struct eco_model *model,
 	lod_each_run(options->each, options->ctx, parts, draw_part, &d);
 	for (uint32_t i = 0; i < parts; i++)
 		lod_raster_free(&d.rasters[i]);
+}
+
+/* Edges lie anywhere between samples, also two between neighbours: hence half a sample less. */
+double splat_views_leaf(const struct splat_views *views)
+{
+	double samples = 0, runs = 0;
+	for (uint32_t i = 0; i < views->count; i++) {
+		samples += views->items[i].leaf_samples;
+		runs += views->items[i].leaf_runs;
+	}
+	return runs > 0 ? (samples / runs - 0.5) / (CELL_RUN * SIDE * (double)views->scale) : 0;
 }
 
 void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *views,
