@@ -8,10 +8,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "lod/lanes.h"
 #include "lod/splat.h"
 
 typedef uint32_t uint;
-#define LEAF static inline
+#define LEAF LOD_INLINE
 #define LOD_LEAF_TEXT(...) __VA_ARGS__
 #define real(x) ((float)(x))
 #define whole(x) ((uint32_t)(int32_t)(x))

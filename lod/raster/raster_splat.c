@@ -1,6 +1,7 @@
 /* Drawing splats and impostors: see lod/splat.h and lod/impostor.h. Unlike the edges of triangles those of ellipses are decided in single
  * floats, by + - * / and square roots in a fixed order. */
 #include "lod/impostor.h"
+#include "lod/lanes.h"
 #include "lod/leaf.h"
 #include "lod/raster/raster_state.h"
 #include "lod/splat.h"
@@ -106,8 +107,16 @@ static bool outline_span(const struct outline *o, const struct lod_raster *raste
 	return span[0] < span[1];
 }
 
-/* Leaves on it: rows of the outermost shell. */
-static void fill_leaves(const struct lod_paint *paint, const struct disc *disc)
+LOD_INLINE float leaf_depth(const struct disc *disc, uint32_t shell, float u, float v)
+{
+	const struct lod_ellipse *e = &disc->outline.ellipse;
+	float w = disc->w + e->aside * u + e->below * v
+		- e->bulge * sqrtf(leaf_height2(disc->leaves, shell, u, v));
+	return 1 / (w > disc->near_w ? w : disc->near_w);
+}
+
+/* Leaves on it: rows of the outermost shell. No cell is looked up where even that shell is hidden. */
+LOD_CLONES static void fill_leaves(const struct lod_paint *paint, const struct disc *disc)
 {
 	const struct lod_raster *raster = paint->raster;
 	const struct lod_ellipse *e = &disc->outline.ellipse;
@@ -125,13 +134,13 @@ static void fill_leaves(const struct lod_paint *paint, const struct disc *disc)
 		for (uint32_t x = span[0]; x < span[1]; x++) {
 			float at = (float)x + 0.5f - 0.5f * (float)raster->width - outer.x, v = y / e->high,
 				u = e->half > 0 ? (at - e->lean * y) / e->half : 0;
+			size_t i = (size_t)row * raster->width + x;
+			if (!(leaf_depth(disc, 1, u, v) >= raster->depth[i]))
+				continue;
 			uint32_t leaf = leaf_at(disc->leaves, u, v);
 			if (!leaf)
 				continue;
-			float w = disc->w + e->aside * u + e->below * v
-				- e->bulge * sqrtf(leaf_height2(disc->leaves, leaf & 3, u, v));
-			size_t i = (size_t)row * raster->width + x;
-			bool seen = lod_paint_pixel(paint, i, 1 / (w > disc->near_w ? w : disc->near_w));
+			bool seen = lod_paint_pixel(paint, i, leaf_depth(disc, leaf & 3, u, v));
 			if (seen && raster->leaf)
 				raster->leaf[i] = leaf;
 			any |= seen;
