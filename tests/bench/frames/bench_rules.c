@@ -365,7 +365,7 @@ static json_t *sample_view(void *ctx)
 static const char *curve_name(size_t c)
 {
 	return curve_rules[c] < RULES ? name_of(curve_rules[c]) : curve_rules[c] == RULES ? "ours"
-		: "ours, Cook's bytes";
+		: "ours at Cook's bytes";
 }
 
 static void plot_curves(struct bench *bench, const char *scene, const struct curve curves[CURVES], uint32_t x, uint32_t y)
