@@ -154,8 +154,8 @@ def print_bars(record):
     for key in record['keys']:
         met = reached(key['bar'], key['value'])
         if met is not None:
-            value = '-' if key['value'] is None else f'{key["value"]:.4g}'
-            print(f'{"met" if met else "missed":7}{key["key"]:32}{value:9}{key["bar"]}', file=sys.stderr)
+            word = 'absent' if key['value'] is None else 'met' if met else 'missed'
+            print(f'{word:7}{key["key"]:32}{key["value"] or 0:<9.4g}{key["bar"]}', file=sys.stderr)
 
 
 def summary_of(run, records):
