@@ -127,7 +127,9 @@ function moved() {
 }
 
 function lookAt(box, whole = false) {
+	camera.setMode('orbit');
 	camera.frame(box, canvas.clientWidth / canvas.clientHeight, whole);
+	camera.setMode(settings.mode);           // a walker looks ahead
 	moved();
 }
 

@@ -252,6 +252,10 @@ awk 'BEGIN { print "species,lon,lat"; for (i = 0; i < 61; i++) printf "%s,%f,48.
 start 0 '"Picea abeis" is meant as "Picea abies".*1 against 60 rows .first in line 62' near.csv
 is '.instances[0] | has("height_m")' false
 
+# ---- Columns that say a species in a few rows only are left aside ----
+awk 'BEGIN { print "botanical,genus,lon,lat"; for (i = 0; i < 40; i++) printf "%s,quercus,%f,48.1\n", i ? "" : "Quercus robur", 11.5 + i / 5000 }' >"$DIR/sparse.csv"
+start 0 'species *"genus"' sparse.csv
+
 # ---- Two of 40 rows have a height: the others are as high as their form usually is ----
 awk 'BEGIN { print "species,lon,lat,height_m"; for (i = 0; i < 40; i++) printf "oak,%f,48.1,%s\n", 11.5 + i / 5000, i < 2 ? 2 : "" }' >"$DIR/few.csv"
 start 0 'usual for a broad-leaved tree; only 5 % of the rows have a height' few.csv

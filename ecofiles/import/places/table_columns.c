@@ -162,14 +162,34 @@ static int points(const struct eco_table *table, enum eco_role role, uint32_t co
 
 /* ---- Choice ---- */
 
+static uint32_t filled(const struct eco_table *t, uint32_t column)
+{
+	uint32_t count = 0;
+	for (uint32_t row = 0; row < t->row_count; row++)
+		count += !eco_text_is_missing(eco_table_field(t, row, column));
+	return count;
+}
+
+/* Maps of volunteers have many columns of species, most of them nearly empty: those that say it in less than a
+ * quarter as many rows as another are left aside. */
+static uint32_t least_filled(const struct eco_table *t, enum eco_role role, char decimal)
+{
+	uint32_t most = 0;
+	for (uint32_t i = 0; role == ECO_ROLE_SPECIES && i < t->column_count; i++)
+		if (points(t, role, i, decimal) >= ECO_COLUMN_ENOUGH && filled(t, i) > most)
+			most = filled(t, i);
+	return most / 4;
+}
+
 static void choose(const struct eco_table *t, struct eco_columns *columns, enum eco_role role)
 {
 	int best = 0, second = 0;
 	uint32_t rival = ECO_NONE;
 	if (columns->of[role] != ECO_NONE)
 		return;
+	uint32_t least = least_filled(t, role, columns->decimal);
 	for (uint32_t i = 0; i < t->column_count; i++) {
-		int own = points(t, role, i, columns->decimal);
+		int own = least > 0 && filled(t, i) < least ? 0 : points(t, role, i, columns->decimal);
 		if (own > best) {
 			second = best;
 			rival = columns->of[role];
