@@ -392,31 +392,35 @@ static void say_roles(struct web *web)
 	eco_write_format(&web->text, "],");
 }
 
+struct standing { uint32_t plant; double scale; };
+
 static int by_plant(const void *a, const void *b)
 {
-	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-	return x < y ? -1 : x > y;
+	const struct standing *x = a, *y = b;
+	return x->plant < y->plant ? -1 : x->plant > y->plant;
 }
 
-/* Plants of the pack in view, counted. */
+/* Plants of the pack in view, counted, and how high they are in the mean. */
 static void say_models(struct web *web)
 {
 	const struct view_selection *s = &web->selection;
-	uint32_t *plants = malloc(((size_t)s->instance_count + 1) * sizeof *plants), count = 0;
+	struct standing *plants = malloc(((size_t)s->instance_count + 1) * sizeof *plants);
+	uint32_t count = 0;
 	eco_write_format(&web->text, "\"models\":[");
 	for (uint32_t i = 0; plants && i < s->instance_count; i++)
 		if (s->instances[i].plant != ECO_NONE)
-			plants[count++] = s->instances[i].plant;
+			plants[count++] = (struct standing){ s->instances[i].plant, s->instances[i].place.scale };
 	if (plants)
 		qsort(plants, count, sizeof *plants, by_plant);
 	for (uint32_t i = 0, end; i < count; i = end) {
-		const struct view_plant *plant = view_store_plant(web->store, plants[i]);
-		for (end = i; end < count && plants[end] == plants[i]; end++)
-			;
-		eco_write_format(&web->text, "%s{\"number\":%u,\"name\":", i ? "," : "", plants[i]);
+		const struct view_plant *plant = view_store_plant(web->store, plants[i].plant);
+		double scale = 0;
+		for (end = i; end < count && plants[end].plant == plants[i].plant; end++)
+			scale += plants[end].scale;
+		eco_write_format(&web->text, "%s{\"number\":%u,\"name\":", i ? "," : "", plants[i].plant);
 		say_name(&web->text, plant->plant.name);
 		eco_write_format(&web->text, ",\"height_m\":%.2f,\"count\":%u}",
-			(double)plant->plant.height_m, end - i);
+			plant->plant.height_m * scale / (end - i), end - i);
 	}
 	free(plants);
 	eco_write_format(&web->text, "],");

@@ -72,6 +72,9 @@ async function picksAPlant() {
 			if (picked.kind === 'plant')
 				row = rowAt(picked.foot[0] + origin.at[0], picked.foot[1] + origin.at[1]);
 		}
+	const models = await ask('viewer.drawn.facts.models'), total = (list) => list.reduce((a, b) => a + b, 0);
+	const apart = total(models.map((m) => m.height_m * m.count)) / total(rows.map((r) => Number(r[3])));
+	expect(Math.abs(apart - 1) < 0.01, `all plants together are ${apart} times as high as their rows say`);
 	expect(row?.plant === 'cards-3', 'no plant was found to click that is shown as another');
 	expect(row.apart < 0.02 && picked.plant === 'cards-2',
 		`a ${picked.plant} at ${picked.foot}: its row is a ${row.plant}, ${row.apart} m away`);
