@@ -14,7 +14,9 @@
 #define AWAY 512.0               /* of the camera, radii: as good as orthographic */
 #define LOW (-0.2)               /* heights of views on the unit sphere */
 #define HIGH 0.95
-#define CELL_RUN 0.7526          /* mean length of a line in a cell of lod/leaf.h of volume 1: 4 / its surface */
+/* The mean length of a line across a cell (lod/leaf.h) of volume 1 in a picture of splats: .75 (4 / its surface) in a cut
+ * that faces the eye, .50 on a whole ball; of a splat the middle shows most (lod/EXPERIMENTS.md, Leaves on splats). */
+#define CELL_RUN 0.63
 #define SAMPLES 49152u           /* of the surface, in all views */
 
 struct drawing {
