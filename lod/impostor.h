@@ -19,6 +19,7 @@
 /* Less than half, as means of several tiles are lower than each of them. */
 #define LOD_IMPOSTOR_LEAST 0.45f
 #define LOD_IMPOSTOR_HOPE 0.449f         /* less than that by more than sums of floats err */
+#define LOD_IMPOSTOR_LIGHT 0.1f          /* once a ray is covered, tiles of less weight together are left out */
 #define LOD_IMPOSTOR_LOOKED 4u           /* tiles that a ray is looked up in */
 /* Across, in pixels: plants that are larger in the picture are not drawn as impostors. */
 #define LOD_IMPOSTOR_PIXELS 192u

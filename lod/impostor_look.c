@@ -265,6 +265,8 @@ LOD_CLONES bool lod_impostor_hit(const struct lod_impostor *impostor, const stru
 		cover += here;
 		along += here * met.along;
 		out2 += here * met.out2;
+		if (cover >= LOD_IMPOSTOR_LEAST && left < LOD_IMPOSTOR_LIGHT)
+			break;
 	}
 	if (!(cover >= LOD_IMPOSTOR_LEAST))
 		return false;

@@ -257,6 +257,7 @@ const char view_shader_impostor_fragment[] =
 	"		cover += here;\n"
 	"		along += here * t;\n"
 	"		out2 += here * (at.x * at.x + at.y * at.y);\n"
+	"		if (cover >= " TEXT(LOD_IMPOSTOR_LEAST) " && left < " TEXT(LOD_IMPOSTOR_LIGHT) ") break;\n"
 	"	}\n"
 	"	if (!(cover >= " TEXT(LOD_IMPOSTOR_LEAST) ")) return false;\n"
 	"	along /= cover;\n"
