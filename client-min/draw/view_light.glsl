@@ -331,7 +331,7 @@ LIGHT float octave(ground_place at, int which, float per_m, float distance_m)
 LIGHT float fine_at(ground_place at, float depth, float distance_m)
 {
 	return (1.0f + depth * finer_octave(at, 0, 5, 120.0f, distance_m)) * (1.0f + depth * octave(at, 0, 24.0f, distance_m))
-		* (1.0f + depth * octave(at, 1, 5.0f, distance_m));
+		* (1.0f + depth * finer_octave(at, 1, 2, 10.0f, distance_m)) * (1.0f + 0.6f * depth * octave(at, 1, 5.0f, distance_m));
 }
 
 /* Grass has detail at each distance: blades, tufts, patches, meadows; octaves are about a factor of five
