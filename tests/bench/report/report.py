@@ -155,7 +155,7 @@ def print_bars(record):
         met = reached(key['bar'], key['value'])
         if met is not None:
             word = 'absent' if key['value'] is None else 'met' if met else 'missed'
-            print(f'{word:7}{key["key"]:32}{key["value"] or 0:<9.4g}{key["bar"]}', file=sys.stderr)
+            print(f'{word:7}{key["key"]:32}{"-" if key["value"] is None else format(key["value"], ".4g"):9}{key["bar"]}', file=sys.stderr)
 
 
 def summary_of(run, records):
@@ -264,7 +264,7 @@ def main():
     records = [read(f'{cache}/sections/{name}.json') for name in run['sections']]
     records = [record for record in records if record and isinstance(record.get('items'), list)]
     for record in records:
-        if record['name'] == run['ran']:
+        if record['name'] == run.get('ran'):
             print_bars(record)
     draw_plots(out, cache, records)
     write(f'{out}/report.html', report(run, records, out))
