@@ -157,8 +157,8 @@ async function refuseSamples(url, view, { width, height, ...budgets }) {
 	return [...said, ...errors];
 }
 
-/** Pictures with shadows: before all is here, of a camera that moves, at rest, moving again, at rest again. Of each:
- * whether shaders of shadows and of leaves are compiled, depths cleared (one of the picture, one of a map), and
+/** Pictures with shadows: before all is here, of a camera that moves, at rest, moving again, at rest again. Each is
+ * told by whether shaders of shadows and of leaves are compiled, depths cleared (one of the picture, one of a map), and
  * whether it has leaves; the last two are hurried. */
 async function keepShadows(url, view, { width, height, ...budgets }) {
 	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
