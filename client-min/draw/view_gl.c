@@ -267,16 +267,6 @@ static enum eco_code compile(struct view_gl *gl, enum view_program which, bool s
 	return s->program ? ECO_OK : view_shader_compile(s, which, shadow, &gl->context.dialect, error);
 }
 
-enum eco_code view_gl_prepare(struct view_gl *gl, uint32_t programs, struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
-	view_context_use(&gl->context);
-	for (int i = 0; i < VIEW_PROGRAM_COUNT && !code; i++)
-		if (programs & 1u << i)
-			code = compile(gl, (enum view_program)i, false, error);
-	return code;
-}
-
 static enum eco_code use(struct frame *f, enum view_program which, const struct view_shader **out)
 {
 	struct view_shader *s = f->map ? &f->gl->casting[which] : &f->gl->shaders[which];
@@ -406,6 +396,31 @@ static enum view_program program_of(const struct eco_list *list, const struct le
 	default:
 		return view_record_texels(list) == 5 ? VIEW_PROGRAM_TEXTURED : VIEW_PROGRAM_TRIANGLES;
 	}
+}
+
+/* For a store that holds nothing: programs of whole scenes, from where plants are no triangles. */
+static uint32_t programs_of(const struct view_store *store)
+{
+	uint32_t programs = 0;
+	for (uint32_t i = 0; i < view_store_list_count(store); i++) {
+		const struct eco_list *list = &view_store_list_at(store, i)->list;
+		if (list->kind == ECO_LIST_GROUND)
+			programs |= 1u << VIEW_PROGRAM_GROUND;
+		else if (list->kind <= ECO_LIST_POINTS || list->kind == ECO_LIST_IMPOSTOR)
+			programs |= 1u << program_of(list, &(struct leaves){ 0, 0 });
+	}
+	return programs ? programs : 1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY | 1u << VIEW_PROGRAM_SPLATS;
+}
+
+enum eco_code view_gl_prepare(struct view_gl *gl, const struct view_store *store, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	const uint32_t programs = programs_of(store);
+	view_context_use(&gl->context);
+	for (int i = 0; i < VIEW_PROGRAM_COUNT && !code; i++)
+		if (programs & 1u << i)
+			code = compile(gl, (enum view_program)i, false, error);
+	return code;
 }
 
 static void set_tint(const struct view_shader *s, enum view_role role)

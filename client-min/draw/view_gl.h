@@ -31,8 +31,8 @@ const char *view_gl_renderer(const struct view_gl *gl);
 bool view_gl_hardware(const struct view_gl *gl);
 /* bit i: enum view_program i was needed, and compiled */
 uint32_t view_gl_programs(const struct view_gl *gl);
-/* Compiles those of the bits that are not yet: while there is nothing to be drawn. */
-enum eco_code view_gl_prepare(struct view_gl *gl, uint32_t programs, struct eco_error *error);
+/* Compiles, before there is a plan to draw, what draws the lists that are held without leaves. */
+enum eco_code view_gl_prepare(struct view_gl *gl, const struct view_store *store, struct eco_error *error);
 
 /* After chunks have gone from a store: frees what is on the GPU of lists that none of these holds. */
 void view_gl_keep(struct view_gl *gl, const struct view_store *const *stores, uint32_t count);

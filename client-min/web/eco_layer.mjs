@@ -328,7 +328,9 @@ export class EcoLayer {
 			const most = wanted.bytes < 0 ? Infinity : wanted.bytes, bytes = Math.min(most, this.firstBytes);
 			if (!this.stream.selected && bytes < most) {
 				const vertices = Math.min(wanted.vertices, this.firstVertices);
-				await this.stream.fetch(wanted.view, { ...wanted, signal, onPart, vertices, bytes });
+				const first = this.stream.fetch(wanted.view, { ...wanted, signal, onPart, vertices, bytes });
+				this.prepare(this.stream, wanted);
+				await first;
 				show();
 				this.onChange?.();
 			}

@@ -24,7 +24,7 @@ const PIXELS_MAX = 1.6e6;
 // Samples are drawn in parts of as many vertices as take 20 ms, as input waits for the part under way. Smaller
 // parts than these would take longer to wait for than to draw.
 const PART_LEAST = 50000, PART_MOST = 1e9, PART_MS = 20;
-// a moving picture may take so long; it has fewer pixels and no leaves for it
+// a moving picture, and the first one, may take so long; it has fewer pixels and no leaves for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const ROWS_MAX = 40;                             // of an explanation that are shown
 const nextFrame = globalThis.requestAnimationFrame?.bind(globalThis) ?? ((f) => setTimeout(f, 16));
@@ -65,6 +65,7 @@ class Engine {
 			try {
 				const since = performance.now(), { layer } = this;
 				if (layer && this.draw()) {
+					this.stale = !this.drawn;
 					this.drawn = true;
 					await this.finished();
 					this.pace(performance.now() - since);
@@ -145,7 +146,8 @@ class Engine {
 
 	/** False: nothing is here yet. */
 	draw() {
-		const { layer, gl, canvas, wanted } = this, { matrix, eye, next, size, moving } = wanted;
+		const { layer, gl, canvas, wanted } = this, { matrix, eye, next, size } = wanted;
+		const first = !this.drawn, moving = wanted.moving || first;
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
@@ -158,7 +160,7 @@ class Engine {
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 		const there = layer.draw(matrix, eye, size, next), { complete, offline, stream } = layer;
-		this.said = { number: wanted.number, moving, facts: layer.facts(), complete, offline,
+		this.said = { number: wanted.number, moving, facts: layer.facts(), complete: complete && !first, offline,
 			sampled: layer.sampled, more: layer.refines, received: stream.received, ahead: layer.ahead,
 			ground: stream.selected ? stream.ground(eye[0], eye[1]) : null };
 		return there;

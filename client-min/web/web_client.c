@@ -214,16 +214,12 @@ static enum eco_code prepare(struct web *web, uint32_t width, uint32_t height)
 	return code;
 }
 
-/* Programs of whole scenes, from where plants are no triangles; of others they are compiled in vain. */
-#define FAR_PROGRAMS (1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY \
-	| 1u << VIEW_PROGRAM_SPLATS)
-
 int web_prepare(struct web *web, double width, double height)
 {
 	forget_error(web);
 	enum eco_code code = prepare(web, (uint32_t)width, (uint32_t)height);
 	if (!code)
-		code = view_gl_prepare(web->gl, FAR_PROGRAMS, &web->error);
+		code = view_gl_prepare(web->gl, web->store, &web->error);
 	if (!code)
 		code = web_light_prepare(&web->light, false, false, &web->error);
 	return (int)code;

@@ -10,7 +10,7 @@
  *                                                   URL/stream?web_query(web); NULL: see web_error
  *           web_feed(web, bytes, size)              as they come
  *   while ((again = web_finish(web)) > 0)           0: all is here; below 0: see web_error
- *   web_prepare(web, width, height)                 while nothing has come yet: what a view from afar needs
+ *   web_prepare(web, width, height)                 before there is a plan: compiles what draws what is held
  *   web_select(web)                                 what the plan that has come draws from now on; -1: none
  *                                                   has
  *   web_draw(web, view, width, height, tint, smooth)        a picture, by the WebGL context that is current
