@@ -40,7 +40,8 @@ struct eco_view {
 
 struct eco_request {
 	struct eco_view view;
-	uint64_t vertices;           /* budget, 0..ECO_VERTICES_MAX */
+	uint64_t vertices;           /* budget, 0..ECO_VERTICES_MAX; the greatest, with unbounded bytes, asks for
+	                              * full detail */
 	/* budget of the whole response and of what it names, or ECO_BYTES_UNBOUNDED */
 	uint64_t bytes;
 	double ground_px;            /* greatest error of the ground, _PX_MIN.._PX_MAX; 0: ECO_GROUND_PX */

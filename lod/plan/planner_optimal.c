@@ -54,6 +54,7 @@
 #define FINER_WORK 4             /* of a finer level, over that of a level */
 #define PASSES_VERTICES 96
 #define PASSES_BYTES 200
+#define PASSES_EVERYTHING 8      /* no search: the ends of the grid, what they predict, and the fill */
 #define NODE_BYTES 2             /* times that a tile is passed in each of these */
 #define HIDDEN_MOST 0.05         /* of what a picture has */
 #define UNCHANGED 2              /* one of so many tallies is summed again, for the others nothing changed */
@@ -562,9 +563,16 @@ static bool within_bytes(const struct lod_planner *p)
 	return !p->hidden && p->input->request->bytes != ECO_BYTES_UNBOUNDED;
 }
 
+/* A budget that binds nothing needs no search: the plan is lambda 0 at the finest level that may be opened. */
+static bool is_everything(const struct lod_planner *p)
+{
+	const struct eco_request *r = p->input->request;
+	return r->vertices == ECO_VERTICES_MAX && r->bytes == ECO_BYTES_UNBOUNDED;
+}
+
 static uint64_t passes(const struct lod_planner *p)
 {
-	return within_bytes(p) ? PASSES_BYTES : PASSES_VERTICES;
+	return is_everything(p) ? PASSES_EVERYTHING : within_bytes(p) ? PASSES_BYTES : PASSES_VERTICES;
 }
 
 static uint64_t work_of_node(const struct lod_planner *p)
@@ -596,6 +604,12 @@ static uint64_t places_most(const struct lod_planner *p)
 {
 	uint64_t most = p->input->work_max / WALKS / LOD_WORK_PLACE;
 	return !p->input->work_max || most > PLACES_MOST ? PLACES_MOST : most + 1;
+}
+
+/* Cells that the plants of a level may have, if all draw theirs. */
+static uint64_t cells_most(const struct lod_planner *p)
+{
+	return p->input->work_max / CELLS_WORK * PASSES_VERTICES / passes(p);
 }
 
 /* Tiles that a plan of any level may have, whatever else is in view. */
@@ -630,8 +644,10 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 			bound_last(p, nodes_max);
 		p->visible.places_few = bound || !p->input->work_max ? 0 : places_most(p);
 		p->visible.nodes_few = bound || !p->input->work_max ? 0 : nodes_most(p);
+		p->visible.cells_max = *level > 0 ? cells_most(p) : 0;
 		enum eco_code code = open_level(p, *level, &local);
 		p->visible.nodes_max = nodes_max;
+		p->visible.cells_max = 0;
 		p->visible.places_few = p->visible.nodes_few = 0;
 		bool affordable = code || !bound || is_affordable(p, 1);
 		if ((code != ECO_TOO_LARGE && affordable) || *level <= COARSEST)
@@ -662,7 +678,7 @@ static enum eco_code open_finer(struct lod_planner *p, int *level, bool *opened,
 	p->visible.places_max = p->scene->needs & ECO_NEED_SUMMARIES
 		? places_most(p) * PASSES_VERTICES / passes(p) : 0;
 	p->visible.nodes_max = p->scene->needs & ECO_NEED_SUMMARIES ? nodes_most(p) : nodes_max;
-	p->visible.cells_max = p->input->work_max / CELLS_WORK * PASSES_VERTICES / passes(p);
+	p->visible.cells_max = cells_most(p);
 	enum eco_code code = open_level(p, *level + 1, &local);
 	p->visible.nodes_max = nodes_max;
 	p->visible.cells_max = 0;
@@ -675,15 +691,16 @@ static enum eco_code open_finer(struct lod_planner *p, int *level, bool *opened,
 }
 
 /* Plans level by level, until one has steps left or everything is open. Where all of a level fits, or it
- * hides plants, only the next one is filled. */
+ * hides plants, only the next one is filled. A plan of everything has one level, the finest possible. */
 static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
 {
-	const bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED;
-	int level = 0;
+	const bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED, everything = is_everything(p);
+	int level = everything ? FINER_TIMES : 0;
 	bool predicts = true, opened = true;
 	enum eco_code code = open_possible(p, &level, error);
 	while (!code && opened) {
-		bool may = !complete(p) && level < FINER_TIMES, finer = may && is_affordable(p, FINER_WORK);
+		bool may = !everything && !complete(p) && level < FINER_TIMES,
+			finer = may && is_affordable(p, FINER_WORK);
 		p->level = (uint32_t)(level - COARSEST);
 		code = search_level(s, p, &predicts, error);
 		opened = false;

@@ -269,6 +269,32 @@ UNIT_TEST(an_unlimited_budget_draws_every_visible_triangle_once)
 	eco_plan_free(&plan);
 }
 
+/* A plan of everything needs no search: the work of four such plans suffices. A smaller budget, which has to be
+ * searched, gets a coarser level for it. */
+UNIT_TEST(everything_is_full_detail_in_little_work)
+{
+	uint32_t coarser = 0;
+	for (uint32_t i = 0; i < 40; i++) {
+		random_scene_sized(&scene, 500 + i, i % 2 ? 6 : 0, (struct random_sizes){ .species = 3, .leaves = 12,
+			.elements = 20, .places = 60, .cells = 6 });
+		struct eco_request request = random_request(&scene);
+		request.vertices = ECO_VERTICES_MAX;
+		struct eco_plan full, bounded, searched;
+		struct lod_planner_input input = { .scene = &scene.scene, .request = &request };
+		input.work_max = 4 * plan_make(&full, input).work;
+		assert_true(plan_make(&bounded, input).work <= input.work_max);
+		request.vertices--;
+		plan_make(&searched, input);
+		assert_int_equal(bounded.vertices, full.vertices);
+		coarser += searched.vertices < full.vertices;
+		eco_plan_free(&full);
+		eco_plan_free(&bounded);
+		eco_plan_free(&searched);
+	}
+	print_message("          %u of 40 smaller budgets get less\n", coarser);
+	assert_true(coarser > 0);
+}
+
 UNIT_TEST(shifting_turning_and_scaling_through_a_placement_changes_only_rounding)
 {
 	static const double shifts[][3] = { { 1000, -250, 3 }, { 1e6, 1e6, 0 }, { 1e7, -1e7, 100 },
