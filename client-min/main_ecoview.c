@@ -36,7 +36,7 @@ struct viewer {                          /* everything that lives as long as the
 	                                          * samples as the other */
 	uint8_t *before[2];                      /* colours of picture and reference of the last frame */
 	float *error_map;                        /* of the two, if they are compared */
-	double ceiling, truth_cpu_ms;            /* of the reference */
+	double ceiling, truth_cpu_ms, coarse;    /* of the reference; coarse: view_selection's */
 	struct view_report report;
 	struct view_explain explain;
 	struct view_progress progress;
@@ -152,6 +152,7 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	enum eco_code code = view_select_make(&selection, store, eye, error);
 	if (code)
 		return code;
+	v->coarse = (double)selection.coarse;
 	selection.sky = v->sky;
 	selection.sky.casters = &casters;
 	if (v->sky.shadows)
@@ -302,16 +303,15 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	return view_frame_check(f, error);
 }
 
-/* A view of more plants than a plan looks at cannot be asked for in full detail: then the score is against
- * the best plan. */
-static void note_summaries(struct viewer *v, struct view_frame *f)
+/* Full detail of very many plants is more than a plan may take: then the score is against the best plan. */
+static void note_coarse(struct viewer *v, struct view_frame *f)
 {
-	f->reference_summaries = view_store_summaries(v->full);
-	if (f->reference_summaries > 0) {
+	f->reference_coarse = v->coarse;
+	if (v->coarse > 0) {
 		view_progress_clear(&v->progress);
-		fprintf(stderr, "ecoview: frame %u: the reference is not full detail: more plants are in "
-			"view than can be drawn one by one, %.0f tiles "
-			"are points there, too\n", f->frame, f->reference_summaries);
+		fprintf(stderr, "ecoview: frame %u: the reference is not full detail: %.0f plants or tiles are "
+			"drawn coarsely there, too. Look at fewer plants, or serve with a greater --plan-work\n",
+			f->frame, v->coarse);
 	}
 }
 
@@ -331,7 +331,7 @@ static enum eco_code draw_reference(struct viewer *v, const struct eco_request *
 	code = draw(v, v->full, eye, &v->reference, error);
 	f->reference_ms = view_clock_ms() - start;
 	if (!code)
-		note_summaries(v, f);
+		note_coarse(v, f);
 	return code;
 }
 

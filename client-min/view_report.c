@@ -32,7 +32,7 @@ static const struct { const char *name, *score; size_t offset; } measures[] = {
 	{ "stream_ms", NULL, FIGURE(fetched.stream_ms) }, { "decode_ms", NULL, FIGURE(decode_ms) },
 	{ "draw_ms", NULL, FIGURE(draw_ms) }, { "reference_ms", NULL, FIGURE(reference_ms) },
 	{ "shadow_ms", NULL, FIGURE(shadow_ms) }, { "shadow_texels_per_pixel", NULL, FIGURE(shadow_texels) },
-	{ "reference_summaries", NULL, FIGURE(reference_summaries) } };
+	{ "reference_coarse", NULL, FIGURE(reference_coarse) } };
 #define MEASURES (sizeof measures / sizeof measures[0])
 static const struct { const char *name; size_t offset; } counts[] = {
 	{ "budget_vertices", FIGURE(budget_vertices) }, { "vertices", FIGURE(vertices) },

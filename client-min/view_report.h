@@ -29,8 +29,7 @@ struct view_frame {
 	 * fetched
 	 * before */
 	uint64_t memory_bytes, evictions, again_bytes;
-	/* tiles that even the reference shows as points: 0 where it is full detail */
-	double reference_summaries;
+	double reference_coarse;                 /* plants and tiles drawn coarsely there: 0 where it is full detail */
 };
 
 struct view_frames { struct view_frame *items; uint32_t count, room; };

@@ -202,6 +202,7 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 		return no_memory(w);
 	w->seen = seen;
 	uint32_t gate = view_table_get(&w->gates, group->plant);
+	gate = gate == UINT32_MAX ? 0 : gate;
 	uint32_t key = eco_owner_leaf(list->list.owner) + placement->path;
 	for (uint32_t i = group->first; i < group->first + group->count; i++) {
 		struct eco_place place = eco_place_of(&list->elements, i);
@@ -212,8 +213,7 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 		if (lod_open_hash(instance.hash) < left)
 			continue;
 		uint32_t count = lod_instance_anchors(w->eye, &instance.place, plant->anchors,
-			plant->plant.anchor_first, plant->plant.anchor_count, gate == UINT32_MAX ? 0 : gate,
-			instance.hash, w->seen);
+			plant->plant.anchor_first, plant->plant.anchor_count, gate, instance.hash, w->seen);
 		if (!count)
 			continue;
 		double center[3];
@@ -226,6 +226,8 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 		if (code)
 			return code;
 		w->out->visible_plants++;
+		w->out->coarse += plant->plant.anchor_count > 1
+			&& eco_gate_place(w->seen[0].band, instance.hash) >= gate;
 	}
 	return ECO_OK;
 }
@@ -251,6 +253,7 @@ static enum eco_code walk_once(struct walk *w, uint32_t cut)
 	eco_angle16_sincos(p->turn, &instance.place.sine, &instance.place.cosine);
 	instance.place.scale = p->scale;
 	enum eco_code code = add_instance(w, &instance);
+	w->out->coarse++;
 	return code ? code : add_pair(w, cut);
 }
 

@@ -79,6 +79,7 @@ struct view_selection {                  /* owns its arrays */
 	struct view_image image;         /* on it */
 	uint64_t visible_plants;
 	uint64_t vertices;               /* what drawing it draws */
+	uint64_t coarse;                 /* tiles drawn as points, and plants without their cells: 0 in full detail */
 	struct view_sky sky;             /* set by who draws */
 };
 

@@ -563,17 +563,6 @@ const struct eco_plan *view_store_plan(const struct view_store *store)
 	return store->has_plan ? &store->plan : NULL;
 }
 
-uint32_t view_store_summaries(const struct view_store *store)
-{
-	const struct eco_plan *plan = view_store_plan(store);
-	uint32_t count = 0;
-	for (uint32_t i = 0; plan && i < plan->cut_count; i++) {
-		const struct view_list *list = view_store_list(store, plan->cuts[i].list);
-		count += list && (list->list.attributes & ECO_ATTR_PLANT);
-	}
-	return count;
-}
-
 bool view_store_complete(const struct view_store *store)
 {
 	return store->complete;

@@ -74,9 +74,6 @@ bool view_store_settle(struct view_store *store);
 bool view_store_ahead(const struct view_store *store);
 /* The last plan of the stream, or NULL (none came, or it cannot be drawn: nothing is drawn). */
 const struct eco_plan *view_store_plan(const struct view_store *store);
-/* Tiles that it shows as points; 0: plants are drawn one by one. More plants may be in view than a plan looks
- * at, whatever the budget. */
-uint32_t view_store_summaries(const struct view_store *store);
 /* True once END has come, whose count of vertices equals the plan's, or the store has been settled. */
 bool view_store_complete(const struct view_store *store);
 /* The pack of its holdings, which the next request names; NULL before the first SCENE. */

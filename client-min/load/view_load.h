@@ -88,7 +88,11 @@ void view_answers_add(struct view_answers *answers, const struct view_answer *an
 
 /* ---- Runs ---- */
 
-struct view_scored { uint32_t frame; double predicted_q, q, precision, recall; };
+struct view_scored {
+	uint32_t frame;
+	double predicted_q, q, precision, recall;
+	uint64_t coarse;                         /* of full detail: view_selection's */
+};
 
 #define VIEW_LOAD_COUNTS 11
 struct view_load_report {

@@ -177,7 +177,8 @@ static void print_faults(const struct view_load_report *r, FILE *out)
 		fprintf(out, "view %-6u       Q %.4f, Precision %.4f, Recall %.4f", v->frame, v->q,
 			v->precision, v->recall);
 		isnan(v->predicted_q) ? fputs("; no picture fits\n", out)
-			: fprintf(out, "; predicted Q %.4f\n", v->predicted_q);
+			: fprintf(out, "; predicted Q %.4f%s\n", v->predicted_q,
+			v->coarse ? "; the reference is not full detail" : "");
 	}
 }
 
@@ -249,9 +250,10 @@ static json_t *scored_json(const struct view_load_report *r)
 	json_t *scored = json_array();
 	for (uint32_t i = 0; i < r->scored_count; i++) {
 		const struct view_scored *v = &r->scored[i];
-		json_array_append_new(scored, json_pack("{s:I, s:o, s:o, s:o, s:o}",
+		json_array_append_new(scored, json_pack("{s:I, s:o, s:o, s:o, s:o, s:I}",
 			"view", (json_int_t)v->frame, "predicted_q", real(v->predicted_q), "q", real(v->q),
-			"precision", real(v->precision), "recall", real(v->recall)));
+			"precision", real(v->precision), "recall", real(v->recall),
+			"reference_coarse", (json_int_t)v->coarse));
 	}
 	return scored;
 }
@@ -328,7 +330,7 @@ enum eco_code view_load_csv(const struct view_load_report *r, const char *path, 
 /* Asks a client that holds nothing, and draws what it gets. */
 static enum eco_code draw(struct view_fetch *fetch, const struct eco_request *request,
 	const volatile sig_atomic_t *stop, struct view_picture *picture, double *predicted_q,
-	struct eco_error *error)
+	uint64_t *coarse, struct eco_error *error)
 {
 	struct view_store_options options = { .images = true };
 	struct view_fetch_result result;
@@ -348,6 +350,7 @@ static enum eco_code draw(struct view_fetch *fetch, const struct eco_request *re
 			.selection = &selection, .eye = &eye, .near_m = view_store_near_m(store),
 			.stop = stop }, picture, error);
 	}
+	*coarse = selection.coarse;
 	view_select_free(&selection);
 	view_store_free(store);
 	return code;
@@ -362,9 +365,11 @@ static enum eco_code score_one(const struct view_load_options *o, struct view_fe
 		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
 	struct lod_score score;
 	double all_q;
-	enum eco_code code = draw(fetch, &request, o->stop, &pictures[0], &scored->predicted_q, error);
+	uint64_t coarse;
+	enum eco_code code = draw(fetch, &request, o->stop, &pictures[0], &scored->predicted_q, &coarse,
+		error);
 	if (!code)
-		code = draw(fetch, &everything, o->stop, &pictures[1], &all_q, error);
+		code = draw(fetch, &everything, o->stop, &pictures[1], &all_q, &scored->coarse, error);
 	if (code)
 		return code;
 	lod_score(&score, &(struct lod_score_input){ view->width, view->height, pictures[0].cover,

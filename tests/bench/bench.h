@@ -206,8 +206,8 @@ void bench_client_score(const struct bench_client *client, struct bench_frame *f
  * drawing, in milliseconds. */
 double bench_client_sample(const struct bench_client *client, const struct view_draw_job *job, uint32_t samples,
 	struct view_measures *measures);
-/* Tiles that are points even in the last reference; 0: it is full detail. */
-uint32_t bench_client_summaries(const struct bench_client *client);
+/* Plants and tiles that are coarse even in the last reference; 0: it is full detail. */
+uint64_t bench_client_coarse(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller frees it. Draws from an empty client: bytes are those of a first
  * visit. False where no answer has as few bytes as are asked for. */
 bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture);

@@ -122,6 +122,7 @@ struct bench_client {
 	struct bench_truth truth;            /* of the reference */
 	const char *pack;
 	struct bench *bench;                 /* whose cache holds truths; NULL: it does not see */
+	uint64_t coarse;                     /* view_selection's, of the reference */
 	bool has_reference, untimed;
 };
 
@@ -233,6 +234,11 @@ void bench_client_reference(struct bench_client *client, const struct eco_reques
 	view_picture_free(&client->reference);
 	must(bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, must_error));
 	must(bench_draw(&drawing, client->full, &full.view, sky_of(client), &client->reference, must_error));
+	client->coarse = drawing.selection.coarse;
+	if (client->bench && client->coarse)
+		must(eco_fail(must_error, ECO_TOO_LARGE, "%s: a view has %llu plants or tiles that full detail draws "
+			"coarsely, and no truth: look at fewer plants", client->pack,
+			(unsigned long long)client->coarse));
 	if (client->bench)
 		find_truth(client, &drawing.job, &full.view);
 	view_select_free(&drawing.selection);
@@ -240,7 +246,7 @@ void bench_client_reference(struct bench_client *client, const struct eco_reques
 	client->has_reference = true;
 }
 
-uint32_t bench_client_summaries(const struct bench_client *client) { return view_store_summaries(client->full); }
+uint64_t bench_client_coarse(const struct bench_client *client) { return client->coarse; }
 
 const struct view_picture *bench_client_full(const struct bench_client *client)
 {

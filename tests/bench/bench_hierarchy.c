@@ -70,7 +70,7 @@ static void draw_height(struct bench *bench, const struct forest *f, const char 
 	bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h,
 		(unsigned long long)frame.vertices, (unsigned long long)frame.bytes,
 		plan_ms(bench, pack, &frame.request), frame.predicted_q, scored ? frame.measures.score.q : NAN,
-		scored ? bench_client_summaries(client) : NAN);
+		scored ? (double)bench_client_coarse(client) : NAN);
 	*worst_q = scored ? fmin(*worst_q, frame.measures.score.q) : *worst_q;
 	view_picture_free(&picture);
 }
@@ -107,7 +107,7 @@ static struct resident serve(struct bench *bench, const char *pack)
 static void run(struct bench *bench)
 {
 	struct bench_table *table = bench_table_open(bench, "hierarchy",
-		"plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_summaries", true);
+		"plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_coarse", true);
 	char packs[3][512];
 	double worst_q = 1;
 	for (uint32_t i = 0; i < 3; i++) {

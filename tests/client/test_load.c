@@ -408,6 +408,7 @@ UNIT_TEST(a_sample_is_drawn_and_scored)
 	options.vertices = ECO_VERTICES_MAX;     /* all there is */
 	assert_ok(view_score_sample(&report, fetch, 1, &error), error);
 	assert_true(report.scored->q > 0.99 && report.scored->recall > 0.99);
+	assert_int_equal(report.scored->coarse, 0);
 	view_fetch_free(fetch);
 	srv_daemon_stop(other);
 	srv_store_free(&plain);
@@ -416,7 +417,7 @@ UNIT_TEST(a_sample_is_drawn_and_scored)
 
 UNIT_TEST(reports_say_what_there_was)
 {
-	const struct view_scored scored[2] = { { 0, 0.9, 0.8, 0.85, 0.9 }, { 1, NAN, 0.8, 0.85, 0.9 } };
+	const struct view_scored scored[2] = { { 0, 0.9, 0.8, 0.85, 0.9, 0 }, { 1, NAN, 0.8, 0.85, 0.9, 7 } };
 	struct eco_error error = { 0 };
 	struct view_load_options options = options_at(port);
 	options.clients = 2;
@@ -438,6 +439,7 @@ UNIT_TEST(reports_say_what_there_was)
 	json_t *second = json_array_get(json_object_get(json, "scored"), 1);
 	assert_true(json_is_null(json_object_get(second, "predicted_q")));
 	assert_true(json_real_value(json_object_get(second, "q")) > 0.79);
+	assert_int_equal(json_integer_value(json_object_get(second, "reference_coarse")), 7);
 	json_decref(json);
 	char csv[64];
 	snprintf(csv, sizeof csv, "build/tmp/load-%d.csv", (int)getpid());

@@ -55,7 +55,7 @@ UNIT_TEST(report_has_every_figure)
 		"bias_error", "floor_error", "shimmer", "pop", "truth_cpu_ms", "predicted_q", "plan_ms",
 		"first_byte_ms", "stream_ms", "decode_ms",
 		"draw_ms", "shadow_ms", "shadow_texels_per_pixel", "reference_ms",
-		"reference_summaries" };
+		"reference_coarse" };
 	FREED(view_report) report = { .scene = "park", .renderer = "software", .width = 800, .height = 600,
 		.complete = true };
 	struct view_measures measures = { .score = { .precision = 0.5, .recall = 0.75, .q = 0.4, .skill = NAN,

@@ -6,6 +6,7 @@
 #include "client-min/view_record.h"
 #include "client-min/view_table.h"
 #include "client-min/view_select.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -174,6 +175,28 @@ UNIT_TEST(selection_draws_what_the_plan_says)
 			}
 		assert_int_equal(pairs, s.cut_first[s.instance_count]);
 	}
+}
+
+/* The summary, and trees without their cells: none, all that are not near, or all. */
+UNIT_TEST(selection_counts_what_is_not_full_detail)
+{
+	const uint32_t ends[] = { ECO_GATE_OPEN, eco_gate_place(97, 0), 1 };
+	uint64_t coarse[3], trees = 0;
+	for (int k = 0; k < 3; k++) {
+		AT_END(scene_release) struct scene_held h = scene_hold(&grove);
+		view_store_free(h.store);
+		h.plan.gates[0].end = ends[k];
+		h.plan.vertices = plan_twin_vertices(&grove.scene, &h.plan, &h.view, &h.plan.visible_plants);
+		h.store = scene_store(&grove, &h.plan, NULL);
+		scene_select(&h);
+		coarse[k] = h.selection.coarse;
+		trees = 0;
+		for (uint32_t i = 0; i < h.selection.instance_count; i++)
+			trees += h.selection.instances[i].plant == 0;
+	}
+	assert_int_equal(coarse[0], 1);
+	assert_int_equal(coarse[2], 1 + trees);
+	assert_true(coarse[1] > coarse[0] && coarse[1] < coarse[2]);
 }
 
 UNIT_TEST(selection_refuses_a_plan_that_miscounts)
