@@ -380,7 +380,7 @@ static const struct {
 	const char *unit;
 } guesses[] = {
 	/* by the name */
-	{ ECO_QUANTITY_HEIGHT, "Height (ft)", NULL, 35, 80, "ft" },
+	{ ECO_QUANTITY_HEIGHT, "Height (ft)", NULL, 35, 80, "ft" }, { ECO_QUANTITY_HEIGHT, "h_m", NULL, 1.2, 4, "m" },
 	{ ECO_QUANTITY_HEIGHT, "H\u00f6he_m", NULL, 12, 25, "m" },
 	{ ECO_QUANTITY_HEIGHT, "height in m", NULL, 12, 25, "m" },
 	{ ECO_QUANTITY_DBH, "dbh_mm", NULL, 30, 500, "mm" },
@@ -401,6 +401,7 @@ static const struct {
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 18, 40, NULL },
 	{ ECO_QUANTITY_DBH, "dbh", NULL, 15, 45, NULL },
 	{ ECO_QUANTITY_HEIGHT, "height_m", NULL, 120, 150, NULL }, /* a height of 120 m is asked about */
+	{ ECO_QUANTITY_HEIGHT, "height_m", NULL, 40, 95, NULL }, { ECO_QUANTITY_DBH, "dbh_mm", NULL, 25, 80, NULL },
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 1, 1.6, NULL },     /* an oak of 1 m, too */
 };
 
@@ -415,15 +416,4 @@ UNIT_TEST(units_are_those_of_plants_or_asked_for)
 			fail_msg("%s of %g, %g: %s, not %s (%s)", guesses[i].name, guesses[i].middle, guesses[i].high,
 				unit, wanted, guess.why);
 	}
-}
-
-UNIT_TEST(a_stated_unit_is_doubted_only_where_it_cannot_be)
-{
-	const struct eco_size_numbers feet = { 40, 95 }, metres = { 12, 25 }, shrubs = { 1.2, 4 };
-	assert_string_equal(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 1, &feet), "ft");
-	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 0.3048, &feet));
-	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 1, &metres));
-	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 1, &shrubs));
-	assert_string_equal(eco_unit_doubt(ECO_QUANTITY_DBH, 0.001, &(struct eco_size_numbers){ 25, 80 }),
-		"cm");
 }

@@ -78,12 +78,6 @@ static size_t doubt(enum eco_quantity quantity, double unit_m, const struct eco_
 		? best : UNITS;
 }
 
-const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers)
-{
-	size_t better = doubt(quantity, unit_m, numbers);
-	return better < UNITS ? units_rows[better].unit : NULL;
-}
-
 static void ask(struct eco_unit_guess *guess, enum eco_quantity quantity, size_t a, size_t b,
 	const struct eco_size_numbers *n)
 {

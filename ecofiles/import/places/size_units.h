@@ -27,9 +27,6 @@ const char *eco_unit_of_name(const char *name);
 /* The unit that the names of x and y both end with, and its metres; NULL, 1 metre: none. */
 const char *eco_unit_of_place(const char *x, const char *y, double *metres);
 
-/* A unit in which these numbers would be far likelier than in unit_m (metres); NULL: unit_m can be. */
-const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers);
-
 #define ECO_SPREAD_KEPT 4096u
 
 struct eco_spread {              /* zero is empty */
