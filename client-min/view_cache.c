@@ -101,7 +101,7 @@ void view_cache_touch(struct view_cache *cache, struct view_list *list, uint32_t
 		list->marks[--c].used = cache->tick;
 }
 
-bool view_cache_wants(const struct view_cache *cache, uint32_t list, uint32_t ordinal)
+static bool is_wanted(const struct view_cache *cache, uint32_t list, uint32_t ordinal)
 {
 	uint32_t chunks = view_table_get(&cache->wanted, list);
 	return chunks != UINT32_MAX && ordinal < chunks;
@@ -121,7 +121,7 @@ void view_cache_remember(struct view_cache *cache, uint32_t list, uint32_t ordin
 
 bool view_cache_want(struct view_cache *cache, uint32_t list, uint32_t chunks)
 {
-	return chunks == 0 || view_cache_wants(cache, list, chunks - 1)
+	return chunks == 0 || is_wanted(cache, list, chunks - 1)
 		|| view_table_put(&cache->wanted, list, chunks);
 }
 
@@ -136,7 +136,7 @@ uint64_t view_cache_wanted_bytes(const struct view_cache *cache)
 	for (uint32_t i = 0; i < cache->list_count; i++) {
 		const struct view_list *list = cache->lists[i];
 		bytes = bytes - list->bytes + view_list_bytes(&list->list);
-		for (uint32_t c = 0; c < list->served && view_cache_wants(cache, list->id, c); c++)
+		for (uint32_t c = 0; c < list->served && is_wanted(cache, list->id, c); c++)
 			bytes += list->marks[c].bytes;
 	}
 	return bytes;
@@ -149,7 +149,7 @@ static bool may_go(const struct view_cache *cache, const struct view_list *list,
 	uint32_t last = list->chunk_count - 1;
 	if (list->chunk_count == 0)
 		return false;
-	return all || (cache->wanted.count ? !view_cache_wants(cache, list->id, last)
+	return all || (cache->wanted.count ? !is_wanted(cache, list->id, last)
 		: list->marks[last].used < cache->tick);
 }
 

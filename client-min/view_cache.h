@@ -46,7 +46,6 @@ void view_cache_charge(struct view_cache *cache, const struct view_list *list, u
 bool view_cache_charge_bytes(struct view_cache *cache, uint64_t bytes);
 /* The first `chunks` chunks, as far as they are held, are needed now. */
 void view_cache_touch(struct view_cache *cache, struct view_list *list, uint32_t chunks);
-bool view_cache_wants(const struct view_cache *cache, uint32_t list, uint32_t ordinal);
 /* The chunk came before, and went. */
 bool view_cache_had(const struct view_cache *cache, uint32_t list, uint32_t ordinal);
 void view_cache_remember(struct view_cache *cache, uint32_t list, uint32_t ordinal);

@@ -120,7 +120,9 @@ static void refuse_work(void *argument)
 	finish_work(exchange);
 }
 
-void srv_exchange_work(struct srv_exchange *exchange, struct srv_work *work, void (*run)(void *exchange))
+/* Suspends the connection until `run` has made exchange->answer on a thread of `work`; a problem where there
+ * is no room for it. */
+static void work_on(struct srv_exchange *exchange, struct srv_work *work, void (*run)(void *exchange))
 {
 	exchange->phase = SRV_PHASE_WORKING;
 	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
@@ -211,12 +213,12 @@ static bool answer_whole_request(struct srv_exchange *exchange)
 	} else if ((route->is_operators && !may_operate(exchange)) || !find_scene(exchange)) {
 		return true;
 	} else if (route == &srv_routes[SRV_RELOAD]) {
-		srv_exchange_work(exchange, exchange->daemon->chores, srv_exchange_reload);
+		work_on(exchange, exchange->daemon->chores, srv_exchange_reload);
 		return false;
 	} else if (route != &srv_routes[SRV_PLAN] && route != &srv_routes[SRV_STREAM]) {
 		srv_exchange_answer_direct(exchange);
 	} else if (srv_exchange_prepare_plan(exchange)) {
-		srv_exchange_work(exchange, exchange->daemon->work, srv_exchange_make_plan);
+		work_on(exchange, exchange->daemon->work, srv_exchange_make_plan);
 		return false;
 	}
 	return true;

@@ -123,9 +123,6 @@ void srv_exchange_end(struct srv_exchange *exchange);
 
 /* A header of the request, or NULL. */
 const char *srv_exchange_header(const struct srv_exchange *exchange, const char *name);
-/* Suspends the connection until `run` has made exchange->answer on a thread of `work`; a problem where there
- * is no room for it. */
-void srv_exchange_work(struct srv_exchange *exchange, struct srv_work *work, void (*run)(void *exchange));
 /* Reads the parameters and the body; true if there is something to plan, else an answer has been made. */
 bool srv_exchange_prepare_plan(struct srv_exchange *exchange);
 void srv_exchange_make_plan(void *exchange);             /* on a work thread */

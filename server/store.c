@@ -11,12 +11,13 @@ void srv_store_init(struct srv_store *store)
 	*store = (struct srv_store){ 0 };
 }
 
-void srv_scene_hold(struct srv_scene *scene)
+static void hold_scene(struct srv_scene *scene)
 {
 	atomic_fetch_add(&scene->holders, 1);
 }
 
-void srv_scene_release(struct srv_scene *scene)
+/* With the last holder it is freed. */
+static void release_scene(struct srv_scene *scene)
 {
 	if (atomic_fetch_sub(&scene->holders, 1) > 1)
 		return;
@@ -32,7 +33,7 @@ void srv_scene_release(struct srv_scene *scene)
 void srv_store_free(struct srv_store *store)
 {
 	for (uint32_t i = 0; i < store->count; i++)
-		srv_scene_release(store->scenes[i]);
+		release_scene(store->scenes[i]);
 	free(store->scenes);
 	*store = (struct srv_store){ 0 };
 }
@@ -105,7 +106,7 @@ enum eco_code srv_store_share(struct srv_store *store, struct srv_scene *scene, 
 	enum eco_code code = check_name(store, scene->name, error);
 	code = code ? code : append(store, scene, error);
 	if (!code)
-		srv_scene_hold(scene);
+		hold_scene(scene);
 	return code;
 }
 
@@ -131,7 +132,7 @@ static enum eco_code add_pack(struct srv_store *store, const char *name, struct 
 	code = code ? code : srv_outlook_find(&pack->scene, &scene->outlook, error);
 	code = code ? code : append(store, scene, error);
 	if (code)
-		srv_scene_release(scene);
+		release_scene(scene);
 	return code;
 }
 
@@ -252,7 +253,8 @@ static int compare_id(const void *key, const void *chunk)
 	return memcmp(k->id->bytes, k->chunks[*(const uint32_t *)chunk].id.bytes, sizeof k->id->bytes);
 }
 
-uint32_t srv_scene_chunk(const struct srv_scene *scene, const struct eco_chunk_id *id)
+/* A chunk with this id, or ECO_NONE. Chunks of equal content share an id; any of them is returned. */
+static uint32_t find_chunk(const struct srv_scene *scene, const struct eco_chunk_id *id)
 {
 	const struct id_key key = { scene->pack->scene.chunks, id };
 	const uint32_t *chunk = bsearch(&key, scene->by_id, scene->pack->scene.chunk_count, sizeof *chunk, compare_id);
@@ -282,7 +284,7 @@ void srv_edition_release(struct srv_edition *edition)
 		return;
 	srv_store_free(&edition->store);
 	for (uint32_t i = 0; i < edition->retired_count; i++)
-		srv_scene_release(edition->retired[i].scene);
+		release_scene(edition->retired[i].scene);
 	free(edition);
 }
 
@@ -299,7 +301,7 @@ static void keep(struct srv_edition *edition, struct srv_scene *scene, uint64_t 
 {
 	if (edition->retired_count == SRV_RETIRED_MAX)
 		return;
-	srv_scene_hold(scene);
+	hold_scene(scene);
 	edition->retired[edition->retired_count].scene = scene;
 	edition->retired[edition->retired_count++].until_us = until_us;
 }
@@ -375,10 +377,10 @@ struct srv_scene *srv_edition_chunk(const struct srv_edition *edition, const cha
 	const struct eco_chunk_id *id, uint32_t *chunk)
 {
 	struct srv_scene *scene = srv_store_find(&edition->store, name);
-	*chunk = scene ? srv_scene_chunk(scene, id) : ECO_NONE;
+	*chunk = scene ? find_chunk(scene, id) : ECO_NONE;
 	for (uint32_t i = 0; *chunk == ECO_NONE && i < edition->retired_count; i++) {
 		scene = edition->retired[i].scene;
-		*chunk = strcmp(scene->name, name) == 0 ? srv_scene_chunk(scene, id) : ECO_NONE;
+		*chunk = strcmp(scene->name, name) == 0 ? find_chunk(scene, id) : ECO_NONE;
 	}
 	return *chunk == ECO_NONE ? NULL : scene;
 }

@@ -68,8 +68,6 @@ struct srv_store {
 void srv_store_init(struct srv_store *store);
 /* Releases its scenes. */
 void srv_store_free(struct srv_store *store);
-void srv_scene_hold(struct srv_scene *scene);
-void srv_scene_release(struct srv_scene *scene);         /* with the last holder it is freed */
 
 /* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else
  * srv_name_of_file. Names are [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
@@ -86,9 +84,6 @@ bool srv_name_valid(const char *name);
 /* "/data/Parque Eduardo VII.eco" -> "parque-eduardo-vii". Not a valid name where the file's has no letter or
  * digit that one may have. */
 void srv_name_of_file(char name[SRV_NAME_BYTES], const char *path);
-
-/* A chunk with this id, or ECO_NONE. Chunks of equal content share an id; any of them is returned. */
-uint32_t srv_scene_chunk(const struct srv_scene *scene, const struct eco_chunk_id *id);
 
 /* The payload in the mapped pack; valid as long as the store. ECO_DAMAGED names the chunk. Thread-safe. */
 enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, const uint8_t **bytes,

@@ -26,7 +26,8 @@
 
 /* ---- Parts ---- */
 
-void link_check(const struct link_part *part, enum eco_code code, const struct eco_error *why)
+/* Fails with the part's name where the code is not ECO_OK. */
+static void check(const struct link_part *part, enum eco_code code, const struct eco_error *why)
 {
 	if (code)
 		eco_stop(code, "%.200s: %s", part->path, why->text);
@@ -95,7 +96,7 @@ struct eco_list link_list(const struct link_part *part, uint32_t list)
 void link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
 {
 	struct eco_error why = { 0 };
-	link_check(part, eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why), &why);
+	check(part, eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why), &why);
 	make_keep_list(&l->m, part->list_of[list]);
 }
 
@@ -230,7 +231,7 @@ static void add_rows(struct link *l, struct link_part *part, const struct eco_gr
 	struct eco_error why = { 0 };
 	for (uint64_t i = group->place_first; i < group->place_first + group->count; i++) {
 		const struct eco_inventory_row *kept;
-		link_check(part, eco_inventory_at(&part->rows, part->pack, i, &kept, &why), &why);
+		check(part, eco_inventory_at(&part->rows, part->pack, i, &kept, &why), &why);
 		struct eco_inventory_row row = *kept;
 		row.species = row.species ? row.species : own;
 		if (strcmp(row.species, whole) == 0)
@@ -315,7 +316,7 @@ static void add_renamed(struct link *l, struct link_part *part, uint32_t list,
 	struct eco_encoded encoded = { 0 };
 	uint32_t ends[64], end = 0;
 	struct eco_error why = { 0 };
-	link_check(part, old->chunk_count <= 64 ? eco_pack_points(part->pack, list, &points, &why)
+	check(part, old->chunk_count <= 64 ? eco_pack_points(part->pack, list, &points, &why)
 		: eco_fail(&why, ECO_DAMAGED, "list %u: a summary of %u chunks", list, old->chunk_count), &why);
 	for (uint32_t i = 0; i < old->chunk_count; i++)
 		ends[i] = end += s->chunks[old->chunk_first + i].element_count;

@@ -55,7 +55,5 @@ void link_plants(struct link *l, struct link_part *part);
 struct eco_list link_list(const struct link_part *part, uint32_t list);
 /* Copies a part's list without decoding it; part->list_of has its number then. */
 void link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record);
-/* Fails with the part's name where the code is not ECO_OK. */
-void link_check(const struct link_part *part, enum eco_code code, const struct eco_error *why);
 
 #endif

@@ -158,8 +158,6 @@ uint32_t make_threads(const struct make *m);
 
 void make_ground_read(struct make *m);       /* reports errors before plants are built */
 void make_ground_pack(struct make *m);
-/* Continues m->ground to the horizon, and rounds its heights as the pack stores them. */
-void make_ground_finish(struct make *m);
 /* Lays ground through the plants of m->scene, whose tables but ground are done, and packs it, unless there is
  * some. */
 void make_ground_through(struct make *m);

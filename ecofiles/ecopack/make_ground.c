@@ -66,7 +66,8 @@ static void choose_steps(struct make *m)
 
 /* Rounds heights as the pack stores them, so that plants stand on the drawn ground. Those beyond the border
  * lie between its own. */
-void make_ground_finish(struct make *m)
+/* Continues m->ground to the horizon, and rounds its heights as the pack stores them. */
+static void finish_ground(struct make *m)
 {
 	choose_steps(m);
 	eco_ground_extend(&m->ground);
@@ -111,7 +112,7 @@ void make_ground_read(struct make *m)
 		.scene_vertical = source->vertical, .origin = { source->origin[0], source->origin[1],
 		source->origin[2] }, .side_max = ECO_GROUND_INSIDE_MAX, .warn = main_note_text };
 	eco_check(eco_ground_import(&m->ground, &options, m->error));
-	make_ground_finish(m);
+	finish_ground(m);
 	doubt_ground(m);
 }
 
@@ -271,7 +272,7 @@ void make_ground_through(struct make *m)
 	struct eco_ground_feet feet = { .at = (const double (*)[3])f.at, .count = f.count,
 		.low = { root->low[0], root->low[1] }, .high = { root->high[0], root->high[1] } };
 	eco_ground_through(&m->ground, &feet);
-	make_ground_finish(m);
+	finish_ground(m);
 	note_off(m, &f);
 	m->ground_through = true;
 	free(f.at);

@@ -65,7 +65,8 @@ static void erase(void)
 	shown = false;
 }
 
-void main_progress_left(char text[32], double elapsed_s, double share)
+/* "" while that is not known, else ", about 40 s left": of a stage of which `share` took `elapsed_s`. */
+static void write_left(char text[32], double elapsed_s, double share)
 {
 	double left_s = share > 0 ? elapsed_s * (1 - share) / share : 0;
 	text[0] = 0;
@@ -84,7 +85,7 @@ static void find_left(char text[32], const char *stage, double now, double share
 		snprintf(stage_now.name, sizeof stage_now.name, "%s", stage);
 		stage_now.since_s = now;
 	}
-	main_progress_left(text, now - stage_now.since_s, share);
+	write_left(text, now - stage_now.since_s, share);
 }
 
 static void say(const char *stage, const char *detail, double share, const char *left)

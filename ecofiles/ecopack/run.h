@@ -18,9 +18,6 @@
  * size limit is a failed write: so nothing half written stays. */
 void main_catch_interrupts(void);
 
-/* "" while that is not known, else ", about 40 s left": of a stage of which `share` took `elapsed_s`. */
-void main_progress_left(char text[32], double elapsed_s, double share);
-
 /* `share` of the stage in [0, 1]; `detail` may be NULL. */
 void main_progress(const char *stage, const char *detail, double share);
 void main_progress_end(void);        /* removes the bar */

@@ -72,7 +72,7 @@ double gen_noise(uint64_t seed, double x, double y)
 	return south * (1 - ty) + north * ty;
 }
 
-double gen_terrain_height(const struct gen_terrain *t, double x, double y)
+static double terrain_height(const struct gen_terrain *t, double x, double y)
 {
 	return t->hill_m * gen_noise(t->seed, x / t->hill_length_m, y / t->hill_length_m) + t->bump_m
 		* gen_noise(t->seed + 1, x / t->bump_length_m + 0.37, y / t->bump_length_m + 0.61);
@@ -88,7 +88,7 @@ static void write_ground(struct gen_layout *layout, const struct gen_terrain *te
 	uint32_t side = (uint32_t)(2 * half_m / step_m + 0.5) + 1;
 	float *samples = eco_alloc((size_t)side * side, sizeof *samples);
 	for (size_t i = 0; i < (size_t)side * side; i++) {
-		double z = gen_terrain_height(terrain, -half_m + (uint32_t)(i % side) * step_m,
+		double z = terrain_height(terrain, -half_m + (uint32_t)(i % side) * step_m,
 			half_m - (uint32_t)(i / side) * step_m);
 		samples[i] = (float)(floor((GEN_ALTITUDE + z) * 100 + 0.5) / 100);
 	}
@@ -135,9 +135,9 @@ static void write_camera(struct gen_layout *layout, const struct gen_setting *se
 		fprintf(out, "%s\n  {\"time_s\": %.0f, \"eye\": [%.2f, %.2f, %.2f], \"target\": [%.2f, "
 			"%.2f, %.2f], \"up\": [0, 0, 1], \"fov_y_deg\": %.0f}", i ? "," : "", l->time_s,
 			l->eye[0], l->eye[1],
-			l->eye[2] + gen_terrain_height(setting->terrain, l->eye[0], l->eye[1]), l->target[0],
+			l->eye[2] + terrain_height(setting->terrain, l->eye[0], l->eye[1]), l->target[0],
 			l->target[1],
-			l->target[2] + gen_terrain_height(setting->terrain, l->target[0], l->target[1]),
+			l->target[2] + terrain_height(setting->terrain, l->target[0], l->target[1]),
 			l->fov_deg);
 	}
 	fputs("\n]}\n", out);

@@ -15,7 +15,6 @@ struct gen_terrain {
 };
 /* [0, 1], smooth, one bump a unit */
 double gen_noise(uint64_t seed, double x, double y);
-double gen_terrain_height(const struct gen_terrain *terrain, double x, double y);
 
 /* The scenes' place: UTM zone 32 north, so that coordinates look like a surveyor's. */
 #define GEN_CRS "EPSG:32632"

@@ -81,9 +81,6 @@ uint32_t eco_source_plant_named(const struct eco_source *source, const struct ec
 /* The plant that a text names. */
 uint32_t eco_source_plant_of(const struct eco_source *source, const struct eco_json *at);
 
-/* "only" and "skip" of an entry (scene_rows.c). When it stops, they hold the part read so far. */
-void eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);
-
 /* One entry of "instances" with "scatter" . When it stops, the spec holds the part read so
  * far. */
 void eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at,

@@ -60,7 +60,8 @@ static bool is_port(const char *text, size_t size)
 	return size == 0 || srv_port_valid(text, size);
 }
 
-bool srv_address_parse_port(struct srv_address *address, const char *text, size_t size)
+/* ADDRESS, IPv4:PORT, [IPv6] or [IPv6]:PORT. */
+static bool parse_port(struct srv_address *address, const char *text, size_t size)
 {
 	const char *first = memchr(text, ':', size), *bracket = memchr(text, ']', size);
 	size_t before = first ? (size_t)(first - text) : size;
@@ -80,7 +81,7 @@ bool srv_host_is_loopback(const char *host)
 	size_t size = strlen(host);
 	if (strncasecmp(host, name, sizeof name - 1) == 0)
 		return is_port(host + sizeof name - 1, size - (sizeof name - 1));
-	return size && srv_address_parse_port(&address, host, size) && srv_address_is_loopback(&address);
+	return size && parse_port(&address, host, size) && srv_address_is_loopback(&address);
 }
 
 bool srv_address_same(const struct srv_address *a, const struct srv_address *b)
@@ -150,7 +151,7 @@ struct srv_address srv_networks_client(const struct srv_networks *trusted, const
 			first--;
 		const char *text = first + strspn(first, " \t");
 		size_t size = strcspn(text, ", \t");
-		if (text >= end || !srv_address_parse_port(&next, text, size))
+		if (text >= end || !parse_port(&next, text, size))
 			break;
 		client = next;
 		end = first > forwarded ? first - 1 : forwarded;

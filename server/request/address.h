@@ -19,8 +19,6 @@ struct srv_address srv_address_of(const struct sockaddr *at);
 bool srv_address_parse(struct srv_address *address, const char *text, size_t size);
 void srv_address_format(char text[SRV_ADDRESS_TEXT_BYTES], const struct srv_address *address);
 bool srv_address_is_loopback(const struct srv_address *address);
-/* ADDRESS, IPv4:PORT, [IPv6] or [IPv6]:PORT. */
-bool srv_address_parse_port(struct srv_address *address, const char *text, size_t size);
 /* Whether a Host header's value is "localhost" or a loopback address, with or without a port: no name that
  * somebody else may lead here. */
 bool srv_host_is_loopback(const char *host);
