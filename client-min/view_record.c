@@ -73,7 +73,8 @@ static void write_head(uint32_t *words, const struct lod_impostor *impostor, con
 	const float *center = body->center;
 	const uint32_t rest[7] = {
 		size->texels | size->depths << 8 | size->colors << 16 | size->depth_codes << 24,
-		rings->count | eco_impostor_tiles(ECO_IMPOSTOR_FEW) << 8, at->colors, at->tiles,
+		rings->count | eco_impostor_tiles(ECO_IMPOSTOR_FEW) << 8
+			| (uint32_t)(impostor->opacity * ECO_IMPOSTOR_GAPS) << 16, at->colors, at->tiles,
 		at->color_tiles, at->texels, at->depths };
 	put_floats(words, 0, (float[4]){ center[0], center[1], center[2], impostor->radius });
 	put_floats(words, 1, (float[4]){ body->thick });

@@ -41,7 +41,7 @@ uint32_t view_record_path(uint32_t path);
  *   head       { centre.xyz, radius }
  *              { thick, sides, counts, start of colours }   sides: of texels, depths and colours, and
  *                                                           codes of depths; counts: rings, tiles of
- *                                                           colours; a byte each
+ *                                                           colours, 16 - gaps; a byte each
  *              { start of tiles, of tiles of colours, of texels, of depths }
  *   rings      { sine, cosine, first tile | tiles << 8 | directions << 16, 0 }
  *   tiles      { right.x, up.x, toward.x, right.y } { up.y, toward.y, up.z, toward.z }

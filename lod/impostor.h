@@ -31,6 +31,7 @@ struct lod_impostor {                    /* owns its arrays */
 	struct eco_impostor_body body;
 	struct eco_impostor_size size;
 	float radius;
+	float opacity;                   /* share of rays that meet the plant where texels are covered */
 	uint8_t *texel;                  /* 1: covered, else 0 */
 	float *depth;
 	uint8_t (*rgb)[3];               /* sRGB, of cells: few tiles * colors * colors */
@@ -56,7 +57,7 @@ void lod_impostor_look(struct lod_impostor_look *look, const struct lod_impostor
 	const float eye[3]);
 
 struct lod_impostor_hit { float along; uint32_t cell; };
-/* Whether eye + along * ray meets the plant, and where; which of `rgb` is its colour. */
+/* Whether eye + along * ray meets the plant or a gap in it, and where; which of `rgb` is its colour. */
 bool lod_impostor_hit(const struct lod_impostor *impostor, const struct lod_impostor_look *look,
 	const float ray[3], struct lod_impostor_hit *hit);
 

@@ -29,7 +29,8 @@ enum eco_code lod_impostor_open(struct lod_impostor *impostor, const struct eco_
 	const struct eco_impostor_level *level, struct eco_error *error)
 {
 	*impostor = (struct lod_impostor){ .body = *body, .size = eco_impostor_sizes[level->level],
-		.radius = eco_impostor_radius(body) };
+		.radius = eco_impostor_radius(body),
+		.opacity = 1 - (float)level->gaps / ECO_IMPOSTOR_GAPS };
 	const struct eco_impostor_size *size = &impostor->size;
 	size_t tiles = eco_impostor_tiles(size->set), texels = tiles * size->texels * size->texels,
 		depths = tiles * size->depths * size->depths;

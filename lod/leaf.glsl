@@ -30,10 +30,19 @@ LEAF uint leaf_cell(float x, float y, float z)
  * and shows nothing. */
 LEAF float leaf_rim(float ragged, float radius) { return ragged * radius < 1.0f ? 0.0f : ragged; }
 
-/* A surface without shells has this leaf in a cell. */
-LEAF uint leaf_in(uint cell, float amount)
+/* The hash of what is drawn in a cell in the nth sample of a pixel. */
+LEAF uint leaf_drawn(uint cell, float amount, uint nth)
 {
-	return (cell & 0xFFFFFC00u) | whole(amount * 255.0f + 0.5f) << 2 | 2u;
+	return real(cell >> 24) < 256.0f * amount * amount ? cell : leaf_mix(cell + nth * 0x27D4EB2Fu);
+}
+
+LEAF bool leaf_covers(uint drawn, float opacity) { return real(drawn >> 10 & 255u) < opacity * 256.0f; }
+
+/* A surface without shells has this leaf in a cell; 0: a gap. */
+LEAF uint leaf_in(uint cell, float amount, float opacity, uint nth)
+{
+	return leaf_covers(leaf_drawn(cell, amount, nth), opacity)
+		? (cell & 0xFFFFFC00u) | whole(amount * 255.0f + 0.5f) << 2 | 2u : 0u;
 }
 
 /* The square of the height of shell 1, 2 or 3 over (u, v): the second is the ellipsoid. */
@@ -48,9 +57,9 @@ LEAF uint leaf_at(leaf_splat splat, float u, float v)
 	float s = sqrt(max(1.0f - u * u - v * v, 0.0f));
 	uint cell = leaf_cell(splat.x + splat.xu * u + splat.xv * v + splat.xs * s,
 		splat.y + splat.yu * u + splat.yv * v + splat.ys * s, splat.z + splat.zu * u + splat.zv * v + splat.zs * s);
-	uint one = real(cell >> 24) < 256.0f * splat.amount * splat.amount ? cell : leaf_mix(cell + splat.nth * 0x27D4EB2Fu);
+	uint one = leaf_drawn(cell, splat.amount, splat.nth);
 	uint shell = ((one & 1023u) * 3u >> 10) + 1u;
-	return leaf_height2(splat, shell, u, v) >= 0.0f && real(one >> 10 & 255u) < splat.opacity * 256.0f
+	return leaf_height2(splat, shell, u, v) >= 0.0f && leaf_covers(one, splat.opacity)
 		? (cell & 0xFFFFFC00u) | whole(splat.amount * 255.0f + 0.5f) << 2 | shell : 0u;
 }
 

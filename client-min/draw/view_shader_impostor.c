@@ -10,6 +10,7 @@
  * that a ray, of any length, is linear in x and y. */
 #include "client-min/draw/view_shader.h"
 
+#include "lod/hash.h"
 #include "lod/impostor.h"
 #include "lod/leaf.h"
 
@@ -31,7 +32,7 @@
 
 const char view_shader_impostor_vertex[] =
 	READING
-	"uniform uint u_surface;\n"
+	"uniform uint u_surface, u_sample;\n"
 	"uniform vec2 u_half;\n"
 	"flat out vec3 v_eye, v_from[4];\n"
 	"flat out mat3 v_rays;           // through the middle, and what a pixel across and one down add\n"
@@ -159,7 +160,9 @@ const char view_shader_impostor_vertex[] =
 	"	vec2 sign = vec2(corner == 1 || corner == 2 ? 1.0 : -1.0, corner >= 2 ? 1.0 : -1.0);\n"
 	"	gl_Position = project(view);\n"
 	"	gl_Position.xy = (v_outline.xy + sign * (size + 1.0)) / u_half * gl_Position.w;\n"
-	"	v_seen = uvec4(p.whose, u_surface, color_of(0u), 0u);\n"
+	"	uint x = record(0u).x, y = record(0u).y, z = record(0u).z, nth = u_sample, salt;\n"
+	"	" TEXT(LOD_HASH_SALT) ";\n"
+	"	v_seen = uvec4(p.whose, u_surface, color_of(0u), salt);\n"
 	"#ifdef SHADOW\n"
 	"	vec3 from = sun * (64.0 * ball.w);\n"
 	"	mat3 rays = mat3(half_of[0], half_of[1], -from) * inverse(disc);\n"
@@ -169,6 +172,7 @@ const char view_shader_impostor_vertex[] =
 	"#else\n"
 	"#ifdef LEAVES\n"
 	"	float pixel = view.z / (focal.y * p.scale);\n"
+	"	v_seen.w = u_sample;\n"
 	"	v_leaf = vec3(1.0 / (" TEXT(LOD_LEAF_LATTICE) " * side_of(u_leaf.x, pixel)), min(u_leaf.x / pixel, 1.0), "
 	"u_leaf.y);\n"
 	"#endif\n"
@@ -278,6 +282,12 @@ const char view_shader_impostor_fragment[] =
 	"	vec3 ray = v_rays[0] + pixel.y * v_rays[2] + pixel.x * v_rays[1];\n"
 	"	float along, rest;\n"
 	"	if (!inside(pixel) || !hit(ray, along, rest)) discard;\n"
+	"	uint opacity = record(1u).z >> 16 & 255u;\n"
+	"#ifndef LEAVES\n"
+	"	uint salt = v_seen.w, column = uint(gl_FragCoord.x), row = uint(gl_FragCoord.y), hash;\n"
+	"	" TEXT(LOD_HASH_SPLAT) ";\n"
+	"	if (hash >> 24 >= opacity << 4) discard;\n"
+	"#endif\n"
 	"	float before = uintBitsToFloat(record(1u).x) * sqrt(rest / dot(ray, ray));\n"
 	"#ifdef SHADOW\n"
 	"	along -= before;\n"
@@ -289,7 +299,8 @@ const char view_shader_impostor_fragment[] =
 	"	uint surface = v_seen.y;\n"
 	"#ifdef LEAVES\n"
 	"	vec3 at = (uintBitsToFloat(record(0u).xyz) + v_eye + (along - before) * ray) * v_leaf.x;\n"
-	"	uint leaf = leaf_in(leaf_cell(at.x, at.y, at.z), v_leaf.y);\n"
+	"	uint leaf = leaf_in(leaf_cell(at.x, at.y, at.z), v_leaf.y, float(opacity) / 16.0, v_seen.w);\n"
+	"	if (leaf == 0u) discard;\n"
 	"	look_leaf(leaf, normalize(v_eye), v_leaf.z, vec3(0.0, 0.0, 1.0), surface, color);\n"
 	"#endif\n"
 	"	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), color);\n"

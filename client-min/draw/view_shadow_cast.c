@@ -297,6 +297,7 @@ static void draw_impostor(const struct caster *c, const struct object *o, const 
 	struct corner m = corner_of(o, center);
 	struct lod_impostor_look look;
 	struct outline e;
+	uint32_t salt = lod_splat_salt(mesh->center, 0);
 	disc_of(o, mesh->radius, half);
 	if (!outline_of(c, o, center, half, 2, &e))
 		return;
@@ -307,7 +308,8 @@ static void draw_impostor(const struct caster *c, const struct object *o, const 
 			float share[2];
 			meet_plane(o, &m, half, x, y, share);
 			vec3 ray = add(add(scale(half[0], share[0]), scale(half[1], share[1])), scale(eye, -1));
-			if (outline_has(&e, x, y) && lod_impostor_hit(mesh->impostor, &look,
+			if (outline_has(&e, x, y) && lod_splat_covers(salt, (uint32_t)x, (uint32_t)y,
+					mesh->impostor->opacity) && lod_impostor_hit(mesh->impostor, &look,
 					(const float[3]){ ray.x, ray.y, ray.z }, &hit))
 				raise(c, x, y, corner_of(o, add(add(center, eye), scale(ray, hit.along))).height);
 		}

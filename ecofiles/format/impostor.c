@@ -426,7 +426,7 @@ enum eco_code eco_impostor_level_write(struct eco_writer *w, const struct eco_im
 		code_colors(codec);
 		zeros[1] = eco_range_end(&codec->range);
 		eco_impostor_body_write(w, body);
-		eco_write_u8(w, (uint8_t)level->level);
+		eco_write_u8(w, (uint8_t)(level->level | level->gaps << 4));
 		eco_write_varint(w, shape.size);
 		eco_write_u8(w, (uint8_t)zeros[0]);
 		eco_write_bytes(w, shape.bytes, shape.size);
@@ -445,9 +445,11 @@ enum eco_code eco_impostor_level_write(struct eco_writer *w, const struct eco_im
 /* The streams of a level: where they are, and the zeros that are not stored. */
 struct streams { const uint8_t *bytes[2]; size_t size[2]; uint32_t zeros[2]; };
 
-static bool find_streams(struct streams *s, struct eco_reader *r, uint32_t *level)
+static bool find_streams(struct streams *s, struct eco_reader *r, uint32_t *level, uint32_t *gaps)
 {
-	*level = eco_read_u8(r);
+	uint32_t head = eco_read_u8(r);
+	*level = head & 15;
+	*gaps = head >> 4;
 	uint64_t shape = eco_read_varint(r);
 	s->zeros[0] = eco_read_u8(r);
 	if (r->failed || *level >= ECO_IMPOSTOR_LEVELS || shape > r->size - r->at)
@@ -465,14 +467,15 @@ enum eco_code eco_impostor_level_read(struct eco_impostor_level *level, struct e
 {
 	struct eco_reader r = { .bytes = bytes, .size = size };
 	struct streams streams;
-	uint32_t number;
+	uint32_t number, gaps;
 	*level = (struct eco_impostor_level){ .level = 0 };
 	enum eco_code code = eco_impostor_body_read(&r, body, error);
-	if (!code && !find_streams(&streams, &r, &number))
+	if (!code && !find_streams(&streams, &r, &number, &gaps))
 		code = eco_fail(error, ECO_DAMAGED, "impostor: its %zu bytes are not a level", size);
 	if (code)
 		return code;
 	code = eco_impostor_level_make(level, number, error);
+	level->gaps = gaps;
 	struct codec *codec = code ? NULL : codec_make(body, level);
 	if (!code && !codec)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory to read an impostor");

@@ -22,7 +22,7 @@
  *
  * In a list of impostors a level is a primitive and a chunk (list.h). Bytes of a level:
  *   0         24       the body
- *   24        u8       level
+ *   24        u8       level | gaps << 4
  *   25        varint   n: bytes of texels and depths
  *   ..        u8       zeros at the end of these that are not stored
  *   ..        n bytes  a range coder's stream (ecofiles/base/range.h)
@@ -45,6 +45,7 @@
 #define ECO_IMPOSTOR_TILES_MAX 95u
 #define ECO_IMPOSTOR_RINGS_MAX 7u
 #define ECO_IMPOSTOR_COLORS 32u          /* codes of a channel */
+#define ECO_IMPOSTOR_GAPS 16u            /* codes of gaps */
 
 /* Shared by all levels, metres in plant space. */
 struct eco_impostor_body {
@@ -88,6 +89,7 @@ extern const struct eco_impostor_size eco_impostor_sizes[ECO_IMPOSTOR_LEVELS];
 /* Rows from the top, tile by tile; owns its arrays. */
 struct eco_impostor_level {
 	uint32_t level;
+	uint32_t gaps;               /* the share of a covered texel that shows what is behind, in 1/16 */
 	uint8_t *texel;              /* 1: covered, else 0 */
 	/* the middle between the nearest and the farthest surface, along `toward` from the centre:
 	 * depth_codes from -1 to 1 radius */

@@ -216,8 +216,9 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 /* Rays of pixels in plant space: middle + x across + y down, for pixels from the picture's middle; a metre of
  * depth long. */
 struct rays { float middle[3], across[3], down[3]; };
-/* Leaves on it: cells a metre and their amount, 0: none. */
-struct leaves { float cells, amount; };
+/* Leaves on it: cells a metre and their amount, 0: none; how much of it they cover, and the salt of gaps without
+ * leaves. */
+struct leaves { float cells, amount, opacity; uint32_t nth, salt; };
 
 /* A direction of the world in plant space, `scale` times as long. */
 static void turn_back(const struct lod_place *place, const double d[3], double scale, double out[3])
@@ -265,7 +266,7 @@ static uint32_t leaf_where(const struct leaves *leaves, const struct lod_imposto
 	float at[3];
 	for (int k = 0; k < 3; k++)
 		at[k] = (impostor->body.center[k] + eye[k] + along * ray[k]) * leaves->cells;
-	return leaf_in(leaf_cell(at[0], at[1], at[2]), leaves->amount);
+	return leaf_in(leaf_cell(at[0], at[1], at[2]), leaves->amount, leaves->opacity, leaves->nth);
 }
 
 static void fill_impostor_row(struct lod_paint *paint, uint32_t item, const struct lod_impostor *impostor,
@@ -282,11 +283,18 @@ static void fill_impostor_row(struct lod_paint *paint, uint32_t item, const stru
 			ray[k] = rays->middle[k] + y * rays->down[k] + x * rays->across[k];
 		if (!lod_impostor_hit(impostor, look, ray, &hit))
 			continue;
-		paint->item = item + hit.cell;
 		size_t i = (size_t)row * raster->width + column;
-		bool seen = lod_paint_pixel(paint, i, 1 / (hit.along > near_w ? hit.along : near_w));
+		float near = 1 / (hit.along > near_w ? hit.along : near_w);
+		if (!(near >= raster->depth[i]))
+			continue;
+		uint32_t leaf = leaves->amount > 0 ? leaf_where(leaves, impostor, look->eye, ray, hit.along)
+			: lod_splat_covers(leaves->salt, column, row, leaves->opacity);
+		if (!leaf)
+			continue;
+		paint->item = item + hit.cell;
+		bool seen = lod_paint_pixel(paint, i, near);
 		if (seen && raster->leaf && leaves->amount > 0)
-			raster->leaf[i] = leaf_where(leaves, impostor, look->eye, ray, hit.along);
+			raster->leaf[i] = leaf;
 		any |= seen;
 	}
 	if (any)
@@ -309,11 +317,12 @@ void lod_raster_impostor(struct lod_raster *raster, const struct lod_impostor *i
 	put_outline(&disc.outline, at);
 	rays_make(&rays, raster);
 	look_from(&look, impostor, state);
-	struct leaves leaves = { 0, 0 };
+	struct leaves leaves = { .opacity = impostor->opacity, .nth = state->eye.sample,
+		.salt = lod_splat_salt(impostor->body.center, state->eye.sample) };
 	if (batch->leaf > 0) {
 		float pixel = disc.w / (float)state->place.scale * (float)state->eye.pixel_rad;
-		leaves = (struct leaves){ 1 / (LOD_LEAF_LATTICE * lod_leaf_side(batch->leaf, pixel)),
-			fminf(batch->leaf / pixel, 1) };
+		leaves.cells = 1 / (LOD_LEAF_LATTICE * lod_leaf_side(batch->leaf, pixel));
+		leaves.amount = fminf(batch->leaf / pixel, 1);
 	}
 	outline_rows(&disc.outline, raster, rows);
 	for (uint32_t row = rows[0]; row < rows[1]; row++)

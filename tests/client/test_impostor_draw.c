@@ -101,8 +101,8 @@ UNIT_TEST(opengl_and_software_agree_on_all_levels)
 		}
 }
 
-/* Leaves on impostors are seen, but what they cover stays, and so does the mean of their light. */
-UNIT_TEST(leaves_change_no_mask_and_no_mean)
+/* Leaves on impostors are seen, but depths stay, and so do the share that gaps leave and the mean of their light. */
+UNIT_TEST(leaves_change_no_depth_and_no_mean)
 {
 	struct eco_view view = scene_view();
 	view.eye[0] = 60;
@@ -113,27 +113,31 @@ UNIT_TEST(leaves_change_no_mask_and_no_mean)
 	assert_good(view_picture_init(&smooth, view.width, view.height, &cause));
 	assert_good(view_reference_draw(&(struct view_draw_job){ .store = h.store, .selection = &h.selection,
 		.eye = &h.eye, .near_m = 0.1, .smooth = true }, &smooth, &cause));
-	double light[2] = { 0, 0 }, plants = 0, changed = 0;
+	double light[2] = { 0, 0 }, covered[2] = { 0, 0 }, plants = 0, changed = 0;
 	for (size_t i = 0; i < (size_t)view.width * view.height; i++) {
-		assert_true(leafy.owner[i] == smooth.owner[i] && leafy.depth[i] == smooth.depth[i]);
-		if (!leafy.owner[i])
-			continue;
+		covered[0] += leafy.owner[i] > 0;
+		covered[1] += smooth.owner[i] > 0;
+		if (!leafy.owner[i] || leafy.owner[i] != smooth.owner[i] || leafy.depth[i] != smooth.depth[i])
+			continue;                        /* a gap, maybe with another plant behind it */
 		plants++;
 		changed += abs(leafy.rgb[3 * i + 1] - smooth.rgb[3 * i + 1]) > 2;
 		light[0] += lod_light_of[leafy.rgb[3 * i + 1]];
 		light[1] += lod_light_of[smooth.rgb[3 * i + 1]];
 	}
-	print_message("%.0f pixels, %.2f of them changed, light %.3f of smooth\n", plants, changed / plants,
-		light[0] / light[1]);
+	print_message("%.0f and %.0f pixels, %.0f of both, %.2f of these changed, light %.3f of smooth\n", covered[0],
+		covered[1], plants, changed / plants, light[0] / light[1]);
+	assert_true(fabs(covered[0] / covered[1] - 1) < 0.08 && plants > 0.5 * covered[1]);
 	assert_true(plants > 1000 && changed > 0.5 * plants && fabs(light[0] / light[1] - 1) < 0.05);
 }
 
-/* Seen along the sun's beams from where the sun is, a plant is where its shadow is, and as high. */
+/* Seen along the sun's beams from where the sun is, a plant is where its shadow is, and as high; gaps of both lie
+ * anywhere. */
 UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 {
 	struct eco_view view = { { -400, -300, 400 }, { 0, 0, 3 }, { 0, 0, 1 }, 3, 512, 512 };
 	struct scene_held h = hold(&view, LEVELS - 1, 1);
 	struct view_picture picture = scene_draw(&h, false, VIEW_TINT_NONE);
+	double whole = (double)view_store_list(h.store, L_IMPOSTOR)->impostors[LEVELS - 1].opacity;
 	for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
 		const double *f = h.eye.forward;
 		struct view_shadow_job job = { h.store, &h.selection, &h.eye, &picture,
@@ -160,7 +164,7 @@ UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 			}
 		print_message("%u pixels of plants: %u meet a shadow's caster, %u at its height\n", plants, met,
 			near);
-		assert_true(plants > 5000 && met > 0.95 * plants && near > 0.9 * plants);
+		assert_true(plants > 5000 && met > 0.95 * whole * plants && near > 0.9 * whole * plants);
 		view_shadow_free(&shadow);
 		if (scene_gl)
 			assert_true(shadow_gl_compare(scene_gl, &job, "by OpenGL") > 1000);

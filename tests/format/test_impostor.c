@@ -21,6 +21,7 @@ static void fill(struct eco_impostor_level *level, uint32_t which, uint32_t hole
 	const struct eco_impostor_size *size = &eco_impostor_sizes[which];
 	uint32_t tiles = eco_impostor_tiles(size->set), side = size->texels;
 	state = 7 + which;
+	level->gaps = number(ECO_IMPOSTOR_GAPS);
 	for (uint32_t i = 0; i < tiles * side * side; i++) {
 		double x = (i % side + 0.5) / side - 0.5, y = (i / side % side + 0.5) / side - 0.5;
 		level->texel[i] = x * x + y * y < 0.2 && number(16) >= holes;
@@ -42,6 +43,7 @@ static void write(struct eco_writer *w, const struct eco_impostor_level *level)
 static void assert_same(const struct eco_impostor_level *a, const struct eco_impostor_level *b)
 {
 	assert_int_equal(a->level, b->level);
+	assert_int_equal(a->gaps, b->gaps);
 	const struct eco_impostor_size *size = &eco_impostor_sizes[a->level];
 	size_t tiles = eco_impostor_tiles(size->set), few = eco_impostor_tiles(ECO_IMPOSTOR_FEW);
 	assert_memory_equal(a->texel, b->texel, tiles * size->texels * size->texels);

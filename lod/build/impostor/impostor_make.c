@@ -172,10 +172,36 @@ static uint32_t count_around(const uint32_t *count, uint32_t side, uint32_t x, u
 	return sum;
 }
 
-/* As many texels as are covered, those covered most; of equal ones those with more around them. *rest:
- * samples that the tiles before left over, and this one does. */
-static void choose_texels(struct making *m, const struct impostor_view *view, uint32_t side, int64_t *rest,
-	uint8_t *texel)
+/* Samples of a texel that is covered, `full` or fewer: two values stand for what texels hold, nothing and this one.
+ * With each, the fullest texels are covered, as many as hold all of the plant together; least squares choose it. */
+static uint32_t choose_held(const struct making *m, const struct eco_impostor_size *size, uint32_t full)
+{
+	uint32_t texels = size->texels * size->texels, count[VIEW_TEXELS * VIEW_TEXELS], *number, held = full;
+	double all = 0, most = 0;
+	number = lod_arena_take(m->arena, full + 1, sizeof *number);
+	for (uint32_t i = 0; i < eco_impostor_tiles(size->set); i++) {
+		count_samples(&m->views[size->set][i], size->texels, count);
+		for (uint32_t k = 0; k < texels; k++) {
+			number[count[k]]++;
+			all += count[k];
+		}
+	}
+	for (uint32_t code = ECO_IMPOSTOR_GAPS; code; code--) {
+		double each = (double)full * code / ECO_IMPOSTOR_GAPS, left = all / each, fits = 0;
+		for (uint32_t least = full; least && left > 0; left -= number[least--])
+			fits += (left < number[least] ? left : number[least]) * each * (2.0 * least - each);
+		if (fits > most) {
+			most = fits;
+			held = full * code / ECO_IMPOSTOR_GAPS;
+		}
+	}
+	return held;
+}
+
+/* As many texels as hold the plant, if each holds so many samples: the fullest; of equal ones those with more around
+ * them. *rest: samples that the tiles before left over, and this one does. */
+static void choose_texels(struct making *m, const struct impostor_view *view, uint32_t side, uint32_t held,
+	int64_t *rest, uint8_t *texel)
 {
 	const struct lod_arena_piece *mark = m->arena->last;
 	uint32_t texels = side * side, block = VIEW_TEXELS / side * VIEW_SAMPLES, full = block * block;
@@ -188,7 +214,7 @@ static void choose_texels(struct making *m, const struct impostor_view *view, ui
 			| (9 * full - count_around(count, side, i % side, i / side)), i };
 	}
 	lod_sort(m->arena, order, texels);
-	for (uint32_t i = 0; i < texels && count[order[i].value] && *rest >= full / 2; i++, *rest -= full)
+	for (uint32_t i = 0; i < texels && count[order[i].value] && *rest >= held / 2; i++, *rest -= held)
 		texel[order[i].value] = 1;
 	lod_arena_release(m->arena, mark);
 }
@@ -283,15 +309,18 @@ static void make_level(struct making *m, uint32_t number)
 {
 	struct eco_impostor_level *level = &m->out->levels[number];
 	const struct eco_impostor_size *size = &eco_impostor_sizes[number];
-	uint32_t tiles = eco_impostor_tiles(size->set), few = eco_impostor_tiles(ECO_IMPOSTOR_FEW);
+	uint32_t tiles = eco_impostor_tiles(size->set), few = eco_impostor_tiles(ECO_IMPOSTOR_FEW),
+		block = VIEW_TEXELS / size->texels * VIEW_SAMPLES, full = block * block,
+		held = choose_held(m, size, full);
 	int64_t rest = 0;
 	struct eco_error error;
 	if (eco_impostor_level_make(level, number, &error))
 		eco_end(error.text);
+	level->gaps = ECO_IMPOSTOR_GAPS - held * ECO_IMPOSTOR_GAPS / full;
 	m->out->level_count = number + 1;
 	for (uint32_t i = 0; i < tiles; i++) {
 		const struct impostor_view *view = &m->views[size->set][i];
-		choose_texels(m, view, size->texels, &rest,
+		choose_texels(m, view, size->texels, held, &rest,
 			level->texel + (size_t)i * size->texels * size->texels);
 		put_depths(view, level, i);
 	}
