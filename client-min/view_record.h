@@ -53,8 +53,8 @@ uint32_t view_record_path(uint32_t path);
 uint32_t view_impostor_texels(const struct lod_impostor *impostor);
 /* 4 * view_impostor_texels words. */
 void view_impostor_write(const struct lod_impostor *impostor, uint32_t *words);
-/* The surface of its pixels (view_light.h): points as large as texels. */
-uint32_t view_impostor_surface(const struct eco_list *list, const struct lod_impostor *impostor);
+/* The surface of its pixels (view_light.h). */
+uint32_t view_impostor_surface(const struct eco_list *list);
 
 /* ---- Instances ---- */
 

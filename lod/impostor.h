@@ -23,6 +23,9 @@
 #define LOD_IMPOSTOR_LOOKED 4u           /* tiles that a ray is looked up in */
 /* Across, in pixels: plants that are larger in the picture are not drawn as impostors. */
 #define LOD_IMPOSTOR_PIXELS 192u
+/* How deep in a plant a ray ends, as a part of its way through: near the front where nothing is seen through it,
+ * anywhere where nearly all is. Beer's law with u / (1 - u) in place of logarithms; need is even in [0, opacity). */
+#define LOD_IMPOSTOR_DEEP(need, opacity) ((need) * (1.0f - (opacity)) / ((opacity) * (1.0f - (need))))
 
 /* (x, y, z) of a tile = axis . point from the centre: x and y in [-1, 1], z in radii. */
 struct lod_impostor_tile { float axis[3][3]; };
@@ -56,7 +59,8 @@ struct lod_impostor_look {
 void lod_impostor_look(struct lod_impostor_look *look, const struct lod_impostor *impostor,
 	const float eye[3]);
 
-struct lod_impostor_hit { float along; uint32_t cell; };
+/* middle: along the ray as well, half way through the plant. */
+struct lod_impostor_hit { float along, middle; uint32_t cell; };
 /* Whether eye + along * ray meets the plant or a gap in it, and where; which of `rgb` is its colour. */
 bool lod_impostor_hit(const struct lod_impostor *impostor, const struct lod_impostor_look *look,
 	const float ray[3], struct lod_impostor_hit *hit);

@@ -276,6 +276,7 @@ LOD_CLONES bool lod_impostor_hit(const struct lod_impostor *impostor, const stru
 	for (int k = 0; k < 3; k++)
 		point[k] = look->eye[k] + along * ray[k];
 	hit->cell = cell_at(impostor, look->color_tile, point);
+	hit->middle = along;
 	hit->along = along - impostor->body.thick * sqrtf((out2 > 0 ? out2 : 0) / dot(ray, ray));
 	return true;
 }

@@ -36,13 +36,13 @@ LEAF uint leaf_drawn(uint cell, float amount, uint nth)
 	return real(cell >> 24) < 256.0f * amount * amount ? cell : leaf_mix(cell + nth * 0x27D4EB2Fu);
 }
 
-LEAF bool leaf_covers(uint drawn, float opacity) { return real(drawn >> 10 & 255u) < opacity * 256.0f; }
+/* In [0, 1): less than what opacity a cell needs in order to be covered. */
+LEAF float leaf_need(uint drawn) { return real(drawn >> 10 & 255u) / 256.0f; }
 
-/* A surface without shells has this leaf in a cell; 0: a gap. */
-LEAF uint leaf_in(uint cell, float amount, float opacity, uint nth)
+/* A surface without shells has this leaf in a cell. */
+LEAF uint leaf_in(uint cell, float amount)
 {
-	return leaf_covers(leaf_drawn(cell, amount, nth), opacity)
-		? (cell & 0xFFFFFC00u) | whole(amount * 255.0f + 0.5f) << 2 | 2u : 0u;
+	return (cell & 0xFFFFFC00u) | whole(amount * 255.0f + 0.5f) << 2 | 2u;
 }
 
 /* The square of the height of shell 1, 2 or 3 over (u, v): the second is the ellipsoid. */
@@ -59,7 +59,7 @@ LEAF uint leaf_at(leaf_splat splat, float u, float v)
 		splat.y + splat.yu * u + splat.yv * v + splat.ys * s, splat.z + splat.zu * u + splat.zv * v + splat.zs * s);
 	uint one = leaf_drawn(cell, splat.amount, splat.nth);
 	uint shell = ((one & 1023u) * 3u >> 10) + 1u;
-	return leaf_height2(splat, shell, u, v) >= 0.0f && leaf_covers(one, splat.opacity)
+	return leaf_height2(splat, shell, u, v) >= 0.0f && leaf_need(one) < splat.opacity
 		? (cell & 0xFFFFFC00u) | whole(splat.amount * 255.0f + 0.5f) << 2 | shell : 0u;
 }
 

@@ -84,12 +84,18 @@ static inline uint32_t lod_splat_salt(const float centre[3], uint32_t nth)
 	return salt;
 }
 
-/* Whether a splat of an opacity covers the pixel: opaque ones all, others a share of them. */
-static inline bool lod_splat_covers(uint32_t salt, uint32_t column, uint32_t row, float opacity)
+/* In [0, 1): less than what opacity a splat needs in order to cover the pixel. */
+static inline float lod_splat_need(uint32_t salt, uint32_t column, uint32_t row)
 {
 	uint32_t hash;
 	LOD_HASH_SPLAT;
-	return (float)(hash >> 24) < opacity * 256;
+	return (float)(hash >> 24) / 256;
+}
+
+/* Opaque splats cover all pixels, others a share of them. */
+static inline bool lod_splat_covers(uint32_t salt, uint32_t column, uint32_t row, float opacity)
+{
+	return lod_splat_need(salt, column, row) < opacity;
 }
 
 #endif

@@ -532,8 +532,7 @@ static void draw_primitives(struct frame *f, const struct view_shader *s, const 
 	uint32_t first = cut->first << cut->halvings, end = cut->end << cut->halvings;
 	if (list->list.kind == ECO_LIST_IMPOSTOR) {
 		glUniform1i(s->uniform[VIEW_U_FIRST_RECORD], (int)view_record_span(list, 0, first));
-		glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list,
-			&list->impostors[first]));
+		glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list));
 		draw_quads(s, 0, members, 1);
 	} else if (list->list.kind == ECO_LIST_POINTS)
 		draw_ellipses(f, s, g, list, cut, first_member, members);

@@ -183,9 +183,11 @@ LIGHT float summary_tone(uint owner)
 LIGHT face face_of(sunlight s, plant p, uint surface, vec3 to_eye)
 {
 	uint kind = surface >> 30;
-	if (kind == 2u)
-		return face(cloud_sun(s, real(surface >> 16 & 255u) / 255.0f, to_eye), to_eye, false,
-			real(surface & 65535u) / 65535.0f, real(surface & 65535u) / 65535.0f);
+	if (kind == 2u) {
+		float reach = real(surface & 65535u) / 65535.0f;
+		return face(cloud_sun(s, real(surface >> 16 & 255u) / 255.0f, to_eye), to_eye, false, reach,
+			reach * real(1u - (surface >> 25 & 1u)));
+	}
 	vec3 d = turned(p, kind == 3u ? direction_in(surface, 10) : direction_of(surface));
 	float reach = kind == 3u ? real(surface >> 20 & 31u) / 31.0f : 0.0f;
 	if (kind == 1u) {

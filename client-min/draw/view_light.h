@@ -29,13 +29,14 @@
  *            ball: the same with 10 bits each; 20..24 its radius over half the width of its plant, at most 1 (31),
  *            25..29 the share of leaves that lie level (30: all), or 31: one of its leaves, whose direction it is
  *            cloud: 0..15 half its side over half the width of its plant, at most 1 (65535), 16..23 the share
- *            of leaves that lie level (255: all) */
+ *            of leaves that lie level (255: all), 24 its summary's (view_gl.h), 25 what it stands for is behind it */
 enum view_surface { VIEW_FACET, VIEW_AXIS, VIEW_CLOUD, VIEW_BALL };
 /* The direction may have any length; a cloud has none. */
 uint32_t view_surface_direction(enum view_surface kind, const float direction[3]);
 uint32_t view_surface_ball(double reach, double level, const float direction[3]);
 uint32_t view_surface_leaf(double reach, const float direction[3]);
 uint32_t view_surface_cloud(double reach, double level);
+#define VIEW_NEAR_SIDE (1u << 25)
 
 /* By representation; or in their own colours without light, before a gray ground and a black sky. */
 enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_OWN };

@@ -250,7 +250,7 @@ static uint32_t smooth_of(const struct view_mesh *mesh, uint32_t primitive, cons
 {
 	float normal[3];
 	if (mesh->impostor)
-		return view_impostor_surface(&mesh->list->list, mesh->impostor);
+		return view_impostor_surface(&mesh->list->list);
 	if (!mesh->geometry.half)
 		return cloud_of(mesh, primitive);
 	ball_of(mesh, primitive, rays, normal);

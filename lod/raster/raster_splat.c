@@ -107,7 +107,7 @@ static bool outline_span(const struct outline *o, const struct lod_raster *raste
 	return span[0] < span[1];
 }
 
-LOD_INLINE float leaf_depth(const struct disc *disc, uint32_t shell, float u, float v)
+LOD_INLINE float shell_depth(const struct disc *disc, uint32_t shell, float u, float v)
 {
 	const struct lod_ellipse *e = &disc->outline.ellipse;
 	float w = disc->w + e->aside * u + e->below * v
@@ -135,12 +135,12 @@ LOD_CLONES static void fill_leaves(const struct lod_paint *paint, const struct d
 			float at = (float)x + 0.5f - 0.5f * (float)raster->width - outer.x, v = y / e->high,
 				u = e->half > 0 ? (at - e->lean * y) / e->half : 0;
 			size_t i = (size_t)row * raster->width + x;
-			if (!(leaf_depth(disc, 1, u, v) >= raster->depth[i]))
+			if (!(shell_depth(disc, 1, u, v) >= raster->depth[i]))
 				continue;
 			uint32_t leaf = leaf_at(disc->leaves, u, v);
 			if (!leaf)
 				continue;
-			bool seen = lod_paint_pixel(paint, i, leaf_depth(disc, leaf & 3, u, v));
+			bool seen = lod_paint_pixel(paint, i, shell_depth(disc, leaf & 3, u, v));
 			if (seen && raster->leaf)
 				raster->leaf[i] = leaf;
 			any |= seen;
@@ -260,13 +260,13 @@ static void look_from(struct lod_impostor_look *look, const struct lod_impostor 
 	lod_impostor_look(look, impostor, eye);
 }
 
-static uint32_t leaf_where(const struct leaves *leaves, const struct lod_impostor *impostor, const float eye[3],
+static uint32_t cell_where(const struct leaves *leaves, const struct lod_impostor *impostor, const float eye[3],
 	const float ray[3], float along)
 {
 	float at[3];
 	for (int k = 0; k < 3; k++)
 		at[k] = (impostor->body.center[k] + eye[k] + along * ray[k]) * leaves->cells;
-	return leaf_in(leaf_cell(at[0], at[1], at[2]), leaves->amount, leaves->opacity, leaves->nth);
+	return leaf_cell(at[0], at[1], at[2]);
 }
 
 static void fill_impostor_row(struct lod_paint *paint, uint32_t item, const struct lod_impostor *impostor,
@@ -284,17 +284,18 @@ static void fill_impostor_row(struct lod_paint *paint, uint32_t item, const stru
 		if (!lod_impostor_hit(impostor, look, ray, &hit))
 			continue;
 		size_t i = (size_t)row * raster->width + column;
-		float near = 1 / (hit.along > near_w ? hit.along : near_w);
-		if (!(near >= raster->depth[i]))
+		if (!(1 / (hit.along > near_w ? hit.along : near_w) >= raster->depth[i]))
 			continue;
-		uint32_t leaf = leaves->amount > 0 ? leaf_where(leaves, impostor, look->eye, ray, hit.along)
-			: lod_splat_covers(leaves->salt, column, row, leaves->opacity);
-		if (!leaf)
+		uint32_t cell = leaves->amount > 0 ? cell_where(leaves, impostor, look->eye, ray, hit.along) : 0;
+		float need = leaves->amount > 0 ? leaf_need(leaf_drawn(cell, leaves->amount, leaves->nth))
+			: lod_splat_need(leaves->salt, column, row);
+		if (!(need < leaves->opacity))
 			continue;
+		float along = hit.along + 2 * (hit.middle - hit.along) * LOD_IMPOSTOR_DEEP(need, leaves->opacity);
 		paint->item = item + hit.cell;
-		bool seen = lod_paint_pixel(paint, i, near);
+		bool seen = lod_paint_pixel(paint, i, 1 / (along > near_w ? along : near_w));
 		if (seen && raster->leaf && leaves->amount > 0)
-			raster->leaf[i] = leaf;
+			raster->leaf[i] = leaf_in(cell, leaves->amount);
 		any |= seen;
 	}
 	if (any)
