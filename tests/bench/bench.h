@@ -156,9 +156,10 @@ struct bench_truth { double cpu_ms, floor, floor_one, ceiling; };
 
 /* Splats and balls of a picture (bench_wide.c). widest_px: the widest that is nearest at its own centre; 0
  * where there is none, the picture's width where the eye stands in one. ellipses: those of foliage wider than
- * BENCH_WIDE_PX; flat: of these, L* inside deviates by less than half of the truth's. */
+ * BENCH_WIDE_PX; flat: of these, L* inside deviates by less than half of the truth's; chance: as many would be flat in the
+ * truth itself, moved by half an ellipse's width, as leaves lie elsewhere there. */
 #define BENCH_WIDE_PX 12.0
-struct bench_wide { double widest_px; uint32_t ellipses, flat; };
+struct bench_wide { double widest_px, chance; uint32_t ellipses, flat; };
 /* smooth: the job's picture with one sample a pixel and no leaves, for its depths. */
 void bench_find_wide(const struct view_draw_job *job, const struct view_picture *smooth,
 	const struct view_picture *picture, const struct view_picture *truth, struct bench_wide *wide);

@@ -19,6 +19,7 @@ struct look {
 	struct lod_geometry points;
 	float area;                      /* of a ball of size 1 */
 	struct bench_wide *wide;
+	uint32_t *room;                  /* as many as pixels */
 };
 
 static double length_of(const double v[3]) { return sqrt(lod_dot(v, v)); }
@@ -80,30 +81,58 @@ static bool shows(const struct look *look, const struct ball *ball, uint32_t x, 
 
 static uint32_t pixel_at(double at, uint32_t size) { return at < 0 ? 0 : at > size ? size : (uint32_t)at; }
 
+/* Pixels that show an ellipse, and the box around them: [left, right) and [top, bottom). */
+struct inside { uint32_t *pixel, count, left, right, top, bottom; };
+
+static void find_inside(const struct look *look, const struct ball *b, struct inside *in)
+{
+	uint32_t width = look->smooth->width, height = look->smooth->height;
+	*in = (struct inside){ look->room, 0, pixel_at(b->x - b->radius_px, width), pixel_at(b->x + b->radius_px + 1, width),
+		pixel_at(b->y - b->radius_px, height), pixel_at(b->y + b->radius_px + 1, height) };
+	for (uint32_t y = in->top; y < in->bottom; y++)
+		for (uint32_t x = in->left; x < in->right; x++)
+			if (shows(look, b, x, y))
+				in->pixel[in->count++] = y * width + x;
+}
+
+/* Deviation of L* in pixels that lie `moved` after those of the ellipse. */
+static double deviation_in(const float *lightness, const struct inside *in, int64_t moved)
+{
+	double sum = 0, squares = 0;
+	for (uint32_t i = 0; i < in->count; i++) {
+		double l = (double)lightness[in->pixel[i] + moved];
+		sum += l;
+		squares += l * l;
+	}
+	return sqrt(fmax(0, squares / in->count - sum / in->count * sum / in->count));
+}
+
+/* The share of four places half a width away where the truth itself deviates by less than half of `deviation`. */
+static double chance_of(const struct look *look, const struct ball *b, const struct inside *in, double deviation)
+{
+	int64_t width = look->smooth->width, height = look->smooth->height, far = (int64_t)b->radius_px;
+	double places = 0, flat = 0;
+	for (int i = 0; i < 4; i++) {
+		int64_t x = i < 2 ? (i ? far : -far) : 0, y = i < 2 ? 0 : i > 2 ? far : -far;
+		if (in->left + x < 0 || in->right + x > width || in->top + y < 0 || in->bottom + y > height)
+			continue;
+		places++;
+		flat += deviation_in(look->lightness[1], in, y * width + x) < deviation / 2;
+	}
+	return places > 0 ? flat / places : 0;
+}
+
 /* Counts an ellipse that shows enough, and whether it is flat. */
 static void look_inside(const struct look *look, const struct ball *b)
 {
-	double sum[2] = { 0, 0 }, squares[2] = { 0, 0 }, deviation[2];
-	uint32_t count = 0, width = look->smooth->width, height = look->smooth->height,
-		right = pixel_at(b->x + b->radius_px + 1, width),
-		bottom = pixel_at(b->y + b->radius_px + 1, height);
-	for (uint32_t y = pixel_at(b->y - b->radius_px, height); y < bottom; y++)
-		for (uint32_t x = pixel_at(b->x - b->radius_px, width); x < right; x++) {
-			if (!shows(look, b, x, y))
-				continue;
-			count++;
-			for (int k = 0; k < 2; k++) {
-				double l = (double)look->lightness[k][(size_t)y * width + x];
-				sum[k] += l;
-				squares[k] += l * l;
-			}
-		}
-	if (count < INSIDE_LEAST)
+	struct inside in;
+	find_inside(look, b, &in);
+	if (in.count < INSIDE_LEAST)
 		return;
-	for (int k = 0; k < 2; k++)
-		deviation[k] = sqrt(fmax(0, squares[k] / count - sum[k] / count * sum[k] / count));
+	double truth = deviation_in(look->lightness[1], &in, 0);
 	look->wide->ellipses++;
-	look->wide->flat += deviation[0] < deviation[1] / 2;
+	look->wide->flat += deviation_in(look->lightness[0], &in, 0) < truth / 2;
+	look->wide->chance += chance_of(look, b, &in, truth);
 }
 
 /* ---- Widths ---- */
@@ -175,10 +204,12 @@ void bench_find_wide(const struct view_draw_job *job, const struct view_picture 
 	const struct view_picture *picture, const struct view_picture *truth, struct bench_wide *wide)
 {
 	struct look look = { .eye = job->eye, .smooth = smooth, .lightness = { lightness_of(picture),
-		lightness_of(truth) }, .wide = wide };
+		lightness_of(truth) }, .wide = wide,
+		.room = eco_alloc((size_t)smooth->width * smooth->height, sizeof *look.room) };
 	*wide = (struct bench_wide){ 0 };
 	for (uint32_t c = 0; c < job->selection->cut_count; c++)
 		look_at_cut(&look, job, c);
 	free(look.lightness[0]);
 	free(look.lightness[1]);
+	free(look.room);
 }

@@ -18,15 +18,15 @@ static const uint64_t budgets[] = { 10000, 100000, 300000, 1000000 };
 static const struct bench_column columns[] = { { "vertices", 0 }, { "bytes", 0 }, { "Q", 4 },
 	{ "owner_q", 4 }, { "S1 start", 4 }, { "m16 start", 3 }, { "s16 start", 3 }, { "s16_abs start", 3 },
 	{ "S8 smooth", 4 }, { "S8", 4 }, { "m16", 3 }, { "s16", 3 }, { "s16_abs", 3 }, { "B", 4 }, { "F1", 4 },
-	{ "F8", 4 }, { "wide", 0 }, { "flat", 0 }, { "widest point px", 1 }, { "truth CPU s", 1 },
+	{ "F8", 4 }, { "wide", 0 }, { "flat", 0 }, { "flat by chance", 1 }, { "widest point px", 1 }, { "truth CPU s", 1 },
 	{ "predicted Q", 4 }, { "soft Q", 4 }, { "ceiling", 4 } };
 enum { OWNER_Q = 3, S1, M16_START, S16_START, S16_ABS_START, SMOOTH, S8, M16, S16, S16_ABS, BIAS, F1, F8, WIDE,
-	FLAT, WIDEST, TRUTH, COLUMNS = 23 };
+	FLAT, CHANCE, WIDEST, TRUTH, COLUMNS = 24 };
 /* of bench_shot_row */
 static const char *const keys[COLUMNS] = { "vertices", "bytes", "q", "owner_q", "start_error", "start_m16",
 	"start_s16", "start_s16_abs", "smooth_error", "picture_error", "m16", "s16", "s16_abs", "bias_error",
-	"one_floor", "floor_error", "wide", "flat", "widest_px", "truth_cpu_ms", "predicted_q", "soft_q",
-	"ceiling" };
+	"one_floor", "floor_error", "wide", "flat", "flat_by_chance", "widest_px", "truth_cpu_ms",
+	"predicted_q", "soft_q", "ceiling" };
 
 /* A figure over another: the geometric mean of rows of budgets [from, to], and the most of all rows, with
  * bars; INFINITY: no bar. */
@@ -44,7 +44,7 @@ static const struct ratio { const char *key, *says; uint32_t figure, over; uint6
 struct study {
 	struct bench_table *table;
 	struct found { double logs, most; uint32_t rows; char row[64]; } found[RATIOS];
-	double widest, wide, flat, scbi_owner[BUDGETS];
+	double widest, wide, flat, chance, scbi_owner[BUDGETS];
 	uint32_t pictures, near, fine;
 };
 
@@ -105,6 +105,7 @@ static void add_row(struct study *s, const struct bench_view *view, size_t b, co
 	if (budgets[b] >= FINE_VERTICES && budgets[b] <= MIDDLE_VERTICES) {
 		s->wide += value[WIDE];
 		s->flat += value[FLAT];
+		s->chance += value[CHANCE];
 	}
 	bench_table_values(s->table, value, "%s,%s,%llu", view->scene, view->camera, (unsigned long long)budgets[b]);
 }
@@ -153,7 +154,7 @@ static void add_keys(struct bench *bench, const struct study *s, const char *lig
 	bench_key(bench, name, s->fine ? (double)s->near / s->fine : NAN,
 		">= 0.9: share of rows at 100,000 vertices or more whose signed s16 is within .4");
 	snprintf(says, sizeof says, "ellipses of foliage, of %.0f wider than 12 pixels at 100,000 and 300,000 "
-		"vertices, that vary less than half as the truth", s->wide);
+		"vertices, that vary less than half as the truth; by chance %.0f do", s->wide, s->chance);
 	add_key(bench, light, "flat", s->pictures ? s->flat : NAN, 0, says);
 }
 
@@ -175,7 +176,8 @@ static void run(struct bench *bench)
 		"sample and no leaves on splats; smooth: no leaves; F1, F8: S1 and S8 of full detail; B: with 64 "
 		"(FULL=1). m16: distance of the mean colours (CIELAB) of blocks of 16 x 16 pixels; s16: deviation "
 		"of L* inside them less the truth's; s16_abs: its absolute. wide: ellipses of foliage wider than %g "
-		"pixels; flat: of these, L* inside deviates by less than half of the truth's. Truth CPU: processor "
+		"pixels; flat: of these, L* inside deviates by less than half of the truth's; by chance: as many are flat "
+		"in the truth itself, moved by half an ellipse's width. Truth CPU: processor "
 		"time of drawing the truth once.", BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, BENCH_WIDE_PX);
 	if (bench->sky.shadows) {
 		study(bench, &s, "pictures");
