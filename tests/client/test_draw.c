@@ -202,17 +202,30 @@ UNIT_TEST(own_colours_are_those_that_were_recorded)
 	assert_true(plants && ground);
 }
 
-UNIT_TEST(programs_are_compiled_before_something_is_drawn_by_them)
+UNIT_TEST(what_draws_held_lists_is_compiled_before_there_is_a_plan)
 {
-	const uint32_t wanted = 1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY;
-	struct view_gl_options options = { 16, 16 };
-	OWNED(view_gl) *fresh;
+	const uint32_t far = 1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY | 1u << VIEW_PROGRAM_SPLATS;
 	if (!scene_gl)
 		skip();
-	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
-	assert_int_equal(view_gl_programs(fresh), 0);
-	assert_int_equal(view_gl_prepare(fresh, wanted, NULL), ECO_OK);
-	assert_int_equal(view_gl_programs(fresh), wanted);
+	AT_END(scene_release) struct scene_held h = scene_hold(&grove);
+	struct view_gl_options size = { h.view.width, h.view.height };
+	OWNED(view_gl) *empty, *full;
+	OWNED(view_store) *none;
+	FREED(view_picture) picture;
+	assert_int_equal(view_store_new(&none, &(struct view_store_options){ 0 }, NULL), ECO_OK);
+	assert_int_equal(view_gl_open(&empty, &size, NULL), ECO_OK);
+	assert_int_equal(view_gl_programs(empty), 0);
+	assert_int_equal(view_gl_prepare(empty, none, NULL), ECO_OK);
+	assert_int_equal(view_gl_programs(empty), far);
+
+	assert_int_equal(view_gl_open(&full, &size, NULL), ECO_OK);
+	assert_int_equal(view_gl_prepare(full, h.store, NULL), ECO_OK);
+	uint32_t prepared = view_gl_programs(full);
+	assert_int_equal(view_picture_init(&picture, size.width, size.height, NULL), ECO_OK);
+	assert_int_equal(view_gl_draw(full, &(struct view_draw_job){ .store = h.store, .selection = &h.selection,
+		.eye = &h.eye, .near_m = view_store_near_m(h.store), .smooth = true }, &picture, NULL), ECO_OK);
+	assert_int_equal(view_gl_programs(full), prepared);
+	assert_true(prepared & 1u << VIEW_PROGRAM_TRIANGLES && prepared & 1u << VIEW_PROGRAM_GROUND);
 }
 
 UNIT_MAIN(scene_open_gl, scene_close)
