@@ -16,7 +16,6 @@ struct lod_plan_tables {
 	struct lod_proxy_shape *proxy_shapes;
 	double ellipse;
 	_Atomic(struct lod_plan_tables_ladder *) *ladders;
-	_Atomic size_t bytes;
 };
 
 /* ---- Ladders of anchors ---- */
@@ -174,7 +173,7 @@ static void hulls_of(const struct eco_scene *scene, const struct lod_way *way, s
 }
 
 /* In one allocation: the ladder, its legs, its hull points. */
-static struct lod_plan_tables_ladder *make_ladder(const struct eco_scene *scene, uint32_t id, size_t *bytes)
+static struct lod_plan_tables_ladder *make_ladder(const struct eco_scene *scene, uint32_t id)
 {
 	struct lod_way way;
 	lod_way_begin(&way, scene, &scene->ladders[id]);
@@ -188,7 +187,7 @@ static struct lod_plan_tables_ladder *make_ladder(const struct eco_scene *scene,
 		legs = way.forms.leg_count * sizeof *kept;
 		for (int i = 0; i < 2; i++)
 			points += hulls->hull[i].count * sizeof(struct lod_hull_point);
-		made = malloc(*bytes = sizeof *made + legs + points);
+		made = malloc(sizeof *made + legs + points);
 	}
 	if (made) {
 		struct lod_forms_leg *leg = (struct lod_forms_leg *)(made + 1);
@@ -215,14 +214,12 @@ const struct lod_plan_tables_ladder *lod_plan_tables_ladder(struct lod_plan_tabl
 {
 	struct lod_plan_tables_ladder *found = atomic_load_explicit(&tables->ladders[ladder],
 		memory_order_acquire), *none = NULL;
-	size_t bytes = 0;
-	if (found || !(found = make_ladder(tables->scene, ladder, &bytes)))
+	if (found || !(found = make_ladder(tables->scene, ladder)))
 		return found;
 	if (!atomic_compare_exchange_strong(&tables->ladders[ladder], &none, found)) {
 		free(found);
 		return none;
 	}
-	tables->bytes += bytes;
 	return found;
 }
 
@@ -240,9 +237,6 @@ enum eco_code lod_plan_tables_make(struct lod_plan_tables **made, const struct e
 		tables->ladder_order = calloc(ladders, sizeof *tables->ladder_order);
 		tables->proxy_shapes = calloc(plants, sizeof *tables->proxy_shapes);
 		tables->ladders = calloc(ladders, sizeof *tables->ladders);
-		tables->bytes = sizeof *tables + anchors * sizeof *tables->ladder_first
-			+ plants * sizeof *tables->proxy_shapes
-			+ ladders * (sizeof *tables->ladder_order + sizeof *tables->ladders);
 	}
 	if (!tables || !tables->ladder_first || !tables->ladder_order || !tables->proxy_shapes
 			|| !tables->ladders) {
@@ -268,5 +262,3 @@ void lod_plan_tables_free(struct lod_plan_tables *tables)
 	free(tables->proxy_shapes);
 	free(tables);
 }
-
-size_t lod_plan_tables_bytes(const struct lod_plan_tables *tables) { return tables->bytes; }

@@ -34,9 +34,4 @@ const uint32_t *lod_plan_tables_whole(const struct lod_plan_tables *tables, uint
 const struct lod_proxy_shape *lod_plan_tables_proxy_shapes(const struct lod_plan_tables *tables);
 double lod_plan_tables_ellipse(const struct lod_plan_tables *tables);
 
-/* Bytes of memory in use; a ladder's part takes at most LOD_PLAN_TABLES_LADDER_BYTES_MAX. */
-#define LOD_PLAN_TABLES_LADDER_BYTES_MAX (2 * LOD_HULL_POINTS_MAX * sizeof(struct lod_hull_point) \
-	+ (1u << 15))
-size_t lod_plan_tables_bytes(const struct lod_plan_tables *tables);
-
 #endif

@@ -84,7 +84,6 @@ UNIT_TEST(threads_that_ask_at_a_time_are_given_the_same)
 	random_scene_make(&scene, 3, 0);
 	assert_true(scene.scene.ladder_count <= LADDERS_MOST);
 	assert_false(lod_plan_tables_make(&tables, &scene.scene, NULL));
-	size_t empty = lod_plan_tables_bytes(tables);
 	for (uint32_t i = 0; i < THREADS; i++) {
 		askers[i].tables = tables;
 		assert_false(pthread_create(&threads[i], NULL, ask_all, &askers[i]));
@@ -94,8 +93,5 @@ UNIT_TEST(threads_that_ask_at_a_time_are_given_the_same)
 	for (uint32_t l = 0; l < scene.scene.ladder_count; l++)
 		for (uint32_t i = 0; i < THREADS; i++)
 			assert_ptr_equal(askers[i].found[l], lod_plan_tables_ladder(tables, l));
-	size_t bytes = lod_plan_tables_bytes(tables) - empty;
-	assert_true(bytes > 0
-		&& bytes <= scene.scene.ladder_count * (size_t)LOD_PLAN_TABLES_LADDER_BYTES_MAX);
 	lod_plan_tables_free(tables);
 }
