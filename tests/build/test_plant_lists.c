@@ -298,6 +298,20 @@ UNIT_TEST(splats_say_how_level_leaves_lie)
 	}
 }
 
+UNIT_TEST(a_body_of_one_piece_has_no_leaves)
+{
+	for (int leaves = 0; leaves < 2; leaves++) {
+		soup_begin(&soup);
+		if (leaves)
+			soup_tree(&soup, 300, 0, false);
+		else
+			soup_ball(&soup, soup_material(&soup, 60, 150, 40, ECO_NONE, false), (struct lod_v3){ 0, 0, 2 }, 2, 24);
+		measure(&plant, &draft);
+		assert_int_equal(plant.plant.leaf_width > 0, leaves);
+		finish();
+	}
+}
+
 /* A draft has two levels of the impostor, a plant all; those larger than the plant are left out, unless it has a
  * picture, which is larger still. */
 UNIT_TEST(curves_of_whole_plants_have_the_levels_of_the_impostor_and_of_splats)

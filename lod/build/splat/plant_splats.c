@@ -6,6 +6,7 @@
 #include "ecofiles/base/memory.h"
 #include "lod/build/grid.h"
 #include "lod/build/impostor/impostor_make.h"
+#include "lod/build/model_draw.h"
 #include "lod/build/organ/organ.h"
 #include "lod/build/palette.h"
 #include "lod/build/splat/splat_fit.h"
@@ -192,6 +193,21 @@ static void add_ladder(struct lod_plant *plant, const struct lod_splats *splats)
 	plant->plant.ladder_count = plant->ladder_count;
 }
 
+/* A body that is one piece, such as a rock, has no leaves: it would be drawn as one on three shells, which shade each
+ * other. */
+#define LEAF_MOST 0.25                   /* a leaf's width over the largest extent of its plant */
+
+static uint16_t leaf_width(double leaf, const struct eco_model *model)
+{
+	float low[3], high[3];
+	double extent = 0;
+	if (!lod_model_bounds(model, low, high))
+		return 0;
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, (double)high[k] - (double)low[k]);
+	return leaf > LEAF_MOST * extent ? 0 : (uint16_t)fmin(leaf / ECO_LEAF_UNIT_M + 0.5, UINT16_MAX);
+}
+
 enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error)
 {
@@ -219,7 +235,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		put_elements(draft, &splats);
 		add_ladder(plant, &splats);
 		color_elements(draft, plant, &splats);
-		plant->plant.leaf_width = (uint16_t)fmin(splats.leaf / ECO_LEAF_UNIT_M + 0.5, UINT16_MAX);
+		plant->plant.leaf_width = leaf_width(splats.leaf, model);
 		plant->plant.leaf_tone = (uint8_t)fmin(splats.tone * ECO_TONE_ONE + 0.5, UINT8_MAX);
 		if (!options->draft)
 			code = lod_plant_add_impostor(plant, model, rgb, options, error);
