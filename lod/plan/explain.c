@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ecofiles/base/array_grow.h"
 
@@ -18,6 +19,14 @@ const char *const lod_why_names[LOD_WHY_COUNT] = {
 	[LOD_WHY_FAR] = "far", [LOD_WHY_GIVES_WAY] = "gives way", [LOD_WHY_PLANTS] = "plants",
 	[LOD_WHY_GROUND] = "ground",
 };
+
+uint32_t lod_distance_of(double m)
+{
+	uint32_t bin = 0;
+	for (double end = LOD_DISTANCE_FIRST_M; bin + 1 < LOD_DISTANCES && m >= end; end *= 2)
+		bin++;
+	return bin;
+}
 
 void lod_explanation_free(struct lod_explanation *explanation)
 {
@@ -93,6 +102,9 @@ static struct lod_reason reason_of(const struct lod_fill *fill, const struct lod
 {
 	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead,
 		.between = candidate->between };
+	reason.expected_px = candidate->ladder_choice == ECO_NONE
+		? fill->allocation->tile_choices[candidate->node].pixels
+		: fill->allocation->slot_choices[choice_of(fill, candidate)->slot].seen;
 	reason.gain = candidate->seen * lod_hull_error(candidate->hull, candidate->hull->points)
 		- lod_fill_wrong_of(fill, candidate);
 	if (candidate->ladder_choice == ECO_NONE)
@@ -137,6 +149,17 @@ static void add_row(struct lod_explanation *explanation, const struct lod_explai
 		explanation->rows[explanation->count++] = *row;
 }
 
+static void sum_expected(const struct lod_allocation *m, double expected_px[LOD_DISTANCES])
+{
+	memset(expected_px, 0, LOD_DISTANCES * sizeof *expected_px);
+	for (uint32_t i = 0; i < m->p->screen.count; i++) {
+		const struct lod_visibility *visibility = &m->p->screen.visibilities[i];
+		if (visibility->slot == ECO_NONE || m->tile_choices[visibility->node].open)
+			expected_px[lod_distance_of((double)visibility->distance)] +=
+				(double)visibility->share * (double)visibility->pixels;
+	}
+}
+
 void lod_explain_tiles(const struct lod_fill *fill)
 {
 	const struct lod_allocation *m = fill->allocation;
@@ -145,6 +168,7 @@ void lod_explain_tiles(const struct lod_fill *fill)
 		return;
 	uint64_t before = m->p->work;
 	lod_planner_work(m->p, LOD_WORK_NODE * (uint64_t)m->p->visible.node_count);
+	sum_expected(m, explanation->expected_px);
 	explanation->lambda = fill->lambda;
 	explanation->count = 0;
 	explanation->omitted = 0;
@@ -158,7 +182,7 @@ void lod_explain_tiles(const struct lod_fill *fill)
 		lod_allocation_compare(m, n, &plants, &summary);
 		row.plants = node->plants;
 		row.reason = (struct lod_reason){ .why = LOD_WHY_PLANTS, .gain = plants,
-			.margin = fmax(0, more_by(plants, summary)) };
+			.margin = fmax(0, more_by(plants, summary)), .expected_px = m->tile_choices[n].pixels };
 		add_row(explanation, &row);
 	}
 	count_explaining(m->p, before);

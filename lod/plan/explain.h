@@ -35,6 +35,11 @@ enum lod_why {
 };
 extern const char *const lod_why_names[LOD_WHY_COUNT]; /* "next step", "left over", ...; for tables */
 
+/* Distances by which pixels are summed: the first ends at 8 m, each other at twice that, the last nowhere. */
+#define LOD_DISTANCES 5u
+#define LOD_DISTANCE_FIRST_M 8.0
+uint32_t lod_distance_of(double m);
+
 /* Pixels saved are wrong pixels as the objective weighs them (lod/plan/README.md). */
 struct lod_reason {
 	enum lod_why why;
@@ -46,6 +51,8 @@ struct lod_reason {
 	                              * WHOLE: 0 where it saves no more at lambda, but leaves less wrong at
 	                              * the budget. GROUND: error in pixels */
 	double share;                /* WHOLE: of the slot's plants beyond the gate, that draw it */
+	double expected_px;          /* that the tile is expected to show, or each of the plants, of all its
+	                              * organs; in full detail; 0 with Deussen's rule */
 	uint64_t ahead, between;     /* plants that draw more than the others of the slot */
 };
 
@@ -65,6 +72,7 @@ struct lod_explanation {
 	double sample_distance;      /* d' of Deussen's rule, radians; else 0 */
 	struct lod_explained *rows;  uint32_t count, capacity;
 	uint64_t omitted;
+	double expected_px[LOD_DISTANCES];       /* that plants and tiles show, as the planner expects */
 	uint32_t most;               /* rows, set by lod_plan */
 };
 void lod_explanation_free(struct lod_explanation *explanation);

@@ -190,7 +190,7 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 		.reach_y = (float)(BOX * tall * rows),
 		.crown_y = (float)(y - proxy_shape->rise * tilt.upright * rows),
 		.crown_reach_x = (float)(BOX * proxy_shape->crown_across * columns),
-		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead,
+		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .distance = (float)sqrt(lod_dot(d, d)),
 		.range = (float)(range > 0 ? range : 0),
 		.foot = (float)(y + proxy_shape->up * tilt.upright * rows),
 		.bottom = (float)screen->rows, .share = 1,

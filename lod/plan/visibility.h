@@ -49,6 +49,7 @@ struct lod_visibility {
 	float crown_y, crown_reach_x, crown_reach_y; /* the crown's: it hides others and covers */
 	float foot;                  /* row of its foot */
 	float depth;                 /* metres in front of the eye */
+	float distance;              /* metres from the eye to its middle */
 	float range;                 /* metres along level ground; 0 if behind, when looking steeply down */
 	float opacity;               /* of its crown, at full detail */
 	float hides, shown;          /* the same of clumped leaves, by which what is behind is hidden; in a

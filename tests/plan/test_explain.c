@@ -66,6 +66,7 @@ static void check_rows(const struct eco_plan *plan, const struct lod_explanation
 		char text[200], line[400];
 		vertices += row->vertices;
 		seen[reason->why]++;
+		assert_true(isfinite(reason->expected_px) && reason->expected_px >= 0);
 		assert_true(isfinite(reason->gain) && reason->next >= 0 && isfinite(reason->next)
 			&& reason->margin >= 0);
 		if (reason->why == LOD_WHY_STEP)
@@ -106,6 +107,28 @@ UNIT_TEST(rows_add_up_to_the_plan)
 	assert_true(seen[LOD_WHY_STEP] && seen[LOD_WHY_LEFT_OVER] && seen[LOD_WHY_ALL]
 		&& seen[LOD_WHY_DISTANCE] && seen[LOD_WHY_PLANTS]);
 	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_PART] && seen[LOD_WHY_WHOLE]);
+}
+
+/* In a scene whose tiles are all open: of each plant by its distance. */
+UNIT_TEST(expected_pixels_add_up_by_distance)
+{
+	static const double at[] = { 0, 7.99, 8, 63, 64, 1e9 };
+	static const uint32_t bins[] = { 0, 0, 1, 3, 4, 4 };
+	for (size_t i = 0; i < sizeof at / sizeof *at; i++)
+		assert_int_equal(lod_distance_of(at[i]), bins[i]);
+	for (uint64_t seed = 1; seed <= 20; seed++) {
+		random_scene_make(&scene, seed, 0);
+		struct eco_request request = request_of(ECO_VERTICES_MAX);
+		struct lod_explanation why = { 0 };
+		struct eco_plan plan;
+		double sum = 0;
+		explain(&plan, &why, &request, lod_rule_optimal);
+		for (uint32_t i = 0; i < LOD_DISTANCES; i++)
+			sum += why.expected_px[i];
+		assert_int_equal(sum > 0, plan.visible_plants > 0);
+		eco_plan_free(&plan);
+		lod_explanation_free(&why);
+	}
 }
 
 UNIT_TEST(a_plan_is_the_same_with_and_without)

@@ -1,0 +1,152 @@
+/* Pixels that plants show, by their distance: what the planner expects before it spends a budget
+ * (lod/plan/visibility.h) beside what full detail shows, by the owners of its pixels. At eye level, and in the
+ * crown of the plant that shows most of there. */
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/base/memory.h"
+#include "lod/plan/explain.h"
+#include "lod/plan/planner.h"
+#include "tests/bench/bench_fetch.h"
+#include "tests/bench/bench_shots.h"
+
+#define WIDTH 400u
+#define HEIGHT 300u
+#define SCENES 6u                    /* of pictures.json; a quick bench looks at all of them */
+#define PART_LEAST 0.03              /* of the pixels seen: a bin with fewer has no bar */
+#define BUDGET 1000000u              /* vertices: all tiles near the eye are open */
+
+static const struct bench_column columns[] = { { "expected", 0 }, { "seen", 0 }, { "off of all seen %", 1 },
+	{ "off of the bin %", 1 } };
+
+struct view_bins { double expected[LOD_DISTANCES], seen[LOD_DISTANCES]; };
+/* off: sum over bins of |expected - seen| / all seen, mean of views and most */
+struct study { struct bench_table *table; double off, most, bin; uint32_t views; char row[64], bin_row[64]; };
+
+static void add_owners(const struct bench_drawing *drawing, const struct view_picture *picture,
+	double seen[LOD_DISTANCES], uint32_t *most)
+{
+	const struct view_selection *s = &drawing->selection;
+	uint32_t *pixels = eco_alloc(s->instance_count + 1, sizeof *pixels);
+	struct view_table owners;
+	must(view_owners_make(&owners, s) ? ECO_OK : eco_fail(must_error, ECO_NO_MEMORY, "owners"));
+	*most = 0;
+	for (size_t i = 0; i < (size_t)picture->width * picture->height; i++) {
+		const struct view_instance *one = view_owners_find(&owners, s, picture->owner[i]);
+		if (!one || !picture->owner[i])
+			continue;
+		seen[lod_distance_of(one->distance_m)]++;
+		uint32_t instance = (uint32_t)(one - s->instances);
+		pixels[instance]++;
+		*most = pixels[instance] > pixels[*most] ? instance : *most;
+	}
+	view_table_free(&owners);
+	free(pixels);
+}
+
+/* `crown`: the middle of the plant that shows most. */
+static void see(const struct srv_scene *scene, const struct eco_view *view, double seen[LOD_DISTANCES],
+	double crown[3])
+{
+	struct eco_request full = { .view = *view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
+	struct view_store *store;
+	struct view_picture picture = { 0 };
+	struct bench_drawing drawing;
+	uint32_t most;
+	must(view_store_new(&store, &(struct view_store_options){ .memory_max = 16ull << 30 }, must_error));
+	must(bench_fetch(NULL, scene, &full, store, must_error));
+	must(bench_draw(&drawing, store, view, NULL, &picture, must_error));
+	add_owners(&drawing, &picture, seen, &most);
+	memcpy(crown, view->eye, sizeof view->eye);
+	if (most < drawing.selection.instance_count) {
+		const struct view_instance *one = &drawing.selection.instances[most];
+		const struct eco_scene *s = &scene->pack->scene;
+		lod_place_point(&one->place, s->anchors[s->plants[one->plant].anchor_first].center, crown);
+	}
+	view_select_free(&drawing.selection);
+	view_picture_free(&picture);
+	view_store_free(store);
+}
+
+static void expect(const struct srv_scene *scene, const struct eco_view *view, double expected[LOD_DISTANCES])
+{
+	struct eco_request request = { .view = *view, .vertices = BUDGET, .bytes = ECO_BYTES_UNBOUNDED };
+	struct lod_explanation why = { 0 };
+	struct eco_plan plan = { 0 };
+	must(lod_plan(&plan, &(struct lod_planner_input){ .scene = &scene->pack->scene, .request = &request,
+		.explanation = &why }, must_error));
+	memcpy(expected, why.expected_px, sizeof why.expected_px);
+	lod_explanation_free(&why);
+	eco_plan_free(&plan);
+}
+
+static void add_bins(struct study *s, const char *scene, const char *camera, const struct view_bins *bins)
+{
+	double all = 0, off = 0;
+	for (uint32_t i = 0; i < LOD_DISTANCES; i++) {
+		all += bins->seen[i];
+		off += fabs(bins->expected[i] - bins->seen[i]);
+	}
+	for (uint32_t i = 0; i < LOD_DISTANCES; i++) {
+		double expected = bins->expected[i], seen = bins->seen[i], from = i ? ldexp(LOD_DISTANCE_FIRST_M,
+			(int)i - 1) : 0, bin = seen > 0 ? fabs(expected - seen) / seen : NAN;
+		bench_table_values(s->table, (const double[]){ expected, seen, 100 * fabs(expected - seen) / all,
+			100 * bin }, "%s,%s,%g m", scene, camera, from);
+		if (seen > PART_LEAST * all && bin > s->bin) {
+			s->bin = bin;
+			snprintf(s->bin_row, sizeof s->bin_row, "%s %s from %g m", scene, camera, from);
+		}
+	}
+	off /= all;
+	s->off += off;
+	s->views++;
+	if (off > s->most) {
+		s->most = off;
+		snprintf(s->row, sizeof s->row, "%s %s", scene, camera);
+	}
+}
+
+static void study_view(struct bench *bench, void *ctx, const struct bench_view *view)
+{
+	struct srv_store store;
+	struct eco_view at = view->view;
+	double crown[3], unused[3];
+	if (strcmp(view->camera, "eye"))
+		return;
+	at.width = WIDTH;
+	at.height = HEIGHT;
+	srv_store_init(&store);
+	must(srv_store_add(&store, "bench", view->pack, must_error));
+	for (int inside = 0; inside < 2; inside++) {
+		struct view_bins bins = { { 0 }, { 0 } };
+		see(store.scenes[0], &at, bins.seen, inside ? unused : crown);
+		expect(store.scenes[0], &at, bins.expected);
+		add_bins(ctx, view->scene, inside ? "in a crown" : "eye", &bins);
+		for (int k = 0; k < 3 && !inside; k++) {
+			at.target[k] += crown[k] - at.eye[k];
+			at.eye[k] = crown[k];
+		}
+	}
+	srv_store_free(&store);
+	(void)bench;
+}
+
+static void run(struct bench *bench)
+{
+	struct study s = { .most = 0 };
+	char words[192];
+	bench_say(bench, "%u x %u pixels. expected: pixels that plants show in full detail, as the planner expects; "
+		"seen: those that they own in a picture of full detail, drawn in software.", WIDTH, HEIGHT);
+	s.table = bench_table_described(bench, "visibility", "scene,camera,from", columns, 4, true);
+	bench_views_each(bench, SCENES, study_view, &s);
+	bench_table_close(s.table);
+	bench_key(bench, "visibility_off", s.views ? s.off / s.views : NAN,
+		"<= 0.4: sum over distances of |expected - seen|, over all pixels that plants show; mean of views");
+	snprintf(words, sizeof words, "the worst view: %s", s.row);
+	bench_key(bench, "visibility_off_worst", s.views ? s.most : NAN, words);
+	snprintf(words, sizeof words, "<= 0.6: |expected - seen| over seen, of the worst distance that holds more than "
+		"3 %% of the pixels seen: %s", s.bin_row);
+	bench_key(bench, "visibility_bin_worst", s.views ? s.bin : NAN, words);
+}
+
+const struct bench_section bench_visibility = { "visibility", "Pixels that plants are expected to show", run };
