@@ -13,6 +13,7 @@
 #define WIDTH 400u
 #define HEIGHT 300u
 #define SCENES 6u                    /* of pictures.json; a quick bench looks at all of them */
+#define BESIDE 0.2                   /* of a plant's radius: as far the eye in its crown is from its trunk */
 #define PART_LEAST 0.03              /* of the pixels seen: a bin with fewer has no bar */
 #define BUDGET 1000000u              /* vertices: all tiles near the eye are open */
 
@@ -44,7 +45,7 @@ static void add_owners(const struct bench_drawing *drawing, const struct view_pi
 	free(pixels);
 }
 
-/* `crown`: the middle of the plant that shows most. */
+/* `crown`: in the plant that shows most, beside its trunk. */
 static void see(const struct srv_scene *scene, const struct eco_view *view, double seen[LOD_DISTANCES],
 	double crown[3])
 {
@@ -61,7 +62,10 @@ static void see(const struct srv_scene *scene, const struct eco_view *view, doub
 	if (most < drawing.selection.instance_count) {
 		const struct view_instance *one = &drawing.selection.instances[most];
 		const struct eco_scene *s = &scene->pack->scene;
-		lod_place_point(&one->place, s->anchors[s->plants[one->plant].anchor_first].center, crown);
+		const struct eco_anchor *whole = &s->anchors[s->plants[one->plant].anchor_first];
+		lod_place_point(&one->place, whole->center, crown);
+		for (int k = 0; k < 3; k++)
+			crown[k] += BESIDE * (double)whole->radius * one->place.scale * drawing.eye.right[k];
 	}
 	view_select_free(&drawing.selection);
 	view_picture_free(&picture);
