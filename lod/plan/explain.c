@@ -102,9 +102,6 @@ static struct lod_reason reason_of(const struct lod_fill *fill, const struct lod
 {
 	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead,
 		.between = candidate->between };
-	reason.expected_px = candidate->ladder_choice == ECO_NONE
-		? fill->allocation->tile_choices[candidate->node].pixels
-		: fill->allocation->slot_choices[choice_of(fill, candidate)->slot].seen;
 	reason.gain = candidate->seen * lod_hull_error(candidate->hull, candidate->hull->points)
 		- lod_fill_wrong_of(fill, candidate);
 	if (candidate->ladder_choice == ECO_NONE)
@@ -182,7 +179,7 @@ void lod_explain_tiles(const struct lod_fill *fill)
 		lod_allocation_compare(m, n, &plants, &summary);
 		row.plants = node->plants;
 		row.reason = (struct lod_reason){ .why = LOD_WHY_PLANTS, .gain = plants,
-			.margin = fmax(0, more_by(plants, summary)), .expected_px = m->tile_choices[n].pixels };
+			.margin = fmax(0, more_by(plants, summary)) };
 		add_row(explanation, &row);
 	}
 	count_explaining(m->p, before);

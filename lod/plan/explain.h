@@ -51,8 +51,6 @@ struct lod_reason {
 	                              * WHOLE: 0 where it saves no more at lambda, but leaves less wrong at
 	                              * the budget. GROUND: error in pixels */
 	double share;                /* WHOLE: of the slot's plants beyond the gate, that draw it */
-	double expected_px;          /* that the tile is expected to show, or each of the plants, of all its
-	                              * organs; in full detail; 0 with Deussen's rule */
 	uint64_t ahead, between;     /* plants that draw more than the others of the slot */
 };
 

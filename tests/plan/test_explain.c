@@ -66,7 +66,6 @@ static void check_rows(const struct eco_plan *plan, const struct lod_explanation
 		char text[200], line[400];
 		vertices += row->vertices;
 		seen[reason->why]++;
-		assert_true(isfinite(reason->expected_px) && reason->expected_px >= 0);
 		assert_true(isfinite(reason->gain) && reason->next >= 0 && isfinite(reason->next)
 			&& reason->margin >= 0);
 		if (reason->why == LOD_WHY_STEP)
