@@ -377,7 +377,7 @@ cluster-demo: deps
 # the one beside the checkout if there is one, and without any there are generated plants and scenes only.
 DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data))
 bench: deps
-	@tests/packages.sh python3-matplotlib libavif-bin libjxl-tools || true  # sections say what they leave out without these
+	@tests/packages.sh python3-matplotlib || true  # the report has no plots without it
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests
 	$(B)/bench/ecobench --build $(B) $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY)) \
 		$(if $(filter no,$(SHADOWS)),--no-shadows)

@@ -44,7 +44,7 @@ bool eco_module_find(enum eco_module module, char path[PATH_MAX]);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */
-#define ECO_MODULE_VERSION 9u
+#define ECO_MODULE_VERSION 10u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
 /* ---- ecoassimp.so: models of formats that have no reader of their own ---- */
@@ -113,18 +113,15 @@ struct eco_raster {
 	int epsg;
 };
 
-/* ---- ecoimage.so: pictures other than PNG, and comparing pictures as people see them (OpenImageIO) ---- */
+/* ---- ecoimage.so: pictures other than PNG (OpenImageIO) ---- */
 
 struct eco_image_module {                /* eco_image_module */
 	uint32_t version;
-	/* These return 0, or an error after writing a sentence to `text`. Results are malloc'ed.
+	/* Returns 0, or an error after writing a sentence to `text`. The result is malloc'ed.
 	 * Thread-safe. `name`: a file to open when bytes is NULL, else only its extension counts. More
 	 * than pixels_max pixels is an error. */
 	int (*decode)(const char *name, const void *bytes, size_t size, uint64_t pixels_max, uint32_t *width,
 		uint32_t *height, uint8_t **rgba, char *text, size_t text_size);
-	/* Counts pixels that a person would see to differ, as eco_pixels_compare does. */
-	int (*compare)(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels,
-		uint64_t *differing, char *text, size_t text_size);
 };
 
 /* ---- ecoproj.so: coordinate reference systems ---- */

@@ -389,19 +389,3 @@ enum eco_code eco_image_read(struct eco_image *image, const char *path, struct e
 	free(bytes);
 	return code;
 }
-
-enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing,
-	struct eco_error *error)
-{
-	char text[300];
-	assert(a->width == b->width && a->height == b->height && a->channels == 3 && b->channels == 3);
-	assert(a->width > 0 && a->height > 0 && (uint64_t)a->width * a->height <= ECO_PIXELS_MAX);
-	*differing = 0;
-	const struct eco_image_module *module = eco_module(ECO_MODULE_IMAGE, error);
-	if (!module)
-		return ECO_NOT_FOUND;
-	if (module->compare(a->bytes, b->bytes, a->width, a->height, a->channels, differing, text,
-			sizeof text) != 0)
-		return eco_fail(error, ECO_NO_MEMORY, "comparing pictures: %s", text);
-	return ECO_OK;
-}

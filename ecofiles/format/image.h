@@ -40,13 +40,6 @@ enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, s
 /* Writes a PNG beside `path` (path.tmp-PID), then renames it: what is at `path` is always whole. */
 enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error);
 
-/* Counts pixels of a picture that a person would see to differ from another of the same size with 3
- * channels: Yee's measure for a display of 100 cd/m2 and a field of view of 45 degrees, as `idiff -p`.
- * OpenImageIO 2.4 misreads the brightness channel, so differences of hue count and those of brightness
- * alone do not. Both have 1 to ECO_PIXELS_MAX pixels. */
-enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing,
-	struct eco_error *error);
-
 /* libjpeg gives the same texels as OpenImageIO, which uses it too but takes a quarter of a second to load, in
  * each child process that reads a model.
  *

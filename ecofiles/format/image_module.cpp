@@ -1,9 +1,7 @@
-// ecoimage.so: OpenImageIO behind two C functions. Exceptions end here.
+// ecoimage.so: OpenImageIO behind a C function. Exceptions end here.
 #include "ecofiles/base/module.h"
 
 #include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -100,30 +98,6 @@ int decode(const char *name, const void *bytes, size_t size, uint64_t pixels_max
 	}
 }
 
-// As `idiff -p`: bytes as they are, its luminance and its field of view.
-int compare(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels,
-uint64_t *differing, char *text,
-	size_t text_size)
-{
-	try {
-		const ImageSpec spec(int(width), int(height), int(channels), TypeDesc::FLOAT);
-		ImageBuf images[2] = { ImageBuf(spec), ImageBuf(spec) };
-		const uint8_t *bytes[2] = { a, b };
-		ImageBufAlgo::CompareResults results;
-
-		for (int i = 0; i < 2; i++)
-			if (!images[i].set_pixels(ROI(0, int(width), 0, int(height), 0, 1, 0, int(channels)),
-					TypeDesc::UINT8, bytes[i]))
-				return fail(text, text_size, images[i].geterror());
-		*differing = uint64_t(ImageBufAlgo::compare_Yee(images[0], images[1], results));
-		return 0;
-	} catch (const std::exception &problem) {
-		return fail(text, text_size, problem.what());
-	} catch (...) {
-		return fail(text, text_size, "OpenImageIO failed");
-	}
-}
-
 } // namespace
 
 // One thread: the callers decide about threads, and a thread pool would not survive the fork of a guarded
@@ -135,4 +109,4 @@ __attribute__((constructor)) static void start()
 }
 
 extern "C" ECO_MODULE_EXPORT const struct eco_image_module eco_image_module =
-	{ ECO_MODULE_VERSION, decode, compare };
+	{ ECO_MODULE_VERSION, decode };

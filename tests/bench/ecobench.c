@@ -3,9 +3,9 @@
 
 extern const struct bench_section bench_frames, bench_pictures, bench_bytes, bench_anytime,
 	bench_rising, bench_flight, bench_monotone, bench_rules, bench_curves, bench_species, bench_ladder, bench_path,
-	bench_drawn, bench_collapse, bench_sheet, bench_lee, bench_scale, bench_hierarchy, bench_colour,
+	bench_drawn, bench_collapse, bench_sheet, bench_lee, bench_scale, bench_hierarchy,
 	bench_importance, bench_steadiness, bench_extreme, bench_billboards, bench_deussen, bench_neubert,
-	bench_requests, bench_needs, bench_cache, bench_texels, bench_planner,
+	bench_requests, bench_needs, bench_cache, bench_planner,
 	bench_visibility;
 
 int main(int argc, char **argv)
@@ -13,9 +13,9 @@ int main(int argc, char **argv)
 	static const struct bench_section *const sections[] = { &bench_frames, &bench_pictures,
 		&bench_bytes, &bench_anytime, &bench_rising, &bench_flight, &bench_monotone, &bench_rules, &bench_curves,
 		&bench_species, &bench_ladder, &bench_path, &bench_drawn, &bench_collapse, &bench_sheet,
-		&bench_lee, &bench_scale, &bench_hierarchy, &bench_colour, &bench_importance,
+		&bench_lee, &bench_scale, &bench_hierarchy, &bench_importance,
 		&bench_steadiness, &bench_extreme, &bench_billboards, &bench_deussen, &bench_neubert,
-		&bench_requests, &bench_needs, &bench_cache, &bench_texels, &bench_planner,
+		&bench_requests, &bench_needs, &bench_cache, &bench_planner,
 		&bench_visibility, NULL };
 	return bench_main(argc, argv, sections);
 }

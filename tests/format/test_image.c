@@ -156,25 +156,3 @@ UNIT_TEST(a_picture_that_cannot_be_written_leaves_nothing)
 	assert_code(eco_png_write(&pixels, "build/tmp/image/no/such/folder.png", &cause), ECO_IO,
 		"folder.png");
 }
-
-UNIT_TEST(people_see_patches_of_another_hue_but_no_steps_of_one)
-{
-	static const struct { int step, size; bool seen; } cases[] = { { 0, 64, false }, { 1, 64, false },
-		{ 120, 24, true } };
-	enum { SIDE = 96 };
-	static uint8_t a[SIDE * SIDE * 3], b[SIDE * SIDE * 3];
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		const struct eco_pixels first = { SIDE, SIDE, 3, a }, second = { SIDE, SIDE, 3, b };
-		uint64_t seen, back;
-		memset(a, 90, sizeof a);
-		memcpy(b, a, sizeof b);
-		for (int y = 0; y < cases[i].size; y++)
-			for (int x = 0; x < cases[i].size; x++)
-				b[3 * (SIDE * (y + 20) + x + 20)] = (uint8_t)(90 + cases[i].step);
-		assert_good(eco_pixels_compare(&first, &second, &seen, &cause));
-		assert_good(eco_pixels_compare(&second, &first, &back, &cause));
-		assert_int_equal(seen, back);
-		assert_int_equal(seen > 0, cases[i].seen);
-		assert_true(seen <= SIDE * SIDE);
-	}
-}
