@@ -145,6 +145,23 @@ void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_si
 	sum->pixels += sights->reference_pixels[view];
 }
 
+void bench_leaves_paint(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	const struct lod_sights_drawing *drawing, uint32_t column, uint32_t columns, uint8_t *rgb)
+{
+	static const uint8_t colors[3][3] = { { 255, 255, 255 }, { 96, 78, 60 }, { 76, 128, 48 } };
+	struct bench_wrong wrong = { 0 };
+	const uint64_t *shown = drawing ? leaves->mask : sights->reference[view], *wood = sights->wood[view];
+	uint32_t side = sights->pixels;
+	if (drawing)
+		bench_leaves_compare(leaves, sights, view, drawing, &wrong);
+	for (size_t i = 0; i < (size_t)side * side; i++) {
+		size_t word = i / side * (sights->words / side) + i % side / 64;
+		uint64_t bit = UINT64_C(1) << i % side % 64;
+		int color = wood[word] & bit ? 1 : shown[word] & bit ? 2 : 0;
+		memcpy(rgb + 3 * ((i / side * columns + column) * side + i % side), colors[color], 3);
+	}
+}
+
 double bench_wrong_share(const struct bench_wrong *wrong)
 {
 	return wrong->pixels ? (double)(wrong->fp + wrong->fn) / (double)wrong->pixels : 0;

@@ -52,6 +52,9 @@ void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *
 typedef void bench_draw_call(const void *what, struct lod_raster *raster);
 void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	bool wood, bench_draw_call *draw, const void *what, struct bench_wrong *sum);
+/* The view as it is drawn, wood over leaves: column `column` of a picture of `columns`. drawing NULL: all leaves. */
+void bench_leaves_paint(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	const struct lod_sights_drawing *drawing, uint32_t column, uint32_t columns, uint8_t *rgb);
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
 

@@ -27,9 +27,9 @@ static struct lod_rank make(const struct lod_foliage *foliage, struct lod_rank_o
 }
 
 /* Q of a prefix on views that no order was made from, each element grown by its code, or all by `scale` where
- * `growth` is NULL. `wrong`: the share of wrong pixels, of those of the reference; or NULL. */
-static double quality_and_wrong(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count,
-	const uint8_t *growth, float scale, const struct lod_simple *shape, double *wrong)
+ * `growth` is NULL. */
+static double quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count,
+	const uint8_t *growth, float scale, const struct lod_simple *shape)
 {
 	struct lod_sights sights;
 	struct lod_raster raster;
@@ -55,15 +55,7 @@ static double quality_and_wrong(const struct lod_foliage *foliage, const uint32_
 	}
 	lod_raster_free(&raster);
 	double p = 1 - (double)both / (double)shown, r = 1 - (double)both / (double)wanted;
-	if (wrong)
-		*wrong = ((double)shown + (double)wanted - 2 * (double)both) / (double)wanted;
 	return 1 - sqrt(p * p + r * r);
-}
-
-static double quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count,
-	const uint8_t *growth, float scale, const struct lod_simple *shape)
-{
-	return quality_and_wrong(foliage, order, count, growth, scale, shape, NULL);
 }
 
 static double best_quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count,
@@ -128,36 +120,6 @@ UNIT_TEST(prefixes_beat_chance_on_other_views)
 		if (won < 0.02)
 			fail_msg("plant %zu: better than chance by %.3f", p, won);
 	}
-}
-
-static double least_wrong(const struct lod_foliage *foliage, const struct lod_rank *rank, uint32_t count)
-{
-	double least = 1, wrong;
-	for (float scale = 1; scale < 60; scale *= 1.3f) {
-		quality_and_wrong(foliage, rank->order, count, rank->growth, scale, NULL, &wrong);
-		least = fmin(least, wrong);
-	}
-	return least;
-}
-
-/* A sparse plant: what Q is won with, as many pixels too many as too few, are wrong pixels that could be
- * spared. */
-UNIT_TEST(orders_for_wrong_pixels_have_fewer)
-{
-	struct lod_foliage f;
-	double ours = 0, of_q = 0;
-	begin();
-	foliage_random(&f, &(struct foliage_random){ 300, 4, 1, 0.1, 7 }, &arena);
-	struct lod_rank rank =
-		make(&f, (struct lod_rank_options){ .views = 24, .wrong_pixels = true, .from_share = 0.08 });
-	struct lod_rank other = make(&f, (struct lod_rank_options){ .views = 24 });
-	assert_permutation(&f, &rank);
-	for (uint32_t percent = 10; percent <= 90; percent += 20) {
-		ours += least_wrong(&f, &rank, 300 * percent / 100);
-		of_q += least_wrong(&f, &other, 300 * percent / 100);
-	}
-	if (ours >= of_q)
-		fail_msg("wrong pixels sum to %.3f of the picture, by an order for Q to %.3f", ours, of_q);
 }
 
 /* Leaves [0, n) of a sparse plant, [n, 2 n) just behind them, [2 n, 3 n) elsewhere and a third as large. */

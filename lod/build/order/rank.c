@@ -267,21 +267,19 @@ static void redraw(struct ranking *r)
 		lod_crown_add(&r->crown, r->order[k], r->edges.edge[r->growth[r->order[k]]], r->views);
 }
 
-static double quality(const struct lod_crown_sum *s, bool wrong_pixels)
+static double quality(const struct lod_crown_sum *s)
 {
 	double p = s->right + s->wrong ? (double)s->right / (double)(s->right + s->wrong) : 1;
 	double recall = s->wanted ? (double)s->right / (double)s->wanted : 1;
-	if (wrong_pixels)
-		return 1 - ((double)(s->wanted - s->right) + (double)s->wrong) / fmax(1, (double)s->wanted);
 	return 1 - sqrt((1 - p) * (1 - p) + (1 - recall) * (1 - recall));
 }
 
 /* Q's gradient at Precision = Recall = 1 - e, the balance that the choice of scales stays near: there a wrong
  * pixel costs (1 - e) / (1 + e) of the gain of a right one. Taken at the end of the trial instead it swings
  * from step to step. */
-static struct weights gradient(const struct ranking *r, double reached)
+static struct weights gradient(double reached)
 {
-	double e = r->options->wrong_pixels ? 0 : (1 - reached) * 0.70710678;
+	double e = (1 - reached) * 0.70710678;
 	return (struct weights){ WEIGHT, (int64_t)(WEIGHT * (1 - e) / (1 + e)), WEIGHT / SECOND };
 }
 
@@ -298,7 +296,7 @@ static double try_scale(struct ranking *r, uint32_t end, double scale)
 	struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
 	for (; r->picked > picked; r->taken[r->order[r->picked]] = false)
 		r->picked--;
-	return quality(&sum, r->options->wrong_pixels);
+	return quality(&sum);
 }
 
 static double choose_scale(struct ranking *r, uint32_t end, double last)
@@ -318,7 +316,7 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 		if (r->stopped || scale == 1 || reached < best - 0.002)
 			break;
 	}
-	r->weights = gradient(r, best);
+	r->weights = gradient(best);
 	r->known = end <= KNOWN_MOST * r->count;
 	return best_scale;
 }
@@ -370,7 +368,7 @@ static void begin_anew(struct ranking *r)
 {
 	r->picked = 0;
 	r->scale = r->count;
-	r->weights = gradient(r, 0.5);
+	r->weights = gradient(0.5);
 	memset(r->taken, 0, r->count * sizeof *r->taken);
 	memset(r->growth, ECO_GROWTH_PLAIN, r->count);
 }
@@ -392,7 +390,7 @@ static bool begin_list(struct ranking *r)
 		if (!take_steps(r, as_points ? points : leaves, as_points ? points : 0))
 			return false;
 		struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
-		q[as_points] = quality(&sum, false);
+		q[as_points] = quality(&sum);
 	}
 	if (1 - q[1] > POINTS_LOSS * (1 - q[0])) {
 		begin_anew(r);
@@ -404,7 +402,7 @@ static bool begin_list(struct ranking *r)
 static bool make_steps(struct ranking *r)
 {
 	begin_anew(r);
-	return (!lod_rank_begins_with_points(r->options) || begin_list(r))
+	return (r->options->leaves || begin_list(r))
 		&& take_steps(r, r->count, r->points);
 }
 

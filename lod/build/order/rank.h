@@ -10,24 +10,14 @@
 
 struct lod_rank_options {
 	uint32_t views, pixels;              /* 0: chosen by the plant */
-	const double (*directions)[3];       /* of the views; NULL: spread all around by the seed */
 	uint32_t seed;
 	bool leaves;                         /* no leaf will be drawn as a point */
-	/* Minimises wrong pixels, as in Lee's table, instead of maximising Q; no leaf is drawn as a point. */
-	bool wrong_pixels;
-	double from_share;                   /* prefixes below this share of the triangles are not refined */
 	bool random;                         /* any order, without growth codes; simple triangles as ever */
 	/* as in lod_plant_options */
 	bool (*progress)(void *ctx, double share);
 	lod_each *each;
 	void *ctx;
 };
-
-/* Whether the beginning of the list is made for points. */
-static inline bool lod_rank_begins_with_points(const struct lod_rank_options *options)
-{
-	return !options->leaves && !options->wrong_pixels;
-}
 
 struct lod_rank {                    /* arrays of the arena */
 	uint32_t *order;             /* elements, the most valuable first */

@@ -56,8 +56,6 @@ void lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
 	double (*directions)[3] = lod_arena_take(arena, views, sizeof *directions);
 	*crown = (struct lod_crown){ .foliage = foliage, .views = views };
 	lod_directions_spread(directions, views, options->seed);
-	if (options->directions)
-		memcpy(directions, options->directions, views * sizeof *directions);
 	for (uint32_t k = 0; k < LOD_CROWN_LEVELS; k++)
 		if (pixels >> (LOD_CROWN_LEVELS - 1 - k) >= PIXELS_FEWEST || k + 1 == LOD_CROWN_LEVELS)
 			open_level(crown, (const double (*)[3])directions, pixels >> (LOD_CROWN_LEVELS - 1 - k),

@@ -18,7 +18,6 @@
 #define KEY_LEAST 6u                     /* elements: shorter lists are not refined */
 #define PLANES 4u                        /* bits of a pixel's count; a full count stays full */
 #define SWEEPS 4u
-#define SWEEPS_WRONG_PIXELS 20u
 #define LOOKED 75000u                   /* elements: looks at them in all sweeps but the first */
 #define TOGETHER 64u                     /* elements that choose at once, each as if the others stayed */
 #define PIECE 8u
@@ -56,7 +55,7 @@ struct key {
 	const struct lod_crown_level *level;
 	uint64_t (**planes)[PLANES];         /* per view and word */
 	uint64_t (*trial)[2];        /* a view's words, as of a canvas */
-	bool drawn, wrong_pixels;
+	bool drawn;
 };
 
 struct refine {
@@ -217,17 +216,10 @@ LOD_CLONES static void count_words(struct tally *tally, uint64_t (*covered)[2], 
 	}
 }
 
-/* 1 - Q, or the share of wrong pixels; sets the values of pixels. With wrong pixels keys that have few weigh
- * more, halfway to a sum of logarithms: otherwise long lists would pay for the gains of short ones. */
+/* 1 - Q; sets the values of pixels. */
 static double loss_of(const struct tally *tally, struct key *key)
 {
 	double covered = fmax(1, (double)(tally->right + tally->wrong)), all = fmax(1, (double)tally->wanted);
-	if (key->wrong_pixels) {
-		double lost = fmax(1, all - (double)tally->right + (double)tally->wrong);
-		key->right = key->wrong = 1 / sqrt(all * lost);
-		key->second = key->right * SECOND;
-		return lost / all;
-	}
 	double lost_p = (double)tally->wrong / covered, lost_r = 1 - (double)tally->right / all;
 	double lost = fmax(1e-6, sqrt(lost_p * lost_p + lost_r * lost_r));
 	key->right = lost_p / lost * (double)tally->wrong / covered / covered + lost_r / lost / all;
@@ -416,19 +408,16 @@ static void choose(struct refine *r, uint32_t element)
 	r->early[element] = worth.of[best_first > low_key ? best_first - 1 : low_key][best_code] / triangles;
 }
 
-/* An element that stayed twice rests for one sweep; with many sweeps it is looked at ever less often. */
+/* An element that stayed twice rests for one sweep. */
 static void look_again(struct refine *r, uint32_t element)
 {
-	uint8_t stays = r->stays[element];
-	bool many = r->in->options->wrong_pixels;
-	if (many ? (stays & (stays - 1)) == 0 : stays < RESTS) {
+	if (r->stays[element] < RESTS) {
 		choose(r, element);
 		return;
 	}
 	r->next_first[element] = r->first[element];
 	r->next_code[element] = r->code[element];
-	if (!many)
-		r->stays[element] = 0;
+	r->stays[element] = 0;
 }
 
 static void choose_piece(void *pieces, uint32_t i)
@@ -571,12 +560,10 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 			sum += triangles_of(r, r->in->order[i]);
 			r->first[r->in->order[i]] = (uint8_t)r->key_count;
 		}
-		if (i < KEY_LEAST || place->share < r->in->options->from_share
-				|| (r->key_count && i == key[-1].elements)
-			|| (place->points && !lod_rank_begins_with_points(r->in->options)))
+		if (i < KEY_LEAST || (r->key_count && i == key[-1].elements)
+				|| (place->points && r->in->options->leaves))
 			continue;
 		key->elements = i;
-		key->wrong_pixels = r->in->options->wrong_pixels;
 		key->points = place->points;
 		key->budget = key->points ? i : sum;
 		lod_crown_set_level(r->crown, i);
@@ -617,7 +604,7 @@ static void write_order(const struct refine *r, struct lod_arena *arena)
 
 static bool make_sweeps(struct refine *r)
 {
-	uint32_t most = (r->in->options->wrong_pixels ? SWEEPS_WRONG_PIXELS : SWEEPS) - 1,
+	uint32_t most = SWEEPS - 1,
 		more = LOOKED / r->count;
 	uint32_t sweeps = 1 + (more < most ? more : most);
 	r->stretch = 1.25;
