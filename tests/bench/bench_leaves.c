@@ -1,8 +1,10 @@
 #include "tests/bench/bench_leaves.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/ecopack/export/plant_view.h"
 #include "ecofiles/format/pack.h"
 #include "lod/build/element.h"
 #include "lod/sort.h"
@@ -111,38 +113,41 @@ uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method 
 	return order;
 }
 
-void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
-	const struct lod_sights_drawing *drawing, struct bench_wrong *sum)
+/* Of leaves->mask and `wood`, if not NULL. */
+static void count_wrong(const struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	const uint64_t *wood, struct bench_wrong *sum)
 {
-	const uint64_t *reference = sights->reference[view], *wood = sights->wood[view];
-	memset(leaves->mask, 0, sights->words * sizeof *leaves->mask);
-	lod_sights_draw(sights, view, drawing, &leaves->cover, leaves->mask);
+	const uint64_t *reference = sights->reference[view];
 	for (uint32_t i = 0; i < sights->words; i++) {
-		uint64_t shown = leaves->mask[i] | wood[i];
+		uint64_t shown = leaves->mask[i] | (wood ? wood[i] : 0);
 		sum->fp += (uint64_t)__builtin_popcountll(shown & ~reference[i]);
 		sum->fn += (uint64_t)__builtin_popcountll(reference[i] & ~shown);
 	}
 	sum->pixels += sights->reference_pixels[view];
 }
 
+void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	const struct lod_sights_drawing *drawing, struct bench_wrong *sum)
+{
+	memset(leaves->mask, 0, sights->words * sizeof *leaves->mask);
+	lod_sights_draw(sights, view, drawing, &leaves->cover, leaves->mask);
+	count_wrong(leaves, sights, view, sights->wood[view], sum);
+}
+
 void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
-	bool wood, bench_draw_call *draw, const void *what, struct bench_wrong *sum)
+	bench_draw_call *draw, const void *what, struct bench_wrong *sum)
 {
 	struct lod_raster *raster = &leaves->cover;
+	uint32_t side = sights->pixels;
 	lod_raster_clear(raster);
 	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
 	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	draw(what, raster);
-	for (uint32_t i = 0; i < sights->pixels * sights->pixels; i++) {
-		uint32_t word = i / sights->pixels * (sights->words / sights->pixels)
-			+ i % sights->pixels / 64;
-		uint64_t bit = UINT64_C(1) << i % sights->pixels % 64;
-		bool shown = raster->cover[i] || (wood && sights->wood[view][word] & bit),
-			wanted = sights->reference[view][word] & bit;
-		sum->fp += shown && !wanted;
-		sum->fn += wanted && !shown;
-	}
-	sum->pixels += sights->reference_pixels[view];
+	draw(what, &sights->eyes[view], raster);
+	memset(leaves->mask, 0, sights->words * sizeof *leaves->mask);
+	for (uint32_t i = 0; i < side * side; i++)
+		if (raster->cover[i])
+			leaves->mask[i / side * (sights->words / side) + i % side / 64] |= UINT64_C(1) << i % side % 64;
+	count_wrong(leaves, sights, view, NULL, sum);
 }
 
 void bench_leaves_paint(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
@@ -167,12 +172,52 @@ double bench_wrong_share(const struct bench_wrong *wrong)
 	return wrong->pixels ? (double)(wrong->fp + wrong->fn) / (double)wrong->pixels : 0;
 }
 
-double bench_wrong_q(const struct bench_wrong *wrong)
+double bench_wrong_precision(const struct bench_wrong *wrong)
 {
 	double right = (double)(wrong->pixels - wrong->fn), shown = right + (double)wrong->fp;
-	double lost_p = shown > 0 ? (double)wrong->fp / shown : 0, lost_r = wrong->pixels
-		? (double)wrong->fn / (double)wrong->pixels : 0;
+	return shown > 0 ? right / shown : 1;
+}
+
+double bench_wrong_recall(const struct bench_wrong *wrong)
+{
+	return wrong->pixels ? (double)(wrong->pixels - wrong->fn) / (double)wrong->pixels : 1;
+}
+
+double bench_wrong_q(const struct bench_wrong *wrong)
+{
+	double lost_p = 1 - bench_wrong_precision(wrong), lost_r = 1 - bench_wrong_recall(wrong);
 	return 1 - sqrt(lost_p * lost_p + lost_r * lost_r);
+}
+
+/* ---- A pack ---- */
+
+struct ours { struct plant_view plant; struct plant_view_drawing drawing; };
+
+static void draw_ours(const void *what, const struct lod_eye *eye, struct lod_raster *raster)
+{
+	const struct ours *ours = what;
+	plant_view_raster(raster, &ours->plant, eye, &ours->drawing, false);
+}
+
+void bench_leaves_ours(struct bench *bench, struct bench_leaves *leaves, const struct bench_model *model,
+	const struct lod_sights *sights, const double *vertices, uint32_t count, double *q)
+{
+	char path[512];
+	struct eco_pack *pack;
+	struct ours ours;
+	bench_model_pack(bench, model, path);
+	must(eco_pack_open(&pack, path, must_error));
+	must(plant_view_open(&ours.plant, pack, 0, leaves->pixels, must_error));
+	for (uint32_t i = 0; i < count; i++) {
+		struct bench_wrong sum = { 0 };
+		must(plant_view_drawing_make(&ours.drawing, &ours.plant, (uint64_t)vertices[i], must_error));
+		for (uint32_t v = 0; v < sights->count; v++)
+			bench_leaves_compare_drawn(leaves, sights, v, draw_ours, &ours, &sum);
+		q[i] = bench_wrong_q(&sum);
+		plant_view_drawing_free(&ours.drawing);
+	}
+	plant_view_close(&ours.plant);
+	eco_pack_close(pack);
 }
 
 /* ---- Plants ---- */

@@ -48,15 +48,22 @@ uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method 
 struct bench_wrong { uint64_t fp, fn, pixels; };     /* pixels: of the reference */
 void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	const struct lod_sights_drawing *drawing, struct bench_wrong *sum);
-/* The same of anything that is drawn, and of wood if that is whole. */
-typedef void bench_draw_call(const void *what, struct lod_raster *raster);
+/* The same of anything that `draw` draws into an empty raster, wood included. */
+typedef void bench_draw_call(const void *what, const struct lod_eye *eye, struct lod_raster *raster);
 void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
-	bool wood, bench_draw_call *draw, const void *what, struct bench_wrong *sum);
+	bench_draw_call *draw, const void *what, struct bench_wrong *sum);
 /* The view as it is drawn, wood over leaves: column `column` of a picture of `columns`. drawing NULL: all leaves. */
 void bench_leaves_paint(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	const struct lod_sights_drawing *drawing, uint32_t column, uint32_t columns, uint8_t *rgb);
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
+double bench_wrong_precision(const struct bench_wrong *wrong);
+double bench_wrong_recall(const struct bench_wrong *wrong);
+
+/* Q of a pack of the plant with at most so many vertices, as the planner draws it: wood, splats and impostor
+ * count. */
+void bench_leaves_ours(struct bench *bench, struct bench_leaves *leaves, const struct bench_model *model,
+	const struct lod_sights *sights, const double *vertices, uint32_t count, double *q);
 
 /* ---- Plants ---- */
 

@@ -6,12 +6,12 @@
 
 #include "lod/build/model_draw.h"
 #include "lod/raster/raster.h"
-#include "lod/raster/texel.h"
 
 #define WELD_BITS 16u
 #define RADIUS 0.05                  /* of influence in the density field */
 #define TEXEL (1.0 / 256)
 #define SIDE_MOST 1024u
+#define AWAY 4096.0                  /* of the eye that sees a billboard's faces, over its edges: lines of sight are parallel */
 #define EPSILON_FIRST (1.0 / 128)    /* of the ladder */
 #define EPSILON_STEP 1.41421356
 #define EPSILON_RUNGS 10
@@ -65,6 +65,7 @@ struct lod_billboard_plant *lod_billboard_plant_make(const struct eco_model *mod
 	struct eco_model scaled = *model;
 	float low[3] = { 0 }, high[3] = { 0 };
 	p->model = model;
+	p->rgb = lod_model_colors(model, arena);
 	lod_model_bounds(model, low, high);
 	p->unit = high[2] > low[2] ? (double)high[2] - (double)low[2] : 1;
 	p->middle = lod_v3_scale(lod_v3_add(lod_v3_of(low), lod_v3_of(high)), 0.5);
@@ -81,79 +82,56 @@ struct lod_billboard_plant *lod_billboard_plant_make(const struct eco_model *mod
 /* ---- Textures: faces seen straight onto a billboard, the nearest in front, texels opaque where their middle
  * is covered ---- */
 
-struct canvas {
-	const struct billboard_work *work;
-	const struct billboard_quad *quad;
-	struct eco_image *image;
-	float *front;                /* height of the nearest over the billboard, per texel */
-};
-
 static uint32_t side_of(double half)
 {
 	double side = ceil(2 * half / TEXEL);
 	return side < 1 ? 1 : side < SIDE_MOST ? (uint32_t)side : SIDE_MOST;
 }
 
-/* In texels, and the height over the billboard. */
-static struct lod_v3 flatten(const struct canvas *c, struct lod_v3 p)
+static void aim(struct lod_raster *raster, const struct billboard_quad *quad)
 {
-	struct lod_v3 d = lod_v3_sub(p, c->quad->center);
-	return (struct lod_v3){ (lod_v3_dot(d, c->quad->u) / c->quad->width + 1) / 2 * c->image->width,
-		(lod_v3_dot(d, c->quad->v) / c->quad->height + 1) / 2 * c->image->height,
-		lod_v3_dot(d, c->quad->normal) };
+	double away = AWAY * fmax(quad->width, quad->height);
+	struct lod_v3 at = lod_v3_add(quad->center, lod_v3_scale(quad->normal, away)), u = quad->u, v = quad->v,
+		n = quad->normal;
+	const struct lod_eye eye = { .at = { at.x, at.y, at.z }, .right = { u.x, u.y, u.z },
+		.up = { -v.x, -v.y, -v.z }, .forward = { -n.x, -n.y, -n.z }, .tan_x = quad->width / away,
+		.tan_y = quad->height / away };
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &eye, away / 2);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
 }
 
-/* The model's colour under barycentric weights; false where it is cut out. */
-static bool look_up(const struct canvas *c, uint32_t triangle, const double weight[3], uint8_t rgb[3])
+/* Its item is the triangle of the model. */
+static void draw_face(struct lod_raster *raster, const struct lod_billboard_plant *plant,
+	const struct billboard_face *face)
 {
-	const struct eco_model *model = c->work->plant->model;
-	uint32_t source = c->work->plant->mesh.source[triangle];
-	const struct eco_material *m = lod_mesh_material(model, model->material[source]);
-	const struct eco_image *image = lod_mesh_image(model, model->material[source]);
-	double uv[2] = { 0, 0 };
-	memcpy(rgb, m->rgb, 3);
-	if (!image || !image->width || !image->height)
-		return true;
-	for (int i = 0; i < 6; i++)
-		uv[i % 2] += weight[i / 2] * (double)model->uv[2 * (size_t)model->index[3 * (size_t)source
-			+ (size_t)(i / 2)] + (size_t)(i % 2)];
-	const uint8_t *texel = lod_texel_at(image, uv[0], uv[1]);
-	for (int k = 0; k < 3; k++)
-		rgb[k] = (uint8_t)(texel[k] * rgb[k] / 255);
-	return !m->cutout || texel[3] >= 128;
+	const struct eco_model *model = plant->model;
+	uint32_t source = plant->mesh.source[face->triangle];
+	bool cut = lod_mesh_material(model, model->material[source])->cutout;
+	float position[9], uv[6] = { 0 };
+	for (uint32_t i = 0; i < 9; i++)
+		position[i] = (float)lod_v3_axis(face->corner[i / 3], (int)(i % 3));
+	for (uint32_t i = 0; i < 6 && model->uv; i++)
+		uv[i] = model->uv[2 * (size_t)model->index[3 * (size_t)source + i / 2] + i % 2];
+	lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 1, .position = position, .uv = uv,
+		.cutout = cut && model->uv ? lod_mesh_image(model, model->material[source]) : NULL,
+		.item = source, .owner = 1 });
 }
 
-static void paint_texel(struct canvas *c, const struct lod_v3 p[3], double area, uint32_t triangle,
-	uint32_t x, uint32_t y)
+static void color_texels(struct lod_billboard *item, const struct lod_raster *raster, const uint8_t (*rgb)[3])
 {
-	double weight[3], at_x = x + 0.5, at_y = y + 0.5, h = 0;
-	for (int k = 0; k < 3; k++) {
-		const struct lod_v3 *a = &p[(k + 1) % 3], *b = &p[(k + 2) % 3];
-		weight[k] = ((a->x - at_x) * (b->y - at_y) - (b->x - at_x) * (a->y - at_y)) / area;
-		h += weight[k] * p[k].z;
+	double sum[3] = { 0 }, count = 1e-9;
+	for (size_t i = 0; i < (size_t)item->image.width * item->image.height; i++) {
+		if (!raster->cover[i])
+			continue;
+		count++;
+		memcpy(item->image.rgba + 4 * i, rgb[raster->item[i]], 3);
+		item->image.rgba[4 * i + 3] = 255;
+		for (int k = 0; k < 3; k++)
+			sum[k] += rgb[raster->item[i]][k];
 	}
-	size_t i = (size_t)y * c->image->width + x;
-	uint8_t rgb[3], *to = c->image->rgba + 4 * i;
-	if (weight[0] < 0 || weight[1] < 0 || weight[2] < 0 || (to[3] && !(h > (double)c->front[i]))
-			|| !look_up(c, triangle, weight, rgb))
-		return;
-	c->front[i] = (float)h;
-	memcpy(to, rgb, 3);
-	to[3] = 255;
-}
-
-static void paint_face(struct canvas *c, const struct billboard_face *face)
-{
-	struct lod_v3 p[3] = { flatten(c, face->corner[0]), flatten(c, face->corner[1]), flatten(c,
-		face->corner[2]) };
-	double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y),
-		low_x = fmin(p[0].x, fmin(p[1].x, p[2].x)), low_y = fmin(p[0].y, fmin(p[1].y, p[2].y)),
-		high_x = fmax(p[0].x, fmax(p[1].x, p[2].x)), high_y = fmax(p[0].y, fmax(p[1].y, p[2].y));
-	if (!(fabs(area) > 0))
-		return;
-	for (double y = fmax(0, ceil(low_y - 0.5)); y + 0.5 <= high_y && y < c->image->height; y++)
-		for (double x = fmax(0, ceil(low_x - 0.5)); x + 0.5 <= high_x && x < c->image->width; x++)
-			paint_texel(c, p, area, face->triangle, (uint32_t)x, (uint32_t)y);
+	for (int k = 0; k < 3; k++)
+		item->rgb[k] = (uint8_t)(sum[k] / count);
 }
 
 /* The texture of the part's billboard q. Adds the area of faces that no billboard holds to *invalid. */
@@ -162,16 +140,17 @@ static void bake(struct lod_billboard *item, struct billboard_work *work, const 
 {
 	const struct billboard_fit *fit = &part->fit;
 	const struct lod_billboard_plant *plant = work->plant;
-	struct lod_arena_piece *mark = work->arena->last;
-	struct canvas c = { work, &fit->quads[q], &item->image, NULL };
-	item->center = lod_v3_add(plant->middle, lod_v3_scale(c.quad->center, plant->unit));
-	item->u = lod_v3_scale(c.quad->u, c.quad->width * plant->unit);
-	item->v = lod_v3_scale(c.quad->v, c.quad->height * plant->unit);
-	item->image.width = side_of(c.quad->width);
-	item->image.height = side_of(c.quad->height);
-	size_t texels = (size_t)item->image.width * item->image.height;
-	item->image.rgba = lod_arena_take(arena, texels, 4);
-	c.front = lod_arena_take(work->arena, texels, sizeof *c.front);
+	const struct billboard_quad *quad = &fit->quads[q];
+	struct lod_raster raster;
+	item->center = lod_v3_add(plant->middle, lod_v3_scale(quad->center, plant->unit));
+	item->u = lod_v3_scale(quad->u, quad->width * plant->unit);
+	item->v = lod_v3_scale(quad->v, quad->height * plant->unit);
+	item->image.width = side_of(quad->width);
+	item->image.height = side_of(quad->height);
+	item->image.rgba = lod_arena_take(arena, (size_t)item->image.width * item->image.height, 4);
+	lod_raster_init(&raster, &(struct lod_raster_options){ .width = item->image.width,
+		.height = item->image.height, .item = true });
+	aim(&raster, quad);
 	for (uint32_t i = 0; i < faces; i++) {
 		const struct billboard_face *face = work->faces[i];
 		uint32_t nearest;
@@ -180,9 +159,10 @@ static void bake(struct lod_billboard *item, struct billboard_work *work, const 
 			&projected);
 		*invalid += q || valid ? 0 : face->area;
 		if (fit->form == LOD_BILLBOARD_CROSS || nearest == q)
-			paint_face(&c, face);
+			draw_face(&raster, plant, face);
 	}
-	lod_arena_release(work->arena, mark);
+	color_texels(item, &raster, plant->rgb);
+	lod_raster_free(&raster);
 }
 
 /* ---- A cloud ---- */

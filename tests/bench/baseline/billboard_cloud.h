@@ -36,6 +36,7 @@ enum lod_billboard_form { LOD_BILLBOARD_CROSS, LOD_BILLBOARD_PLANE, LOD_BILLBOAR
 struct lod_billboard {
 	struct lod_v3 center, u, v;  /* metres; u, v: half edges, at right angles */
 	struct eco_image image;      /* row 0 at center - v, column 0 at center - u; alpha is 0 or 255 */
+	uint8_t rgb[3];              /* mean of the opaque texels */
 };
 
 struct lod_billboard_cloud {
@@ -108,6 +109,7 @@ void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mes
 
 struct lod_billboard_plant {
 	const struct eco_model *model;
+	const uint8_t (*rgb)[3];     /* per triangle of the model */
 	struct lod_mesh mesh;
 	struct billboard_tree tree;
 	struct lod_v3 middle;        /* metres */

@@ -3,45 +3,55 @@
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
  * millions of trees are a matter of the renderer. The section measures Q at equal vertices beside our orders
- * and splats: of levels drawn as the paper says (quads of the printed size), of levels whose quads are scaled
+ * and packs: of levels drawn as the paper says (quads of the printed size), of levels whose quads are scaled
  * as all other methods here are, without textures, and by sectors that each have a level by how they face the
- * eye. Wood is drawn whole. */
+ * eye. Wood is drawn whole.
+ *
+ * The leaves of a crown and behind them the quads of all sectors are one foliage: a level is drawn as any other
+ * choice of elements is (lod/build/foliage.h). */
 #include <math.h>
 #include <string.h>
 
 #include "ecofiles/base/random.h"
+#include "lod/build/foliage.h"
 #include "lod/raster/texel.h"
 #include "lod/sort.h"
+#include "tests/bench/baseline/leaf_collapse.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/collapse/bench_collapse.h"
 #include "tests/bench/ladder/bench_species.h"
-#include "tests/bench/pictures/bench_billboards.h"
 
 #define TEST_SEED 90217u                 /* views of bench_species.c, these and those that scales are from */
 #define TUNING_SEED 7411u
 #define TUNING_VIEWS 5u
 #define STEP_LOW (-16)                   /* eighths of an octave of area */
 #define STEP_HIGH 8
-#define SPLATS_MOST 8192u
 #define VIEWS_MOST 12u
 #define PIXELS 256u
 #define PASSES 8                         /* of giving what full sectors leave to the others */
-#define WEDGES BENCH_WEDGES
+#define WEDGES 9u                /* sectors: the innermost, and eight wedges */
 #define TOP_SIDE 512u
 #define DOT 5u                           /* pixels of a leaf seen from above */
 #define SHARES BENCH_SHARES
 static const uint8_t leaf_rgb[3] = { 76, 110, 40 };
 
 /* SCALED: quads at the scale that is best in other views; SOLID: and opaque. PRINTED: as large as the paper
- * has them. SECTORS: each sector has a level, the finer the more it faces the eye. SPLATS: of the whole
- * plant, over whole wood. */
-enum kind { SCALED, PRINTED, SOLID, SECTORS, SPLATS, KINDS };
+ * has them. SECTORS: each sector has a level, the finer the more it faces the eye. OURS: what a pack
+ * shows with as many vertices, wood included. */
+enum kind { SCALED, PRINTED, SOLID, SECTORS, OURS, KINDS };
 static const char *const kind_names[KINDS] = { "leaf collapse", "leaf collapse as printed",
-	"leaf collapse without textures", "leaf collapse by sectors", "splats" };
+	"leaf collapse without textures", "leaf collapse by sectors", "ours" };
+
+struct crown {
+	uint32_t sectors;
+	struct lod_collapse forest[WEDGES];
+	struct lod_collapse_atlas atlas;
+	uint32_t base[WEDGES];               /* per sector: the element of its first quad */
+	uint64_t *vertices[WEDGES];          /* per sector and level, 3 a triangle */
+};
 
 struct study {
 	struct bench *bench;
-	const char *name;
+	const struct bench_model *model;
 	struct bench_leaves *leaves;
 	struct lod_foliage bare;             /* without quads */
 	struct lod_sights tuning, tests;
@@ -52,7 +62,7 @@ struct study {
 
 /* ---- Leaves and quads ---- */
 
-static uint32_t element_of(const struct bench_collapse *c, uint32_t sector, uint32_t node)
+static uint32_t element_of(const struct crown *c, uint32_t sector, uint32_t node)
 {
 	const struct lod_collapse *forest = &c->forest[sector];
 	return node < forest->leaves ? forest->leaf[node] : c->base[sector] + node - forest->leaves;
@@ -69,7 +79,7 @@ static uint32_t median_leaf(const struct lod_foliage *f, struct lod_arena *arena
 }
 
 /* Vertices of every level: two runs; the first only grows. */
-static uint64_t *count_vertices(struct bench_collapse *c, uint32_t sector, const struct lod_foliage *f,
+static uint64_t *count_vertices(struct crown *c, uint32_t sector, const struct lod_foliage *f,
 	struct lod_arena *arena)
 {
 	const struct lod_collapse *forest = &c->forest[sector];
@@ -86,7 +96,8 @@ static uint64_t *count_vertices(struct bench_collapse *c, uint32_t sector, const
 #define GROW(array, count, room) \
 	array = memcpy(lod_arena_take(arena, room, sizeof *(array)), array, (count) * sizeof *(array))
 
-void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, bool solid, struct lod_foliage *f,
+/* Extends the foliage by quads; its count stays. `solid`: quads are drawn without textures. */
+static void grow(struct crown *c, uint32_t sectors, bool solid, struct lod_foliage *f,
 	struct lod_arena *arena)
 {
 	size_t n = f->count, quads = 0, corners = f->first[n];
@@ -128,7 +139,9 @@ void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, bool solid,
 	}
 }
 
-uint64_t bench_collapse_level(const struct bench_collapse *c, uint32_t sector, double vertices,
+/* Adds the finest level of a sector of at most so many vertices to the order, the coarsest if all have more.
+ * Returns its vertices. */
+static uint64_t add_level(const struct crown *c, uint32_t sector, double vertices,
 	uint32_t *order, uint32_t *count)
 {
 	const struct lod_collapse *forest = &c->forest[sector];
@@ -160,7 +173,7 @@ static double facing(const struct lod_collapse *forest, const struct lod_eye *ey
 }
 
 /* Vertices of each sector: by its weight and size, and none more than it has. */
-static void allocate(const struct bench_collapse *c, const struct lod_eye *eye, double vertices,
+static void allocate(const struct crown *c, const struct lod_eye *eye, double vertices,
 	double *given)
 {
 	double weight[WEDGES], all[WEDGES];
@@ -183,7 +196,7 @@ static void allocate(const struct bench_collapse *c, const struct lod_eye *eye, 
 }
 
 /* NaN where the coarsest levels have more vertices. Quads are scaled by 2^(step / 8). */
-static double q_of(struct study *s, const struct bench_collapse *c, double vertices,
+static double q_of(struct study *s, const struct crown *c, double vertices,
 	const struct lod_sights *sights, int step)
 {
 	struct bench_wrong sum = { 0 };
@@ -193,7 +206,7 @@ static double q_of(struct study *s, const struct bench_collapse *c, double verti
 		uint64_t drawn = 0;
 		allocate(c, &sights->eyes[v], vertices, given);
 		for (uint32_t k = 0; k < c->sectors; k++)
-			drawn += bench_collapse_level(c, k, given[k], s->order, &drawing.count);
+			drawn += add_level(c, k, given[k], s->order, &drawing.count);
 		if ((double)drawn > vertices)
 			return NAN;
 		for (uint32_t k = 0; k < drawing.count; k++)
@@ -203,7 +216,7 @@ static double q_of(struct study *s, const struct bench_collapse *c, double verti
 	return bench_wrong_q(&sum);
 }
 
-static double scaled_q(struct study *s, const struct bench_collapse *c, double vertices)
+static double scaled_q(struct study *s, const struct crown *c, double vertices)
 {
 	double best = -INFINITY;
 	int best_step = 0;
@@ -215,30 +228,13 @@ static double scaled_q(struct study *s, const struct bench_collapse *c, double v
 	return q_of(s, c, vertices, &s->tests, best_step);
 }
 
-static void measure_splats(struct study *s, double q[SHARES])
-{
-	struct lod_splats splats;
-	struct bench_splats drawn = { .items = lod_arena_take(&s->leaves->arena, SPLATS_MOST,
-		sizeof *drawn.items) };
-	must(lod_splats_fit(&splats, &s->leaves->model, &(struct lod_splats_options){ 0 }, must_error));
-	for (uint32_t i = 0; i < SHARES && splats.level_count; i++) {
-		struct bench_wrong sum = { 0 };
-		bench_splats_state(&splats, (uint32_t)fmin(bench_shares[i] * s->all, SPLATS_MOST), &drawn);
-		for (uint32_t v = 0; v < s->tests.count; v++)
-			bench_leaves_compare_drawn(s->leaves, &s->tests, v, true, bench_splats_draw, &drawn,
-				&sum);
-		q[i] = bench_wrong_q(&sum);
-	}
-	lod_splats_free(&splats);
-}
-
 /* ---- Pictures ---- */
 
 static void write_picture(struct study *s, const char *what, uint32_t width, uint32_t height,
 	const uint8_t *rgb)
 {
 	char file[128];
-	snprintf(file, sizeof file, "collapse-%s-%s.png", s->name, what);
+	snprintf(file, sizeof file, "collapse-%s-%s.png", s->model->name, what);
 	bench_picture_write(s->bench, file, width, height, rgb);
 }
 
@@ -264,7 +260,7 @@ static void draw_atlas(struct study *s, const struct lod_collapse_atlas *atlas)
 
 /* Figure 6: leaves from above as dots, in the colours of their sectors. The innermost lies over the
  * others. */
-static void draw_sectors(struct study *s, const struct bench_collapse *c)
+static void draw_sectors(struct study *s, const struct crown *c)
 {
 	static const uint8_t colors[WEDGES][3] = { { 60, 60, 60 }, { 214, 69, 65 }, { 244, 160, 60 },
 		{ 230, 210, 70 }, { 120, 180, 70 }, { 40, 140, 110 }, { 60, 150, 210 }, { 70, 80, 180 },
@@ -286,13 +282,27 @@ static void draw_sectors(struct study *s, const struct bench_collapse *c)
 	write_picture(s, "sectors", TOP_SIDE, TOP_SIDE, rgb);
 }
 
+/* All leaves, then levels of quads of the printed size. */
+static void draw_levels(struct study *s, const struct crown *c)
+{
+	enum { LEVELS = 3 };
+	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (1 + LEVELS) * PIXELS * PIXELS, 3);
+	bench_leaves_paint(s->leaves, &s->tests, 0, NULL, 0, 1 + LEVELS, rgb);
+	for (uint32_t i = 0; i < LEVELS; i++) {
+		struct lod_sights_drawing drawing = { .order = s->order, .scale = 1 };
+		add_level(c, 0, ldexp(s->all, -2 * (int)(i + 1)), s->order, &drawing.count);
+		bench_leaves_paint(s->leaves, &s->tests, 0, &drawing, 1 + i, 1 + LEVELS, rgb);
+	}
+	write_picture(s, "levels", (1 + LEVELS) * PIXELS, PIXELS, rgb);
+}
+
 /* ---- One plant ---- */
 
 /* The unit: Q of each kind at each share. */
 static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 {
 	struct study *s = ctx;
-	double q[KINDS][SHARES] = { { 0 } };
+	double q[KINDS][SHARES] = { { 0 } }, vertices[SHARES];
 	s->leaves = leaves;
 	s->bare = leaves->foliage;
 	s->order = lod_arena_take(&leaves->arena, s->bare.count, sizeof *s->order);
@@ -300,10 +310,10 @@ static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 	s->all = (double)bench_leaves_vertices(&s->bare, NULL, s->bare.count);
 	bench_leaves_look(leaves, &s->tuning, TUNING_VIEWS, TUNING_SEED);
 	bench_leaves_look(leaves, &s->tests, s->bench->full ? VIEWS_MOST : VIEWS_MOST / 2, TEST_SEED);
-	for (int kind = SCALED; kind < SPLATS; kind++) {
-		struct bench_collapse crown;
+	for (int kind = SCALED; kind < OURS; kind++) {
+		struct crown crown;
 		leaves->foliage = s->bare;
-		bench_collapse_grow(&crown, kind == SECTORS ? WEDGES : 1, kind == SOLID, &leaves->foliage,
+		grow(&crown, kind == SECTORS ? WEDGES : 1, kind == SOLID, &leaves->foliage,
 			&leaves->arena);
 		for (uint32_t i = 0; i < SHARES; i++)
 			q[kind][i] = kind == SCALED || kind == SOLID ? scaled_q(s, &crown,
@@ -311,10 +321,14 @@ static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 				: q_of(s, &crown, bench_shares[i] * s->all, &s->tests, 0);
 		if (kind == SECTORS)
 			draw_sectors(s, &crown);
-		else if (kind == PRINTED)
-			draw_atlas(s, &crown.atlas);
+		if (kind != PRINTED)
+			continue;
+		draw_atlas(s, &crown.atlas);
+		draw_levels(s, &crown);
 	}
-	measure_splats(s, q[SPLATS]);
+	for (uint32_t i = 0; i < SHARES; i++)
+		vertices[i] = bench_shares[i] * s->all + 3 * (double)s->bare.wood_count;
+	bench_leaves_ours(s->bench, leaves, s->model, &s->tests, vertices, SHARES, q[OURS]);
 	return bench_reals(*q, KINDS * SHARES);
 }
 
@@ -325,7 +339,7 @@ static void study_plant(struct bench *bench, const struct bench_model *model, do
 {
 	char file[128];
 	struct bench_savings savings;
-	struct study s = { .bench = bench, .name = model->name };
+	struct study s = { .bench = bench, .model = model };
 	double q[ROWS][SHARES];
 	bench_cells(bench_leaves_unit(bench, "collapse", NULL, model, PIXELS, study_leaves, &s),
 		q[BENCH_ORDERS], KINDS * SHARES);
@@ -333,10 +347,13 @@ static void study_plant(struct bench *bench, const struct bench_model *model, do
 	memcpy(q, savings.q, sizeof savings.q);
 	for (int i = 0; i < ROWS * (int)SHARES; i++)
 		sum[i / (int)SHARES][i % (int)SHARES] += q[i / (int)SHARES][i % (int)SHARES];
-	snprintf(file, sizeof file, "collapse-%s-atlas.png", model->name);
-	bench_picture(bench, file, "its atlas: pairs of leaves, then classes of counts by density");
-	snprintf(file, sizeof file, "collapse-%s-sectors.png", model->name);
-	bench_picture(bench, file, "its sectors from above");
+	for (int i = 0; i < 3; i++) {
+		static const char *const pictures[3][2] = { { "levels", "all leaves; levels of a quarter, a 16th, a 64th of the "
+			"vertices" }, { "atlas", "its atlas: pairs of leaves, then classes of counts by density" },
+			{ "sectors", "its sectors from above" } };
+		snprintf(file, sizeof file, "collapse-%s-%s.png", model->name, pictures[i][0]);
+		bench_picture(bench, file, pictures[i][1]);
+	}
 }
 
 /* ---- Figures 1, 3 and 4: made leaves ---- */
@@ -493,9 +510,9 @@ static void write_means(struct bench *bench, double sum[ROWS][SHARES], uint32_t 
 		"Q of leaf collapse at 10 % of the vertices");
 	bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best scale. "
 		"Rows as printed and by sectors have the paper's sizes, which are too large: quads reach "
-		"beyond the crown. Splats show wood and leaves, one vertex each, over wood that is drawn "
-		"whole as in all other rows. There is no figure where a coarsest level has more vertices "
-		"than asked for.");
+		"beyond the crown. Ours is a pack's picture with as many vertices, those of the wood included, "
+		"which is drawn whole in all other rows. There is no figure where a coarsest level has more "
+		"vertices than asked for.");
 	bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
 		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
 		.series_count = plotted });
@@ -517,4 +534,4 @@ static void run(struct bench *bench)
 	write_means(bench, sum, walk.found[0] + walk.found[1]);
 }
 
-const struct bench_section bench_collapse = { "collapse", "Leaf collapse against orders and splats", run };
+const struct bench_section bench_collapse = { "collapse", "Leaf collapse beside our orders and packs", run };

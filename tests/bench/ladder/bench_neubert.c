@@ -53,9 +53,8 @@ static json_t *study(void *ctx, struct bench_leaves *leaves)
 			sum.fn += one.fn;
 			sum.pixels += one.pixels;
 		}
-		double right = (double)(sum.pixels - sum.fn), shown = right + (double)sum.fp;
-		v[P] = shown > 0 ? right / shown : 1;
-		v[R] = sum.pixels ? right / (double)sum.pixels : 1;
+		v[P] = bench_wrong_precision(&sum);
+		v[R] = bench_wrong_recall(&sum);
 		v[Q] = bench_wrong_q(&sum);
 	}
 	return bench_reals(values, sizeof values / sizeof *values);

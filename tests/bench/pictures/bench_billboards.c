@@ -1,36 +1,31 @@
 /* Billboard clouds (Kratt et al. 2014): Precision and Recall by the number of billboards (figure 3) and
- * pictures of three clouds and of a field (figure 4); beside them splats and impostors at equal vertices; and
- * a turn against pruned leaves of the same mean Q (Neubert 2011, figure 11). The paper prints a diagram
- * without a scale of vertices, and no figures. */
+ * pictures of three clouds and of a field (figure 4); beside them ours at equal vertices; and a turn against
+ * pruned leaves of the same mean Q (Neubert 2011, figure 11). The paper prints a diagram without a scale of
+ * vertices, and no figures. */
 #include <math.h>
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
-#include "lod/build/model_draw.h"
 #include "lod/build/order/rank.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/pictures/bench_billboards.h"
 
 #define PLANTS_MOST 8u
+#define PIXELS 256u
+#define VIEWS 24u
+#define SEED 90217u
 #define VIEW 7u                          /* of the picture */
 #define PANELS 5u                        /* the whole plant, three caps, Precision and Recall */
-#define VIEWS 24u                        /* of elevation -10 to 60 degrees, as good as orthographic */
-#define SIZES 2u
-#define AWAY 512.0                       /* of the camera, radii */
-#define FRAME 1.02
-#define FINE 4u                         /* samples a pixel: FINE x FINE, for shares of pixels */
-#define PIXELS 256u
 #define TURN_VIEWS 36u
 #define TURN_UP 0.1                      /* the eye's height over the plant's middle, as a slope */
 #define TUNING 6u                        /* of the turn's views: scales are chosen in these */
 #define STEPS 10                         /* of the search for a number of leaves */
 #define SCALES 7
 
-static const double heights_px[SIZES] = { 64, 256 };
 /* The first caps have as many vertices, at 6 each, as the budgets of ours. Figure 11 of Neubert has 209. */
 #define BUDGETS 4u
-static const uint32_t budgets[BUDGETS] = { 12, 48, 200, 1000 };
+static const double budgets[BUDGETS] = { 12, 48, 200, 1000 };
 #define CAPS 6u
 #define TURNED 4u
 static const uint32_t caps[CAPS] = { 2, 8, 33, 166, 209, 333 };
@@ -39,202 +34,80 @@ static const uint32_t caps[CAPS] = { 2, 8, 33, 166, 209, 333 };
 enum turn { BILLBOARDS, STOCHASTIC, COMBINED, GREEDY, TURNS };
 static const char *const turn_names[TURNS] = { "209 billboards", "stochastic", "combined", "greedy" };
 enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, EPSILON, TEXELS,
-	PRECISION, RECALL, QUALITY, SOFT, FIGURES };
+	PRECISION, RECALL, QUALITY, FIGURES };
 static const struct bench_column columns[FIGURES] = { { "billboards", 0 }, { "parts", 0 }, { "crosses", 0 },
 	{ "planes", 0 }, { "strips", 0 }, { "error", 3 }, { "invalid", 3 }, { "epsilon", 4 },
-	{ "thousand texels", 0 }, { "Precision", 3 }, { "Recall", 3 }, { "hard", 3 }, { "soft", 3 } };
-
-/* Pictures of side x side pixels, and the whole plant's. */
-struct size { uint32_t side; struct lod_raster raster, fine; uint8_t *whole[VIEWS], *soft[VIEWS], *count; };
+	{ "thousand texels", 0 }, { "Precision", 3 }, { "Recall", 3 }, { "Q", 3 } };
 
 /* The unit of a plant. */
 struct figures {
 	double clouds[CAPS][FIGURES];
 	/* of a turn: vertices, vertices of wood besides, Q of each view; NaN: the mean is not reached */
 	double turns[TURNS][2 + TURN_VIEWS];
-	double ours[BENCH_OURS_KINDS][2 * BUDGETS];  /* Q by budget: hard, then soft */
+	double ours[BUDGETS];                /* Q */
 };
 #define NUMBERS (sizeof(struct figures) / sizeof(double))
 
 struct study {
 	struct bench *bench;
-	const char *name;
+	const struct bench_model *model;
 	struct bench_leaves *leaves;
-	double center[3], radius;
-	struct lod_eye eyes[VIEWS];
-	struct size sizes[SIZES];
 	struct lod_billboard_plant *plant;
-	struct lod_sights turn;
+	struct lod_sights looks, turn;
 	struct figures made;
 };
 
-/* ---- Pictures ---- */
-
-static void place_eyes(struct study *s)
-{
-	for (uint32_t i = 0; i < VIEWS; i++) {
-		double sine, cosine, up, flat;
-		eco_angle16_sincos(eco_angle16_from_deg(i * 137.5 + 31), &sine, &cosine);
-		eco_angle16_sincos(eco_angle16_from_deg(-10 + 70 * (i + 0.5) / VIEWS), &up, &flat);
-		const double from[3] = { flat * cosine, flat * sine, up };
-		s->eyes[i] = (struct lod_eye){ .right = { -sine, cosine, 0 }, .up = { -up * cosine,
-			-up * sine, flat }, .tan_x = FRAME / AWAY, .tan_y = FRAME / AWAY };
-		for (int k = 0; k < 3; k++) {
-			s->eyes[i].at[k] = s->center[k] + AWAY * s->radius * from[k];
-			s->eyes[i].forward[k] = -from[k];
-		}
-	}
-}
-
-static void draw_cloud(const void *cloud, struct lod_raster *raster)
+static void draw_cloud(const void *cloud, const struct lod_eye *eye, struct lod_raster *raster)
 {
 	lod_billboard_cloud_draw(cloud, 1, raster);
 }
 
-static void draw_whole(const void *model, struct lod_raster *raster) { lod_model_draw(model, NULL, raster); }
+/* ---- Clouds by cap ---- */
 
-static void shoot(struct study *s, uint32_t view, bench_draw_call *draw, const void *what,
-	struct lod_raster *raster)
-{
-	struct lod_eye eye = s->eyes[view];
-	eye.pixel_rad = 2 * eye.tan_y / raster->height;
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, &eye, (AWAY - 2) * s->radius);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	draw(what, raster);
-}
-
-/* Covered samples of each pixel. */
-static void shoot_fine(struct study *s, uint32_t view, bench_draw_call *draw, const void *what,
-	struct size *size, uint8_t *count)
-{
-	uint32_t width = FINE * size->side;
-	shoot(s, view, draw, what, &size->fine);
-	memset(count, 0, (size_t)size->side * size->side);
-	const uint8_t *cover = size->fine.cover;
-	for (uint32_t y = 0; y < width; y++)
-		for (uint32_t x = 0; x < width; x++)
-			count[y / FINE * size->side + x / FINE] += *cover++ & 1;
-}
-
-static void open_pictures(struct study *s)
-{
-	float low[3] = { 0 }, high[3] = { 0 };
-	lod_model_bounds(&s->leaves->model, low, high);
-	s->radius = lod_model_sphere(&s->leaves->model, s->center);
-	double height = (double)high[2] - (double)low[2];
-	if (!(height > 0.05 * s->radius))
-		must(eco_fail(must_error, ECO_UNSUPPORTED, "a plant without height"));
-	place_eyes(s);
-	for (uint32_t i = 0; i < SIZES; i++) {
-		struct size *size = &s->sizes[i];
-		uint32_t side = size->side = (uint32_t)ceil(2 * FRAME * s->radius * heights_px[i] / height);
-		lod_raster_init(&size->raster, &(struct lod_raster_options){ .width = side, .height
-			= side, .item = true });
-		lod_raster_init(&size->fine, &(struct lod_raster_options){ .width = FINE * side,
-			.height = FINE * side, .silhouette = true });
-		size->count = lod_arena_take(&s->leaves->arena, side, side);
-		for (uint32_t view = 0; view < VIEWS; view++) {
-			size->whole[view] = lod_arena_take(&s->leaves->arena, side, side);
-			size->soft[view] = lod_arena_take(&s->leaves->arena, side, side);
-			shoot(s, view, draw_whole, &s->leaves->model, &size->raster);
-			memcpy(size->whole[view], size->raster.cover, (size_t)side * side);
-			shoot_fine(s, view, draw_whole, &s->leaves->model, size, size->soft[view]);
-		}
-	}
-}
-
-/* Means over views and sizes. */
-static void score(struct study *s, bench_draw_call *draw, const void *what, double figure[FIGURES])
-{
-	figure[PRECISION] = figure[RECALL] = figure[QUALITY] = figure[SOFT] = 0;
-	for (uint32_t i = 0; i < SIZES * VIEWS; i++) {
-		struct size *size = &s->sizes[i / VIEWS];
-		struct lod_score one;
-		shoot(s, i % VIEWS, draw, what, &size->raster);
-		lod_score(&one, &(struct lod_score_input){ .width = size->side, .height = size->side,
-			.cover = size->raster.cover, .reference = size->whole[i % VIEWS] });
-		figure[PRECISION] += one.precision / (SIZES * VIEWS);
-		figure[RECALL] += one.recall / (SIZES * VIEWS);
-		figure[QUALITY] += one.q / (SIZES * VIEWS);
-		shoot_fine(s, i % VIEWS, draw, what, size, size->count);
-		figure[SOFT] += lod_soft_q(size->count, size->soft[i % VIEWS],
-			(size_t)size->side * size->side)
-			/ (SIZES * VIEWS);
-	}
-}
-
-static void score_ours(void *ctx, enum bench_ours_kind kind, uint32_t budget, bench_draw_call *draw,
-	const void *what)
-{
-	struct study *s = ctx;
-	double figure[FIGURES], *hard = s->made.ours[kind], *soft = hard + BUDGETS;
-	score(s, draw, what, figure);
-	for (uint32_t b = budget; b < (kind == BENCH_OURS_IMPOSTOR ? BUDGETS : budget + 1); b++) {
-		hard[b] = fmax(hard[b], figure[QUALITY]);
-		soft[b] = fmax(soft[b], figure[SOFT]);
-	}
-}
-
-void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3])
-{
-	double sum[3] = { 0 }, n = 1e-9;
-	for (size_t i = 0; i < (size_t)image->width * image->height; i++)
-		for (int k = 0; k < 3 && image->rgba[4 * i + 3]; k++) {
-			sum[k] += image->rgba[4 * i + (size_t)k];
-			n += k == 0;
-		}
-	for (int k = 0; k < 3; k++)
-		rgb[k] = (uint8_t)fmin(sum[k] / n, 254);
-}
-
-/* One view, white where nothing is: the plant in dark grey, or billboards in their mean colours. The panel
- * after the last cloud compares (figure 3): light grey where both are, grey where the cloud is missing, black
- * where only that is. */
+/* One view of a cloud in its mean colours. The panel after the last cloud compares (figure 3): light grey where
+ * both are, grey where the cloud is missing, black where only that is. */
 static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint8_t *picture, uint32_t panel)
 {
-	struct size *size = &s->sizes[SIZES - 1];
-	uint8_t (*rgb)[3] = lod_arena_take(&s->leaves->arena, cloud ? cloud->count + 1 : 1, sizeof *rgb);
-	memset(rgb, 60, sizeof *rgb);
-	for (uint32_t i = 0; cloud && i < cloud->count; i++)
-		bench_billboards_color(&cloud->items[i].image, rgb[i]);
-	shoot(s, VIEW, cloud ? draw_cloud : draw_whole, cloud ? (const void *)cloud : &s->leaves->model,
-		&size->raster);
-	for (size_t i = 0; i < (size_t)size->side * size->side; i++) {
-		uint8_t *at = picture + 3 * ((i / size->side * PANELS + panel) * size->side + i % size->side);
-		bool shown = size->raster.cover[i], wanted = size->whole[VIEW][i];
+	struct lod_raster ids;
+	lod_raster_init(&ids, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true });
+	lod_raster_clear(&ids);
+	lod_raster_camera(&ids, &s->looks.eyes[VIEW], s->looks.near_m);
+	lod_raster_object(&ids, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	lod_billboard_cloud_draw(cloud, 1, &ids);
+	for (size_t i = 0; i < PIXELS * PIXELS; i++) {
+		uint8_t *at = picture + 3 * ((i / PIXELS * PANELS + panel) * PIXELS + i % PIXELS);
+		bool shown = ids.cover[i], wanted = s->looks.reference[VIEW][i / 64] >> i % 64 & 1;
 		memset(at, 255, 3);
 		if (shown)
-			memcpy(at, rgb[cloud ? size->raster.item[i] : 0], 3);
+			memcpy(at, cloud->items[ids.item[i]].rgb, 3);
 		if (panel + 2 == PANELS)
-			memset(at + 3 * (size_t)size->side,
-				!wanted && !shown ? 255 : !wanted ? 0 : shown ? 210 : 130, 3);
+			memset(at + 3 * PIXELS, !wanted && !shown ? 255 : !wanted ? 0 : shown ? 210 : 130, 3);
 	}
+	lod_raster_free(&ids);
 }
-
-/* ---- Clouds by cap ---- */
 
 static void study_caps(struct study *s)
 {
 	char file[128];
-	uint32_t side = s->sizes[SIZES - 1].side;
-	uint8_t *picture = lod_arena_take(&s->leaves->arena, (size_t)PANELS * side * side, 3);
-	paint(s, NULL, picture, 0);
+	uint8_t *picture = lod_arena_take(&s->leaves->arena, (size_t)PANELS * PIXELS * PIXELS, 3);
+	bench_leaves_paint(s->leaves, &s->looks, VIEW, NULL, 0, PANELS, picture);
 	for (uint32_t cap = 0; cap < CAPS; cap++) {
 		struct lod_billboard_cloud cloud;
 		struct lod_arena_piece *mark = s->leaves->arena.last;
+		struct bench_wrong sum = { 0 };
 		lod_billboard_cloud_make(&cloud, s->plant, caps[cap], &s->leaves->arena);
-		const double figure[PRECISION] = { cloud.count, cloud.parts, cloud.forms[0], cloud.forms[1],
-			cloud.forms[2], cloud.error, cloud.invalid, cloud.epsilon,
-			(double)cloud.texels / 1000 };
+		for (uint32_t v = 0; v < VIEWS; v++)
+			bench_leaves_compare_drawn(s->leaves, &s->looks, v, draw_cloud, &cloud, &sum);
+		const double figure[FIGURES] = { cloud.count, cloud.parts, cloud.forms[0], cloud.forms[1],
+			cloud.forms[2], cloud.error, cloud.invalid, cloud.epsilon, (double)cloud.texels / 1000,
+			bench_wrong_precision(&sum), bench_wrong_recall(&sum), bench_wrong_q(&sum) };
 		memcpy(s->made.clouds[cap], figure, sizeof figure);
-		score(s, draw_cloud, &cloud, s->made.clouds[cap]);
 		if (cap >= 1 && cap <= 3)
 			paint(s, &cloud, picture, cap);
 		lod_arena_release(&s->leaves->arena, mark);
 	}
-	snprintf(file, sizeof file, "billboards-%s.png", s->name);
-	bench_picture_write(s->bench, file, PANELS * side, side, picture);
+	snprintf(file, sizeof file, "billboards-%s.png", s->model->name);
+	bench_picture_write(s->bench, file, PANELS * PIXELS, PIXELS, picture);
 }
 
 /* ---- A turn ---- */
@@ -299,11 +172,12 @@ static void study_turn(struct study *s)
 	lod_billboard_cloud_make(&cloud, s->plant, caps[TURNED], &s->leaves->arena);
 	for (uint32_t v = 0; v < TURN_VIEWS; v++) {
 		struct bench_wrong sum = { 0 };
-		bench_leaves_compare_drawn(s->leaves, &s->turn, v, false, draw_cloud, &cloud, &sum);
+		bench_leaves_compare_drawn(s->leaves, &s->turn, v, draw_cloud, &cloud, &sum);
 		mean += (q[v] = bench_wrong_q(&sum)) / TURN_VIEWS;
 	}
 	s->made.turns[BILLBOARDS][0] = 6.0 * cloud.count;
-	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true }, &s->leaves->arena, must_error));
+	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true },
+		&s->leaves->arena, must_error));
 	prune_to(s, bench_leaves_order(s->leaves, LOD_ORDER_STOCHASTIC, 0), mean, s->made.turns[STOCHASTIC]);
 	prune_to(s, bench_leaves_order(s->leaves, LOD_ORDER_COMBINED, 0), mean, s->made.turns[COMBINED]);
 	prune_to(s, rank.order, mean, s->made.turns[GREEDY]);
@@ -315,58 +189,34 @@ static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 {
 	struct study *s = ctx;
 	s->leaves = leaves;
-	open_pictures(s);
+	bench_leaves_look(leaves, &s->looks, VIEWS, SEED);
 	s->plant = lod_billboard_plant_make(&leaves->model, &leaves->arena);
 	study_caps(s);
 	study_turn(s);
-	bench_ours_each(&leaves->model, budgets, BUDGETS, score_ours, s);
-	for (uint32_t i = 0; i < SIZES; i++) {
-		lod_raster_free(&s->sizes[i].raster);
-		lod_raster_free(&s->sizes[i].fine);
-	}
+	bench_leaves_ours(s->bench, leaves, s->model, &s->looks, budgets, BUDGETS, s->made.ours);
 	return bench_reals((const double *)&s->made, NUMBERS);
 }
 
 /* ---- Tables ---- */
 
-/* Rows of the comparison: billboards, ours, and the best of ours. */
-#define BEST (1 + (int)BENCH_OURS_KINDS)
-#define ROWS (BEST + 1)
+/* Rows of the comparison: billboards, ours. */
+enum { ROWS = 2 };
+static const char *const row_names[ROWS] = { "billboards", "ours" };
 
 struct section {
 	struct bench *bench;
 	struct bench_table *caps, *q, *turn;
 	uint32_t plants, turned[TURNS];
-	double sum[ROWS][2 * BUDGETS];       /* hard Q by budget, then soft */
+	double sum[ROWS][BUDGETS];           /* Q */
 	double sd[TURNS], error[CAPS], precision[PLANTS_MOST][CAPS], recall[PLANTS_MOST][CAPS];
 	char name[PLANTS_MOST][64];
 };
 
-static const char *row_name(int row)
+static void write_rows(struct section *t, const char *plant, double q[ROWS][BUDGETS])
 {
-	return row == BEST ? "best of ours" : row ? bench_ours_names[row - 1] : "billboards";
-}
-
-static void write_row(struct section *t, const char *plant, int row, const double q[2 * BUDGETS])
-{
-	bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plant, row_name(row), q[0],
-		q[1], q[2], q[3], q[4], q[5], q[6], q[7]);
-}
-
-static void write_beside(struct section *t, const char *plant, const struct figures *f)
-{
-	double rows[ROWS][2 * BUDGETS] = { { 0 } };
-	memcpy(rows[1], f->ours, sizeof f->ours);
-	for (int row = 0; row < ROWS; row++) {
-		for (size_t b = 0; b < 2 * BUDGETS; b++) {
-			if (!row)
-				rows[row][b] = f->clouds[b % BUDGETS][b < BUDGETS ? QUALITY : SOFT];
-			else if (row < BEST)
-				rows[BEST][b] = fmax(rows[BEST][b], rows[row][b]);
-			t->sum[row][b] += rows[row][b];
-		}
-		write_row(t, plant, row, rows[row]);
-	}
+	for (int row = 0; row < ROWS; row++)
+		bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f", plant, row_names[row], q[row][0], q[row][1],
+			q[row][2], q[row][3]);
 }
 
 static void write_turn(struct section *t, const char *plant, struct figures *f)
@@ -400,7 +250,8 @@ static void write_turn(struct section *t, const char *plant, struct figures *f)
 static void study_plant(struct section *t, const struct bench_model *model)
 {
 	struct figures f;
-	struct study s = { .bench = t->bench, .name = model->name };
+	struct study s = { .bench = t->bench, .model = model };
+	double q[ROWS][BUDGETS];
 	char file[100];
 	bench_cells(bench_leaves_unit(t->bench, "billboards", NULL, model, PIXELS, study_leaves, &s),
 		(double *)&f, NUMBERS);
@@ -410,7 +261,11 @@ static void study_plant(struct section *t, const struct bench_model *model)
 		t->precision[t->plants][cap] = f.clouds[cap][PRECISION];
 		t->recall[t->plants][cap] = f.clouds[cap][RECALL];
 	}
-	write_beside(t, model->name, &f);
+	for (size_t b = 0; b < BUDGETS; b++) {
+		t->sum[0][b] += q[0][b] = f.clouds[b][QUALITY];
+		t->sum[1][b] += q[1][b] = f.ours[b];
+	}
+	write_rows(t, model->name, q);
 	snprintf(t->name[t->plants++], sizeof t->name[0], "%s", model->name);
 	snprintf(file, sizeof file, "billboards-%s.png", model->name);
 	bench_picture(t->bench, file, "full detail; at most 8, 33, 166 billboards, each in its mean colour; "
@@ -432,21 +287,18 @@ static bool is_foliage(const struct bench *bench, const struct bench_model *mode
 static void plot(struct section *t)
 {
 	struct bench_series series[PLANTS_MOST];
-	double x[BUDGETS], cap[CAPS];
-	for (uint32_t i = 0; i < BUDGETS; i++)
-		x[i] = budgets[i];
+	double cap[CAPS];
 	for (uint32_t i = 0; i < CAPS; i++) {
 		cap[i] = caps[i];
 		t->error[i] /= t->plants;
 	}
-	for (int row = 0; row < ROWS; row++) {
-		for (uint32_t b = 0; b < 2 * BUDGETS; b++)
-			t->sum[row][b] /= t->plants;
-		write_row(t, "mean", row, t->sum[row]);
-		series[row] = (struct bench_series){ row_name(row), x, t->sum[row], BUDGETS, false };
-	}
+	for (uint32_t i = 0; i < ROWS * BUDGETS; i++)
+		t->sum[i / BUDGETS][i % BUDGETS] /= t->plants;
+	write_rows(t, "mean", t->sum);
+	for (int row = 0; row < ROWS; row++)
+		series[row] = (struct bench_series){ row_names[row], budgets, t->sum[row], BUDGETS, false };
 	bench_plot(t->bench, &(struct bench_plot){ .name = "billboards",
-		.title = "Hard Q at equal vertices, mean over plants", .x = "vertices", .y = "Q",
+		.title = "Q at equal vertices, mean over plants", .x = "vertices", .y = "Q",
 		.log_x = true, .series = series, .series_count = ROWS });
 	series[0] = (struct bench_series){ "error of the mean part", cap, t->error, CAPS, false };
 	bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
@@ -466,8 +318,7 @@ static void run(struct bench *bench)
 	struct bench_walk walk = { .bench = bench, .most = bench->data ? PLANTS_MOST : 2, .quick = 1,
 		.wants = is_foliage };
 	t.caps = bench_table_described(bench, "billboards_caps", "plant,cap", columns, FIGURES, true);
-	t.q = bench_table_open(bench, "billboards", "plant,kind,hard 12,hard 48,hard 200,hard 1000,soft 12,"
-		"soft 48,soft 200,soft 1000", true);
+	t.q = bench_table_open(bench, "billboards", "plant,kind,Q at 12 vertices,at 48,at 200,at 1000", true);
 	t.turn = bench_table_open(bench, "billboards_turn",
 		"plant,method,vertices,of wood besides,mean Q,least,"
 		"most,variance,standard deviation", true);
@@ -489,10 +340,9 @@ static void run(struct bench *bench)
 		bench_key(bench, key, t.turned[m] ? t.sd[m] / t.turned[m] : NAN,
 			"standard deviation of Q over a turn, mean over plants");
 	}
-	bench_say(bench, "A billboard has six vertices, a splat one. A cloud of another cap has other "
-		"textures: clouds are alternatives and none continues another. Over a turn leaves are "
-		"pruned over whole wood.");
+	bench_say(bench, "%u views of %u pixels. A billboard has six vertices. A cloud of another cap has "
+		"other textures: clouds are alternatives and none continues another. Ours is what a pack shows "
+		"with as many vertices, wood included. Over a turn leaves are pruned over whole wood.", VIEWS, PIXELS);
 }
 
-const struct bench_section bench_billboards = { "billboards", "Billboard clouds against splats and impostors",
-	run };
+const struct bench_section bench_billboards = { "billboards", "Billboard clouds beside ours", run };

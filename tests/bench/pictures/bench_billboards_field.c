@@ -25,7 +25,7 @@ static const double least_px[LEVELS] = { 150, 75, 25, 0 };       /* heights on t
 static const uint8_t level_rgb[LEVELS][3] = { { 200, 60, 40 }, { 235, 160, 50 }, { 70, 150, 70 },
 	{ 60, 110, 200 } };
 /* Plants in view of each level, then of the picture. */
-enum { VERTICES = LEVELS, FULL, Q, PRECISION, RECALL, OWNER_Q, FIGURES };
+enum { VERTICES = LEVELS, FULL, Q, PRECISION, RECALL, FIGURES };
 
 struct stand { struct lod_place place; double world[3], away; uint32_t level; };
 struct field {
@@ -33,6 +33,8 @@ struct field {
 	const struct bench_model *file;
 	char picture[128];
 	struct eco_model model;
+	const struct lod_mask *masks;
+	const uint8_t (*colors)[3];          /* per triangle */
 	double radius;
 	struct lod_eye eye;
 	struct stand stands[PLANTS];
@@ -78,31 +80,11 @@ static void place_plants(struct field *f)
 	qsort(f->stands, f->count, sizeof *f->stands, by_distance);
 }
 
-static void draw_model(const struct eco_model *model, uint64_t owner, struct lod_raster *raster)
-{
-	for (uint32_t t = 0; t < model->triangle_count; t++) {
-		float position[9], uv[6] = { 0 };
-		enum eco_drop why;
-		const struct eco_material *m = lod_mesh_material(model, model->material[t]);
-		if (!lod_mesh_usable(model, t, &why))
-			continue;
-		for (uint32_t i = 0; i < 3; i++) {
-			size_t vertex = model->index[3 * (size_t)t + i];
-			memcpy(position + 3 * i, model->position + 3 * vertex, 3 * sizeof(float));
-			if (model->uv)
-				memcpy(uv + 2 * i, model->uv + 2 * vertex, 2 * sizeof(float));
-		}
-		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 1, .position = position,
-			.uv = uv, .owner = owner, .cutout = m->cutout && model->uv && m->image
-			< model->image_count ? &model->images[m->image] : NULL });
-	}
-}
-
 static void draw(struct field *f, bool clouds)
 {
 	struct lod_raster *raster = &f->rasters[clouds];
-	lod_raster_init(raster, &(struct lod_raster_options){ .width = WIDTH, .height = HEIGHT, .owner
-		= true, .item = true });
+	lod_raster_init(raster, &(struct lod_raster_options){ .width = WIDTH, .height = HEIGHT,
+		.owner = clouds, .item = true });
 	lod_raster_clear(raster);
 	lod_raster_camera(raster, &f->eye, -0.005 * f->eye.at[1]);
 	for (uint32_t i = 0; i < f->count; i++) {
@@ -113,24 +95,24 @@ static void draw(struct field *f, bool clouds)
 		if (clouds)
 			lod_billboard_cloud_draw(&f->clouds[s->level], i + 1, raster);
 		else
-			draw_model(&f->model, i + 1, raster);
+			lod_model_draw(&f->model, f->masks, raster);
 	}
 }
 
-/* Neighbours of one colour are told apart by how dark they are. */
+/* Full detail; clouds, whose neighbours are told apart by how dark they are; their levels. */
 static void paint_pixel(const struct field *f, uint32_t panel, size_t i, uint8_t rgb[3])
 {
-	const struct lod_raster *raster = &f->rasters[panel > 0];
-	uint8_t from[3] = { 120, 150, 90 };
+	const struct lod_raster *full = &f->rasters[0], *clouds = &f->rasters[1];
 	memset(rgb, 255, 3);
-	if (!raster->owner[i])
+	if (panel == 0 && full->cover[i])
+		memcpy(rgb, f->colors[full->item[i]], 3);
+	if (panel == 0 || !clouds->owner[i])
 		return;
-	const struct stand *s = &f->stands[raster->owner[i] - 1];
-	if (panel == 1)
-		bench_billboards_color(&f->clouds[s->level].items[raster->item[i]].image, from);
-	double shade = 0.7 + 0.3 * eco_random_unit(eco_random(4, raster->owner[i]));
+	uint32_t level = f->stands[clouds->owner[i] - 1].level;
+	const uint8_t *from = panel == 2 ? level_rgb[level] : f->clouds[level].items[clouds->item[i]].rgb;
+	double shade = 0.7 + 0.3 * eco_random_unit(eco_random(4, clouds->owner[i]));
 	for (int k = 0; k < 3; k++)
-		rgb[k] = (uint8_t)(shade * (panel == 2 ? level_rgb[s->level] : from)[k]);
+		rgb[k] = (uint8_t)(shade * from[k]);
 }
 
 static json_t *score(const struct field *f)
@@ -138,7 +120,7 @@ static json_t *score(const struct field *f)
 	struct lod_score score;
 	double figure[FIGURES] = { [FULL] = 3.0 * f->count * f->model.triangle_count };
 	lod_score(&score, &(struct lod_score_input){ WIDTH, HEIGHT, f->rasters[1].cover, f->rasters[0].cover,
-		f->rasters[1].owner, f->rasters[0].owner });
+		NULL, NULL });
 	for (uint32_t i = 0; i < f->count; i++) {
 		figure[f->stands[i].level]++;
 		figure[VERTICES] += 6.0 * f->clouds[f->stands[i].level].count;
@@ -146,7 +128,6 @@ static json_t *score(const struct field *f)
 	figure[Q] = score.q;
 	figure[PRECISION] = score.precision;
 	figure[RECALL] = score.recall;
-	figure[OWNER_Q] = score.owner_q;
 	return bench_reals(figure, FIGURES);
 }
 
@@ -156,6 +137,8 @@ static json_t *make_field(void *ctx)
 	struct field *f = ctx;
 	struct lod_arena arena = { 0 };
 	bench_model_read(f->file, &f->model);
+	f->masks = lod_model_masks(&f->model, &arena);
+	f->colors = lod_model_colors(&f->model, &arena);
 	place_plants(f);
 	const struct lod_billboard_plant *plant = lod_billboard_plant_make(&f->model, &arena);
 	for (uint32_t i = 0; i < LEVELS; i++)
@@ -182,11 +165,11 @@ void bench_billboards_field(struct bench *bench, const struct bench_model *model
 	snprintf(f->picture, sizeof f->picture, "billboards_field-%s.png", model->name);
 	bench_cells(bench_unit(bench, f->picture, must_stamp(model->path), make_field, f), q, FIGURES);
 	struct bench_table *table = bench_table_open(bench, "billboards_field", "plant,plants in view,"
-		"of 333 billboards,of 166,of 33,of 8,vertices,vertices of full detail,Q,Precision,Recall,"
-		"owner_q", true);
-	bench_table_row(table, "%s,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.3f,%.3f", model->name,
+		"of 333 billboards,of 166,of 33,of 8,vertices,vertices of full detail,Q,Precision,Recall",
+		true);
+	bench_table_row(table, "%s,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.3f", model->name,
 		q[0] + q[1] + q[2] + q[3], q[0], q[1], q[2], q[3], q[VERTICES], q[FULL], q[Q],
-		q[PRECISION], q[RECALL], q[OWNER_Q]);
+		q[PRECISION], q[RECALL]);
 	bench_table_close(table);
 	bench_picture(bench, f->picture, "a field: full detail; clouds in their billboards' mean colours; "
 		"their levels: at most 333 billboards (red), 166 (orange), 33 (green), 8 (blue)");
