@@ -174,7 +174,6 @@ struct bench_frame {
 	/* called with the job of the picture, while it can be drawn; may be NULL */
 	void (*look)(void *ctx, const struct view_draw_job *job);
 	void *ctx;
-	uint64_t cut;                /* as in bench_fetch.h */
 	struct eco_request request;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
 	/* Against the truth; all but the score is NaN of a client that does not see. With BENCH_SAMPLES samples a
@@ -184,7 +183,7 @@ struct bench_frame {
 	struct bench_truth truth;
 	struct bench_wide wide;
 	double bias;
-	uint64_t vertices, bytes, plan_bytes;
+	uint64_t vertices, bytes;
 	double plan_ms, decode_ms, draw_ms;
 };
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
@@ -212,10 +211,6 @@ uint64_t bench_client_coarse(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller frees it. Draws from an empty client: bytes are those of a first
  * visit. False where no answer has as few bytes as are asked for. */
 bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture);
-/* A step of a flight: earlier steps are held, bytes are of what the view lacks. Fills vertices, bytes,
- * plan_bytes, plan_ms and decode_ms, and scores nothing. `picture` NULL: nothing is drawn; else the caller
- * frees it. */
-void bench_client_step(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture);
 /* Milliseconds in which OpenGL draws a selection the second time; NaN where there is no OpenGL. */
 struct view_store;
 struct view_selection;

@@ -10,10 +10,9 @@
 struct bench_fetch {
 	lod_rule *rule;          /* asked: zero is the default */
 	bool ignore_occlusion;
-	uint64_t cut;            /* nothing comes after so many bytes; 0: all does */
 	/* answered: until the body stands; until the last byte is decoded */
 	double plan_ms, decode_ms;
-	uint64_t bytes, plan_bytes;          /* of the body; of its last plan alone */
+	uint64_t bytes;          /* of the body */
 	/* that it took: more than one where the store's memory is short */
 	uint32_t requests;
 };

@@ -21,20 +21,15 @@
 
 /* ---- One answer ---- */
 
-static enum eco_code feed(struct view_store *store, const struct srv_body *body, uint64_t cut,
-	struct eco_error *error)
+static enum eco_code feed(struct view_store *store, const struct srv_body *body, struct eco_error *error)
 {
 	struct eco_wire_parser *parser;
 	enum eco_code code = eco_wire_parser_new(&parser, &view_store_events, store, error);
 	if (code)
 		return code;
-	uint64_t left = cut ? cut : UINT64_MAX;
-	for (uint32_t i = 0; i < body->piece_count && !code; i++) {
-		size_t size = body->pieces[i].size < left ? body->pieces[i].size : (size_t)left;
-		code = eco_wire_feed(parser, body->pieces[i].bytes, size, error);
-		left -= size;
-	}
-	if (!code && !cut)
+	for (uint32_t i = 0; i < body->piece_count && !code; i++)
+		code = eco_wire_feed(parser, body->pieces[i].bytes, body->pieces[i].size, error);
+	if (!code)
 		code = eco_wire_finish(parser, error);
 	eco_wire_parser_free(parser);
 	return code;
@@ -61,7 +56,7 @@ static enum eco_code ask(struct bench_fetch *fetch, const struct srv_scene *scen
 		code = srv_stream_write(&stream, &body, error);
 	double planned = view_clock_ms();
 	if (!code)
-		code = feed(store, &body, fetch->cut, error);
+		code = feed(store, &body, error);
 	fetch->requests++;
 	fetch->plan_ms += planned - begun;
 	fetch->decode_ms += view_clock_ms() - planned;
@@ -88,7 +83,6 @@ enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *sce
 		now.vertices = request->bytes == ECO_BYTES_UNBOUNDED ? request->vertices : vertices;
 		code = ask(fetch, scene, &now, store, error);
 	}
-	fetch->plan_bytes = !code && view_store_plan(store) ? eco_wire_plan_bytes(view_store_plan(store)) : 0;
 	return code;
 }
 
@@ -116,7 +110,6 @@ enum eco_code bench_draw(struct bench_drawing *drawing, const struct view_store 
 struct bench_client {
 	struct srv_store scenes;
 	struct view_store *full;             /* holds full detail of all views so far */
-	struct view_store *steps;            /* holds what came in steps; NULL: nothing did */
 	struct view_picture reference;       /* full detail of the view `of`, with the colours of the truth if it sees */
 	struct eco_view of;
 	struct bench_truth truth;            /* of the reference */
@@ -143,7 +136,6 @@ void bench_client_close(struct bench_client *client)
 		return;
 	view_picture_free(&client->reference);
 	view_store_free(client->full);
-	view_store_free(client->steps);
 	srv_store_free(&client->scenes);
 	free(client);
 }
@@ -322,13 +314,11 @@ static void compare(const struct bench_client *client, struct bench_frame *frame
 	bench_client_sample(client, &job, BENCH_SAMPLES, &frame->smooth);
 }
 
-/* One answer into the store, which is made where it is NULL. False where no answer has so few bytes. */
+/* One answer into a new store. False where no answer has so few bytes. */
 static bool answer(struct bench_client *client, struct bench_frame *frame, struct view_store **store)
 {
-	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion,
-		.cut = frame->cut };
-	if (!*store)
-		must(view_store_new(store, &(struct view_store_options){ .images = true }, must_error));
+	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion };
+	must(view_store_new(store, &(struct view_store_options){ .images = true }, must_error));
 	enum eco_code code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, *store, must_error);
 	if (code == ECO_TOO_LARGE && frame->request.bytes != ECO_BYTES_UNBOUNDED) {
 		*must_error = (struct eco_error){ 0 };
@@ -339,7 +329,6 @@ static bool answer(struct bench_client *client, struct bench_frame *frame, struc
 	frame->predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
 	frame->vertices = plan ? plan->vertices : 0;
 	frame->bytes = fetch.bytes;
-	frame->plan_bytes = fetch.plan_bytes;
 	frame->plan_ms = fetch.plan_ms;
 	frame->decode_ms = fetch.decode_ms;
 	return true;
@@ -374,17 +363,6 @@ bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, 
 	else
 		view_picture_free(&drawn);
 	return answered;
-}
-
-void bench_client_step(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture)
-{
-	struct bench_drawing drawing = { .job = { .near_m = 0 } };
-	answer(client, frame, &client->steps);
-	if (picture)
-		must(bench_draw(&drawing, client->steps, &frame->request.view, sky_of(client), picture, must_error));
-	if (picture && client->bench)
-		draw_samples(&drawing.job, picture);
-	view_select_free(&drawing.selection);
 }
 
 void bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,

@@ -77,7 +77,7 @@ json_t *bench_shot_row(const struct bench_frame *f)
 	const struct view_measures *m = &f->measures;
 	const struct bench_truth *t = &f->truth;
 	const struct { const char *key; double value; } figures[] = { { "vertices", (double)f->vertices },
-		{ "bytes", (double)f->bytes }, { "plan_bytes", (double)f->plan_bytes }, { "q", m->score.q },
+		{ "bytes", (double)f->bytes }, { "q", m->score.q },
 		{ "p", m->score.precision }, { "r", m->score.recall },
 		{ "wrong", (double)(m->score.fp + m->score.fn) }, { "skill", m->score.skill },
 		{ "owner_q", m->score.owner_q }, { "colour", f->colour_rms }, { "soft_q", m->soft_q },
@@ -109,7 +109,6 @@ static json_t *make_row(const struct work *w, struct bench_client *client, uint3
 	const struct bench_method *method = shoot->method ? shoot->method : &bench_methods[BENCH_OURS];
 	struct bench_frame frame = { .method = method->name, .rule = method->rule,
 		.ignore_occlusion = method->ignore_occlusion, .compared = shoot->compared,
-		.cut = shoot->cuts ? shoot->cuts[row] : 0,
 		.request = { .view = w->view->view,
 			.vertices = shoot->vertices ? shoot->vertices[row] : 1000000,
 		.bytes = shoot->bytes ? shoot->bytes[row] : ECO_BYTES_UNBOUNDED } };

@@ -27,7 +27,7 @@ uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t bu
  * bench_scene_views, at our size. */
 uint32_t bench_shot_views(struct bench *bench, const char *scene,
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX]);
-/* An object with vertices, bytes, plan_bytes, q, p, r, wrong (pixels), skill, owner_q, colour, soft_q,
+/* An object with vertices, bytes, q, p, r, wrong (pixels), skill, owner_q, colour, soft_q,
  * picture_error (S8), m16, s16, s16_abs, bias_error (B), floor_error (F8), one_floor (F1), ceiling,
  * truth_cpu_ms, predicted_q, plan_ms, decode_ms, draw_ms; of the start start_error (S1), start_m16, start_s16,
  * start_s16_abs; without leaves smooth_error; widest_px, wide and flat of struct bench_wide; null where a
@@ -54,8 +54,8 @@ void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, 
 struct bench_shoot {
 	const char *name;            /* of what is kept */
 	uint32_t count;
-	/* of each row. NULL: a million; no budget; the answer is not cut after so many bytes */
-	const uint64_t *vertices, *bytes, *cuts;
+	/* of each row. NULL: a million; no budget */
+	const uint64_t *vertices, *bytes;
 	const struct bench_method *method;   /* NULL: ours, whose frames are not timed */
 	bool compared;                       /* start_error and what follows it in a row */
 	uint64_t biased;             /* vertices of the row that has bias_error, with FULL=1; 0: none */
@@ -65,16 +65,5 @@ struct bench_shoot {
 };
 /* An array of rows as bench_shot_row makes them, null where no answer has so few bytes; borrowed. */
 json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot);
-
-/* ---- The path of a flight (bench_flight.c) ---- */
-
-#define BENCH_FLIGHT_FPS 10u
-#define BENCH_FLIGHT_S 60u               /* a whole flight */
-#define BENCH_FLIGHT_FRAMES (BENCH_FLIGHT_FPS * BENCH_FLIGHT_S)
-
-/* The views of `count` frames from frame `first` of BENCH_FLIGHT_FRAMES on: from the air down to eye level in
- * a third of the time, then along the longer side of the scene's bounds through it. The caller frees
- * them. */
-struct eco_view *bench_flight_path(const char *pack, uint32_t first, uint32_t count);
 
 #endif

@@ -44,17 +44,15 @@
 const double bench_shares[BENCH_SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };
 const char *const bench_order_names[METHODS] = { "stochastic", "density", "orientation",
 	"orientation with much noise", "combined", "combined with much noise", "greedy at one scale",
-	"greedy", "greedy with simpler leaves" };
+	"greedy" };
 static const struct { const char *printed; enum lod_order_method order; double noise; } methods[METHODS] = {
 	{ "10.1", LOD_ORDER_STOCHASTIC, 0 }, { "17.4", LOD_ORDER_DENSITY, 0 },
 	{ "40.7", LOD_ORDER_ORIENTATION, NOISE_SMALL }, { "-", LOD_ORDER_ORIENTATION, NOISE_MUCH },
 	{ "30.1", LOD_ORDER_COMBINED, NOISE_SMALL }, { "-", LOD_ORDER_COMBINED, NOISE_MUCH },
-	{ .printed = "-" }, { .printed = "-" }, { .printed = "-" } };
+	{ .printed = "-" }, { .printed = "-" } };
 
-#define WAYS 5                   /* from full leaves to triangles only */
-
-/* Scale: Cook's times 2^(step / 8). Elements [0, fine) as they are, [fine, count) triangles. */
-struct row { double lambda, step, count, fine, q; int way; };
+/* Scale: Cook's times 2^(step / 8). */
+struct row { double lambda, step, count, q; };
 
 struct study {
 	struct bench *bench;
@@ -63,7 +61,6 @@ struct study {
 	uint32_t *order[METHODS], n;
 	uint64_t *vertices[METHODS];         /* of the first i of the order */
 	uint8_t *growth;
-	struct lod_simple *triangle, *shape;
 	float *factor;
 	double share, layers;                /* lod_cook_share of a leaf; layers of leaves */
 	struct row rows[METHODS][ROWS_MAX];
@@ -87,7 +84,6 @@ static void make_orders(struct study *s)
 	struct lod_rank rank;
 	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true }, &s->leaves->arena, must_error));
 	s->growth = rank.growth;
-	s->triangle = rank.simple;
 	for (int m = 0; m < METHODS; m++) {
 		s->order[m] = m >= BENCH_PLAIN ? rank.order : bench_leaves_order(s->leaves, methods[m].order,
 			methods[m].noise);
@@ -145,16 +141,10 @@ static double try_row(struct study *s, enum bench_order method, const struct lod
 	const struct row *row, double least)
 {
 	struct lod_sights_drawing drawing = { .order = s->order[method], .count = whole(row->count, s->n),
-		.scale = (float)(row->fine >= s->n ? 1 : s->n / fmin(row->count, s->n) * exp2(row->step / 8)),
-		.factor = method >= BENCH_GREEDY ? s->factor : NULL,
-		.shape = method == BENCH_TRIANGLES ? s->shape : NULL };
-	uint32_t fine = row->fine < 0.5 ? 0 : whole(row->fine, drawing.count);
-	for (uint32_t k = 0; k < drawing.count && method >= BENCH_GREEDY; k++) {
-		uint32_t i = drawing.order[k];
-		bool simpler = k >= fine && s->vertices[method][k + 1] - s->vertices[method][k] > 3;
-		s->factor[i] = eco_growth(s->growth[i], drawing.scale);
-		s->shape[i] = simpler ? s->triangle[i] : (struct lod_simple){ .corners = 0 };
-	}
+		.scale = (float)(row->count >= s->n ? 1 : s->n / row->count * exp2(row->step / 8)),
+		.factor = method >= BENCH_GREEDY ? s->factor : NULL };
+	for (uint32_t k = 0; k < drawing.count && method >= BENCH_GREEDY; k++)
+		s->factor[drawing.order[k]] = eco_growth(s->growth[drawing.order[k]], drawing.scale);
 	return q_of(s, sights, &drawing, least);
 }
 
@@ -174,34 +164,13 @@ static double elements_at(const uint64_t *sum, uint32_t n, double vertices)
 	return low >= n ? n : low + (vertices - (double)sum[low]) / (double)(sum[low + 1] - sum[low]);
 }
 
-/* Way 0 draws all as they are, WAYS - 1 as many elements as can be with triangles. */
-static void place(const struct study *s, enum bench_order method, struct row *row)
-{
-	const uint64_t *sum = s->vertices[method];
-	double vertices = row->lambda * (double)sum[s->n];
-	row->count = row->fine = elements_at(sum, s->n, vertices);
-	if (row->way == 0)
-		return;
-	row->count *= pow(fmin(s->n, vertices / 3) / fmax(row->count, 1e-9), (double)row->way / (WAYS - 1));
-	uint32_t count = whole(row->count, s->n), low = 0, high = count;
-	/* the most elements as they are that leave the others room */
-	while (low < high) {
-		uint32_t middle = (low + high + 1) / 2;
-		if ((double)(sum[middle] + 3 * (uint64_t)(count - middle)) <= vertices)
-			low = middle;
-		else
-			high = middle - 1;
-	}
-	row->fine = low;
-}
-
 /* Climbs from row->step, in strides of four eighths, two and one. No step is tried twice. */
-static double climb(struct study *s, enum bench_order method, struct row *row)
+static void climb(struct study *s, enum bench_order method, struct row *row)
 {
 	bool tried[2 * STEPS_MOST + 1] = { false };
 	double best = try_row(s, method, &s->tuning, row, -INFINITY);
-	if (row->count >= s->n && row->fine >= s->n)
-		return best;
+	if (row->count >= s->n)
+		return;
 	tried[(int)row->step + STEPS_MOST] = true;
 	for (int stride = 4; stride > 0; stride /= 2)
 		for (int way = -1; way <= 1; way += 2)
@@ -217,26 +186,15 @@ static double climb(struct study *s, enum bench_order method, struct row *row)
 				best = q;
 				*row = next;
 			}
-	return best;
 }
 
-/* From the row of the next larger lambda on, with its scale and ways. */
+/* From the scale of the row of the next larger lambda on. */
 static void fill_row(struct study *s, enum bench_order method, struct row *row, const struct row *larger)
 {
-	struct row best = *row;
-	double best_q = -INFINITY;
-	int last = method == BENCH_TRIANGLES ? WAYS - 1 : 0,
-		from = larger && larger->way > 0 ? larger->way - 1 : 0,
-		to = larger && larger->way < last ? larger->way + 1 : last;
-	for (int way = from; way <= to; way++) {
-		struct row one = { .lambda = row->lambda, .way = way, .step = larger ? larger->step : 0 };
-		place(s, method, &one);
-		double q = climb(s, method, &one);
-		if (q > best_q)
-			best = one;
-		best_q = fmax(best_q, q);
-	}
-	*row = best;
+	const uint64_t *sum = s->vertices[method];
+	row->count = elements_at(sum, s->n, row->lambda * (double)sum[s->n]);
+	row->step = larger ? larger->step : 0;
+	climb(s, method, row);
 	row->q = try_row(s, method, &s->tests, row, -INFINITY);
 }
 
@@ -314,7 +272,6 @@ static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 	if (s->n < BENCH_ELEMENTS_LEAST)
 		return bench_reals(values, 1);
 	s->factor = lod_arena_take(&leaves->arena, s->n, sizeof *s->factor);
-	s->shape = lod_arena_take(&leaves->arena, s->n, sizeof *s->shape);
 	make_orders(s);
 	bench_leaves_look(leaves, &s->tuning, TUNING_VIEWS, TUNING_SEED);
 	bench_leaves_look(leaves, &s->tests, s->bench->full ? TESTS_MOST : TESTS_MOST / 2, TEST_SEED);
@@ -390,23 +347,20 @@ static double median(const struct all *all, int method, int kind, bool closed)
 static void write_tables(struct bench *bench, const struct all *all)
 {
 	uint32_t closed = 0;
-	struct bench_table *layers = bench_table_open(bench, "species_layers", "plant,vertices of leaves,"
-		"layers of leaves,stochastic %,at d >= .5 %,density %,density at d >= .5 %,orientation %,"
-		"orientation at d >= .5 %,orientation with much noise %,orientation with much noise at d >= "
-		".5 %,"
-		"combined %,combined at d >= .5 %,combined with much noise %,combined with much noise at d "
-		">= .5 %,"
-		"greedy at one scale %,greedy at one scale at d >= .5 %,greedy %,greedy at d >= .5 %,"
-		"simpler leaves %,simpler leaves at d >= .5 %", true);
+	struct bench_column columns[2 * METHODS];
+	char heads[2 * METHODS][64];
+	for (size_t i = 0; i < 2 * METHODS; i++) {
+		snprintf(heads[i], sizeof heads[i], "%s%s %%", bench_order_names[i / 2], i % 2 ? " at d >= .5" : "");
+		columns[i] = (struct bench_column){ heads[i], 1 };
+	}
+	struct bench_table *layers = bench_table_described(bench, "species_layers",
+		"plant,vertices of leaves,layers of leaves", columns, 2 * METHODS, true);
 	for (uint32_t i = 0; i < all->count; i++) {
 		const struct species *one = &all->of[i];
-		char row[400];
-		int at = snprintf(row, sizeof row, "%s,%.0f,%.1f", one->model.name, one->s.vertices,
-			one->s.layers);
-		for (int m = 0; m < METHODS; m++)
-			at += snprintf(row + at, sizeof row - (size_t)at, ",%.1f,%.1f",
-				100 * one->saved[m][MEAN], 100 * one->saved[m][FAR]);
-		bench_table_row(layers, "%s", row);
+		double saved[2 * METHODS];
+		for (size_t k = 0; k < 2 * METHODS; k++)
+			saved[k] = 100 * one->saved[k / 2][k % 2 ? FAR : MEAN];
+		bench_table_values(layers, saved, "%s,%.0f,%.1f", one->model.name, one->s.vertices, one->s.layers);
 		closed += one->closed;
 	}
 	bench_table_close(layers);

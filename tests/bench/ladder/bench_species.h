@@ -10,11 +10,9 @@
 #define BENCH_SHARES 6u
 extern const double bench_shares[BENCH_SHARES];          /* of all vertices: .02 to .5 */
 
-/* PLAIN: our order, made for leaves, without its growth codes; GREEDY: with them; TRIANGLES: and with leaves
- * as one triangle where that serves better. */
+/* PLAIN: our order, made for leaves, without its growth codes; GREEDY: with them. */
 enum bench_order { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION_SMALL, BENCH_ORIENTATION_NOISY,
-	BENCH_COMBINED_SMALL, BENCH_COMBINED_NOISY, BENCH_PLAIN, BENCH_GREEDY, BENCH_TRIANGLES,
-	BENCH_ORDERS };
+	BENCH_COMBINED_SMALL, BENCH_COMBINED_NOISY, BENCH_PLAIN, BENCH_GREEDY, BENCH_ORDERS };
 extern const char *const bench_order_names[BENCH_ORDERS];
 
 /* Distances: evenly over [0, 1); or as the paper tabulates, 10 equidistant in [0, .1) and 10 in [.1, 1). */
