@@ -113,7 +113,7 @@ uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method 
 	return order;
 }
 
-/* Of leaves->mask and `wood`, if not NULL. */
+/* The union of leaves->mask and `wood`, which may be NULL. */
 static void count_wrong(const struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	const uint64_t *wood, struct bench_wrong *sum)
 {
