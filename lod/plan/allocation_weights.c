@@ -524,9 +524,8 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 		.covered = choice->view.covered, .box = choice->view.box,
 		.plants = choice->plants, .points = p->scene->lists[list].primitive_count,
 		.weight_px = choice->weight_px };
-	struct lod_tilt tilt = lod_tilt_at(&p->visible.eye, from_eye, 0.25 * fmax(across, up));
 	view.wide = 2 * across * px;
-	view.high = 2 * lod_tilt_height(&tilt, across, up) * px;
+	view.high = 2 * lod_height_seen(across, up, from_eye) * px;
 	uint32_t count = lod_summary_hull_count(view.points);
 	struct lod_hull_point *room = take_points(m, 2 * count + 1);
 	if (!room)
@@ -581,7 +580,7 @@ static enum eco_code add_tiles(struct lod_planner *p, struct eco_error *error)
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
 		double center[3];
-		struct lod_proxy_shape proxy_shape = { .area = node->area };
+		struct lod_proxy_shape proxy_shape = { .area = node->area, .leaf_area = node->area };
 		if (node->state != LOD_SUMMARY)
 			continue;
 		lod_visible_tree_box(&p->visible, node, center, &proxy_shape.across, &proxy_shape.up);

@@ -7,6 +7,8 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846
+#define CELL_HALF 0.57735026918962576    /* of its sphere's radius: a cell is a cube */
+#define STEM_LEAST 0.1           /* of half a plant's height: a stem below the crown is no shorter */
 #define THINNEST 0.01            /* area of a plant over its radius squared: a plant without area is visible
                                   * all the same */
 
@@ -59,25 +61,26 @@ const uint32_t *lod_plan_tables_whole(const struct lod_plan_tables *tables, uint
 
 /* ---- Plants as proxy shapes ---- */
 
-/* Area of everything drawn at an anchor in full detail. */
-static double anchor_area(const struct lod_plan_tables *tables, uint32_t anchor)
+/* Area of leaves, or of all wood, at an anchor in full detail. */
+static double anchor_area(const struct lod_plan_tables *tables, uint32_t anchor, bool wood)
 {
 	double area = 0;
 	uint32_t count;
 	const uint32_t *ladders = lod_plan_tables_anchor(tables, anchor, &count);
 	for (uint32_t i = 0; i < count; i++)
-		area += tables->scene->ladders[ladders[i]].area;
+		if ((tables->scene->ladders[ladders[i]].organ == ECO_ORGAN_WOOD) == wood)
+			area += tables->scene->ladders[ladders[i]].area;
 	return area;
 }
 
 /* The ellipse that has the moments of the cells' areas, each spread over its sphere. */
 static void find_crown(const struct lod_plan_tables *tables, const struct eco_plant *plant,
-	struct lod_proxy_shape *proxy_shape)
+	struct lod_proxy_shape *proxy_shape, bool wood)
 {
 	const struct eco_anchor *all = &tables->scene->anchors[plant->anchor_first];
 	double sum = 0, mean = 0, up = 0, across = 0;
 	for (uint32_t i = 1; i < plant->anchor_count; i++) {
-		double area = anchor_area(tables, plant->anchor_first + i);
+		double area = anchor_area(tables, plant->anchor_first + i, wood);
 		sum += area;
 		mean += area * ((double)all[i].center[2] - all->center[2]);
 	}
@@ -86,7 +89,7 @@ static void find_crown(const struct lod_plan_tables *tables, const struct eco_pl
 	mean /= sum;
 	for (uint32_t i = 1; i < plant->anchor_count; i++) {
 		const struct eco_anchor *cell = all + i;
-		double area = anchor_area(tables, plant->anchor_first + i),
+		double area = anchor_area(tables, plant->anchor_first + i, wood),
 			ball = (double)cell->radius * cell->radius / 5;
 		double x = (double)cell->center[0] - all->center[0],
 			y = (double)cell->center[1] - all->center[1];
@@ -97,6 +100,20 @@ static void find_crown(const struct lod_plan_tables *tables, const struct eco_pl
 	proxy_shape->rise = mean;
 	proxy_shape->crown_up = fmin(2 * sqrt(up / sum), proxy_shape->up);
 	proxy_shape->crown_across = fmin(2 * sqrt(across / sum), proxy_shape->across);
+}
+
+/* Wood below the crown of leaves, as a cylinder; a cell's wood is spread over its height. */
+static void find_stem(const struct lod_plan_tables *tables, const struct eco_plant *plant,
+	struct lod_proxy_shape *shape)
+{
+	const struct eco_anchor *all = &tables->scene->anchors[plant->anchor_first];
+	double to = shape->rise - shape->crown_up, height = to + shape->up, area = 0;
+	for (uint32_t i = 1; i < plant->anchor_count; i++) {
+		double half = CELL_HALF * (double)all[i].radius, low = (double)all[i].center[2] - all->center[2] - half;
+		area += half > 0 ? anchor_area(tables, plant->anchor_first + i, true)
+			* fmax(0, fmin(1, (to - low) / (2 * half))) : 0;
+	}
+	shape->stem = height > STEM_LEAST * shape->up ? area / (2 * PI * height) : 0;
 }
 
 /* A plant's anchor is a sphere around it. Its cells say how wide it is and where its crown is; without cells
@@ -116,9 +133,14 @@ static struct lod_proxy_shape proxy_shape_of(const struct lod_plan_tables *table
 	if (plant->anchor_count < 2)
 		across = fmax(0.5 * r, sqrt(fmax(0, r * r - up * up)));
 	across = fmin(across, r);
-	double area = plant->area > 0 ? (double)plant->area : anchor_area(tables, plant->anchor_first);
-	struct lod_proxy_shape proxy_shape = { across, up, fmax(area, THINNEST * r * r), across, up, 0 };
-	find_crown(tables, plant, &proxy_shape);
+	double leaves = anchor_area(tables, plant->anchor_first, false), wood = anchor_area(tables, plant->anchor_first, true),
+		area = plant->area > 0 ? (double)plant->area : leaves + wood, least = THINNEST * r * r;
+	bool bare = !(leaves > 0);
+	struct lod_proxy_shape proxy_shape = { across, up, fmax(area, least), fmax(bare ? area : leaves, least), across,
+		up, 0, 0 };
+	find_crown(tables, plant, &proxy_shape, bare);
+	if (!bare)
+		find_stem(tables, plant, &proxy_shape);
 	return proxy_shape;
 }
 

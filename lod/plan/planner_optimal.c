@@ -527,8 +527,10 @@ static void drop_tiles(struct lod_screen *screen)
 {
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < screen->count; i++)
-		if (screen->visibilities[i].slot != ECO_NONE)
+		if (screen->visibilities[i].slot != ECO_NONE) {
+			screen->outlines[kept] = screen->outlines[i];
 			screen->visibilities[kept++] = screen->visibilities[i];
+		}
 	if (kept < screen->count)
 		screen->shared = 0;
 	screen->count = kept;

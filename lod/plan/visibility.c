@@ -14,10 +14,14 @@
 #define SEEN_LEAST 1e-4          /* share seen of what is hidden or outside the picture: it may be seen
                                   * through an unknown gap */
 #define HILL 1.0f                /* columns on either side of a foot in which ground hides */
+#define CLUMPED 0.6              /* leaves stand along twigs: a picture shows as many as of so many random ones
+                                  * (Nilson 1971; forests: 0.5 to 0.7) */
+#define NEAR 2.0                 /* half axes of a crown, to an eye that looks through it ray by ray */
+#define STEM_ROWS 2              /* half as high, in rows: a stem shows beside its crown */
 #define TRUNK 0.1                /* of a crown's half extent across: wood is no nearer than this */
 #define CLEAR_LEAST 1e-6f        /* light through the own crown below which that of others is not told */
-#define DENSEST 0.66666666666666667 /* of a denser crown: it covers as much of a larger ellipse, so that false
-                                     * positives lie around it */
+#define DENSEST 0.66666667f      /* see cover_of */
+#define SMALL 1.5                /* half as high, in rows: an ellipse is a box of its area */
 #define BOX 0.88622692545275801  /* half the side of a square as large as a circle of radius 1 */
 
 /* ---- Numbers ---- */
@@ -66,6 +70,150 @@ double lod_log(double x)
 
 double lod_octaves(double x) { return x > 0 ? 0.5 * lod_log(x) / 0.69314718055994530942 : 0; }
 
+/* ---- Cells of an outline ---- */
+
+struct span { int first, end; float low, high; };
+struct lod_run { struct span across; float height; };        /* of an outline in a row, in cells */
+
+/* Cells [first, end) that [low, high) touches, inside [0, count), whatever numbers these are. */
+static struct span span_of(double from, double to, uint32_t count)
+{
+	float low = (float)from, high = (float)to, all = (float)count;
+	low = low > 0 ? low < all ? low : all : 0;
+	high = high > low ? high < all ? high : all : low;
+	int last = (int)high;
+	return (struct span){ (int)low, last + ((float)last < high), low, high };
+}
+
+/* Length of cell i inside the span. */
+static float inside(const struct span *s, int i)
+{
+	float low = s->low > (float)i ? s->low : (float)i, high = s->high < (float)(i + 1) ? s->high
+		: (float)(i + 1);
+	return high - low;
+}
+
+static double columns_of(const struct lod_screen *screen, double x) { return x * screen->per_x; }
+static double rows_of(const struct lod_screen *screen, double y) { return y * screen->per_y; }
+
+/* Rows that it reaches above the row `bottom`. */
+static struct span rows_reached(const struct lod_screen *screen, const struct lod_outline *outline, float bottom)
+{
+	double y = 0.5 * screen->rows - rows_of(screen, outline->y), high = rows_of(screen, outline->high);
+	if (outline->around)
+		return span_of(0, (double)bottom, screen->rows);
+	high *= high < SMALL ? BOX : 1;
+	return span_of(y - high, fmin(y + high, (double)bottom), screen->rows);
+}
+
+/* Weights of three intervals in a row, of its middle and of its two ends: exact for an ellipse within one row, and
+ * nearly so for more rows. So cells add up to the outline's area. */
+#define MIDDLE_WEIGHT (PI / 4)
+#define END_WEIGHT (0.5 - PI / 8)
+
+static double chord(double v) { return v * v < 1 ? sqrt(1 - v * v) : 0; }
+
+static struct span cells_of_ellipse(const struct lod_screen *screen, const struct lod_outline *o, double top,
+	double bottom)
+{
+	double high = rows_of(screen, o->high), part = high > 0 ? 1 / high : 0,
+		y = 0.5 * screen->rows - rows_of(screen, o->y), v = (0.5 * (top + bottom) - y) * part,
+		middle = 0.5 * screen->columns + columns_of(screen, o->x - o->lean * v * o->high),
+		reach = columns_of(screen, o->half);
+	reach *= high < SMALL ? BOX : MIDDLE_WEIGHT * chord(v)
+		+ END_WEIGHT * (chord((top - y) * part) + chord((bottom - y) * part));
+	return span_of(middle - reach, middle + reach, screen->columns);
+}
+
+/* Ends of intervals are at most one picture beyond the picture's sides. */
+static struct span cells_around(const struct lod_screen *screen, const struct lod_outline *o, double top,
+	double bottom)
+{
+	const double at[3] = { 0.5 * (top + bottom), top, bottom }, all = screen->columns;
+	double mean[2] = { 0, 0 }, middle = 0;
+	for (int i = 0; i < 3; i++) {
+		double ends[2];
+		bool found = lod_outline_row(o, screen->eye, (0.5 * screen->rows - at[i]) / screen->per_y, &ends[0],
+			&ends[1]);
+		if (!found && i == 0)
+			return (struct span){ 0, 0, 0, 0 };
+		for (int k = 0; k < 2; k++) {
+			ends[k] = found ? fmin(fmax(0.5 * all + columns_of(screen, ends[k]), -all), 2 * all) : middle;
+			mean[k] += ends[k] * (i ? END_WEIGHT : MIDDLE_WEIGHT);
+		}
+		middle = i ? middle : 0.5 * (ends[0] + ends[1]);
+	}
+	return span_of(mean[0], mean[1], screen->columns);
+}
+
+/* The mean of its intervals over the part of a row that it reaches. */
+static struct span cells_of_row(const struct lod_screen *screen, const struct lod_outline *outline,
+	const struct span *down, int row)
+{
+	double top = down->low > (float)row ? (double)down->low : row,
+		bottom = down->high < (float)(row + 1) ? (double)down->high : row + 1;
+	return (outline->around ? cells_around : cells_of_ellipse)(screen, outline, top, bottom);
+}
+
+/* Light that a near crown takes of a cell in it, by the way of a ray through the cell's middle. */
+static float taken_at(const struct lod_screen *screen, uint32_t index, int row, int column)
+{
+	double x = (column + 0.5 - 0.5 * screen->columns) / screen->per_x,
+		y = (0.5 * screen->rows - row - 0.5) / screen->per_y;
+	return (float)(1 - lod_exp_minus((double)screen->visibilities[index].density
+		* lod_outline_way(&screen->outlines[index].crown, screen->eye, x, y)));
+}
+
+/* Cells of runs; those that leaves or wood cover; the same, times the light there. */
+struct lit { double cells, all, lit; };
+
+/* Takes light along runs, from a row on: `part` of it, or of a near crown by ray where it is negative. */
+static struct lit take_light(const struct lod_screen *screen, uint32_t index, const struct lod_runs *runs, float part,
+	float *light)
+{
+	struct lit sum = { 0, 0, 0 };
+	for (int r = runs->row; r < runs->end; r++) {
+		const struct lod_run *run = &screen->runs[runs->first + (uint32_t)(r - runs->row)];
+		float *row = light + r * (int)screen->columns, all = 0, lit = 0;
+		for (int c = run->across.first; c < run->across.end; c++) {
+			float taken = run->height * inside(&run->across, c)
+				* (part < 0 ? taken_at(screen, index, r, c) : part);
+			all += taken;
+			lit += taken * row[c];
+			row[c] *= 1 - taken;
+		}
+		sum.cells += (double)(run->height * (run->across.high - run->across.low));
+		sum.all += (double)all;
+		sum.lit += (double)lit;
+	}
+	return sum;
+}
+
+/* False: no memory. */
+static bool make_runs(struct lod_screen *screen, const struct lod_outline *outline, float bottom,
+	struct lod_runs *runs)
+{
+	struct span down = rows_reached(screen, outline, bottom);
+	*runs = (struct lod_runs){ screen->run_count, (uint16_t)down.first, (uint16_t)down.end };
+	for (int r = down.first; r < down.end; r++) {
+		if (!eco_array_grow(&screen->runs, &screen->run_capacity, screen->run_count, sizeof *screen->runs))
+			return false;
+		screen->runs[screen->run_count++] = (struct lod_run){ cells_of_row(screen, outline, &down, r),
+			inside(&down, r) };
+	}
+	return true;
+}
+
+static const struct lod_run *crown_run(const struct lod_screen *screen, const struct lod_visibility *v, int row)
+{
+	return &screen->runs[v->crown.first + (uint32_t)(row - v->crown.row)];
+}
+
+static double area_of(const struct lod_screen *screen, const struct lod_outline *outline)
+{
+	return columns_of(screen, rows_of(screen, lod_outline_area(outline)));
+}
+
 /* ---- Visibilities ---- */
 
 void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view,
@@ -79,12 +227,15 @@ void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const
 		.rows = (uint32_t)ceil(view->height / cell) };
 	screen->cell_x = (double)view->width / screen->columns;
 	screen->cell_y = (double)view->height / screen->rows;
+	screen->per_x = 1 / (eye->pixel_rad * screen->cell_x);
+	screen->per_y = 1 / (eye->pixel_rad * screen->cell_y);
 }
 
 void lod_screen_free(struct lod_screen *screen)
 {
 	free(screen->visibilities);
-	free(screen->covers);
+	free(screen->outlines);
+	free(screen->runs);
 	*screen = (struct lod_screen){ 0 };
 }
 
@@ -100,41 +251,20 @@ double lod_proxy_shape_opacity(const struct lod_proxy_shape *proxy_shape)
 	return 1 - lod_exp_minus(layers_of(proxy_shape));
 }
 
-/* Leaves are clumped: what is behind is seen as if crowns were so much thinner (Nilson 1971: 0.6 to 0.9 in
- * forests). And leaves of a crown stand along its twigs: a picture shows less of them than of random leaves
- * (forests: 0.5 to 0.7). Both are fifths, as is all: one exponential tells each. */
-#define CLUMPING_FIFTHS 4
-#define TWIGS_FIFTHS 3
-
-static void set_opacity(struct lod_visibility *visibility, const struct lod_proxy_shape *seen)
+/* Share of an ellipsoid's outline that is covered where leaves lie in it evenly, so many layers in its middle: the
+ * mean of 1 - exp(-layers chord) over parallel rays. */
+static double covered_by(double layers)
 {
-	double fifth = lod_exp_minus(layers_of(seen) / 5), square = fifth * fifth;
-	_Static_assert(CLUMPING_FIFTHS == 4 && TWIGS_FIFTHS == 3, "powers below");
-	visibility->opacity = (float)(1 - square * square * fifth);
-	visibility->hides = (float)(1 - square * square);
-	visibility->shown = (float)(1 - square * fifth);
+	double square = layers * layers;
+	if (layers < 1e-3)
+		return 2.0 / 3 * layers - square / 4;
+	return 1 - 2 * (1 - (1 + layers) * lod_exp_minus(layers)) / square;
 }
 
-struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest)
+double lod_height_seen(double across, double up, const double from_eye[3])
 {
-	double ahead = lod_dot(eye->forward, from_eye), slope = ahead > closest
-		? lod_dot(eye->up, from_eye) / ahead : 0;
-	double x = eye->up[0] - slope * eye->forward[0], y = eye->up[1] - slope * eye->forward[1];
-	return (struct lod_tilt){ eye->up[2] - slope * eye->forward[2], sqrt(x * x + y * y) };
-}
-
-double lod_tilt_height(const struct lod_tilt *tilt, double across, double up)
-{
-	double upright = up * tilt->upright, level = across * tilt->level;
-	return sqrt(upright * upright + level * level);
-}
-
-/* Squared distance of a proxy shape in its own radii: below 1 the eye is inside its ellipsoid. */
-static double apart(const double d[3], const struct lod_proxy_shape *proxy_shape)
-{
-	double across = proxy_shape->across > 0 ? proxy_shape->across : proxy_shape->up,
-		up = proxy_shape->up > 0 ? proxy_shape->up : proxy_shape->across;
-	return (d[0] * d[0] + d[1] * d[1]) / (across * across) + d[2] * d[2] / (up * up);
+	double square = lod_dot(from_eye, from_eye), steep = square > 0 ? from_eye[2] * from_eye[2] / square : 0;
+	return sqrt(across * across * steep + up * up * (1 - steep));
 }
 
 /* An upright line of wood, at `level` metres along the ground, takes the integral of level / distance^3 over
@@ -159,72 +289,60 @@ static double wood_behind(const double d[3], const struct lod_proxy_shape *shape
 	return across > 0 ? fmin(1, sqrt((d[0] * d[0] + d[1] * d[1]) / (across * across) + down * down)) : 1;
 }
 
+/* Layers of leaves that face the eye, a metre of its way through the crown. */
+static double density_of(const struct lod_proxy_shape *shape)
+{
+	double volume = 4.0 / 3 * PI * shape->crown_across * shape->crown_across * shape->crown_up;
+	return volume > 0 ? 0.5 * shape->leaf_area / volume : 0;
+}
+
+/* The mean way across a crown: its volume over its area across the line of sight. */
+static double way_across(const struct lod_proxy_shape *shape, const double from_eye[3])
+{
+	double high = lod_height_seen(shape->crown_across, shape->crown_up, from_eye);
+	return high > 0 ? 4.0 / 3 * shape->crown_across * shape->crown_up / high : 0;
+}
+
 struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3],
 	const struct lod_proxy_shape *proxy_shape)
 {
-	if (!eco_array_grow(&screen->visibilities, &screen->capacity, screen->count, sizeof *screen->visibilities))
+	if (!eco_array_grow(&screen->visibilities, &screen->capacity, screen->count, sizeof *screen->visibilities)
+			|| !eco_array_grow(&screen->outlines, &screen->outline_capacity, screen->count,
+			sizeof *screen->outlines))
 		return NULL;
 	const struct lod_eye *eye = screen->eye;
-	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
-	double ahead = lod_dot(eye->forward, d), size = fmax(proxy_shape->across, proxy_shape->up),
-		closest = 0.25 * size;
-	bool beside = ahead <= closest;
-	double before = size > 0 ? fmax(0, fmin(1, ahead / closest - 1)) : 1,
-		within = size > 0 && before < 1 ? lod_exp_minus(apart(d, proxy_shape)) : 0;
-	within = !beside ? within + (1 - within) * before : size > 0
-		? within * fmax(0, (ahead + size) / (closest + size)) : 0;
-	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
-	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
-	double tall = lod_tilt_height(&tilt, proxy_shape->across, proxy_shape->up),
-		high = lod_tilt_height(&tilt, proxy_shape->crown_across, proxy_shape->crown_up);
-	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
-	struct lod_proxy_shape seen = { .area = proxy_shape->area, .crown_across = proxy_shape->crown_across,
-		.crown_up = high };
+	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] },
+		crown[3] = { d[0], d[1], d[2] + proxy_shape->rise }, foot[3] = { d[0], d[1], d[2] - proxy_shape->up };
+	double ahead = lod_dot(eye->forward, d), closest = 0.25 * fmax(proxy_shape->across, proxy_shape->up),
+		under = fmax(lod_dot(eye->forward, foot), 1e-9), range = eye->right[0] * d[1] - eye->right[1] * d[0];
+	struct lod_outlines *outlines = &screen->outlines[screen->count];
 	struct lod_visibility *visibility = &screen->visibilities[screen->count++];
-	double y = 0.5 * screen->rows - lod_dot(eye->up, d) * rows,
-		range = eye->right[0] * d[1] - eye->right[1] * d[0];
-	*visibility =
-		(struct lod_visibility){
-		.x = (float)(0.5 * screen->columns + lod_dot(eye->right, d) * columns), .y = (float)y,
-		.reach_x = (float)(BOX * proxy_shape->across * columns),
-		.reach_y = (float)(BOX * tall * rows),
-		.crown_y = (float)(y - proxy_shape->rise * tilt.upright * rows),
-		.crown_reach_x = (float)(BOX * proxy_shape->crown_across * columns),
-		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .distance = (float)sqrt(lod_dot(d, d)),
-		.range = (float)(range > 0 ? range : 0),
-		.foot = (float)(y + proxy_shape->up * tilt.upright * rows),
+	*visibility = (struct lod_visibility){
+		.foot_x = (float)(0.5 * screen->columns + lod_dot(eye->right, foot) / under * screen->per_x),
+		.foot = (float)(0.5 * screen->rows - lod_dot(eye->up, foot) / under * screen->per_y),
+		.depth = (float)(ahead > closest ? ahead : closest > 0 ? closest : 1e-9),
+		.distance = (float)sqrt(lod_dot(d, d)), .range = (float)(range > 0 ? range : 0),
 		.bottom = (float)screen->rows, .share = 1,
-		.beside = beside,
-		.within = (float)within, .before = (float)before,
+		.before = closest > 0 ? (float)fmax(0, fmin(1, ahead / closest - 1)) : 1,
 		.wood_nearer = (float)wood_nearer(d, proxy_shape),
 		.wood_behind = (float)wood_behind(d, proxy_shape) };
-	set_opacity(visibility, &seen);
-	visibility->ellipse = (float)(PI * proxy_shape->crown_across * high * px * px);
-	visibility->pixels = visibility->opacity * visibility->ellipse;
-	visibility->leaves = (float)(0.5 * proxy_shape->area * px * px);
+	lod_outline_make(&outlines->crown, eye, crown, proxy_shape->crown_across, proxy_shape->crown_up);
+	outlines->stem = (struct lod_outline){ .high = 0 };
+	if (proxy_shape->stem > 0 && proxy_shape->up * screen->per_y > STEM_ROWS * (double)visibility->distance)
+		lod_outline_make(&outlines->stem, eye, d, proxy_shape->stem, proxy_shape->up);
+	double density = density_of(proxy_shape);
+	double across = way_across(proxy_shape, crown);
+	visibility->near = outlines->crown.around
+		|| lod_dot(crown, crown) < NEAR * NEAR * proxy_shape->crown_across * proxy_shape->crown_up;
+	visibility->density = (float)(CLUMPED * density);
+	visibility->opacity = (float)(1 - lod_exp_minus(density * across));
+	visibility->shown = (float)covered_by(1.5 * CLUMPED * density * across);
+	double px = 1 / ((double)visibility->depth * eye->pixel_rad), cell = screen->cell_x * screen->cell_y;
+	visibility->ellipse = (float)(cell * area_of(screen, &outlines->crown));
+	visibility->pixels = (float)((double)(visibility->shown * visibility->ellipse)
+		+ cell * area_of(screen, &outlines->stem));
+	visibility->leaves = (float)(0.5 * proxy_shape->leaf_area * px * px);
 	return visibility;
-}
-
-/* ---- Boxes of cells ---- */
-
-struct span { int first, end; float low, high; };
-
-/* Cells [first, end) that [low, high) touches, inside [0, count), whatever numbers these are. */
-static struct span span_of(float middle, float reach, uint32_t count)
-{
-	float low = middle - reach, high = middle + reach, all = (float)count;
-	low = low > 0 ? low < all ? low : all : 0;
-	high = high > 0 ? high < all ? high : all : 0;
-	int last = (int)high;
-	return (struct span){ (int)low, last + ((float)last < high), low, high };
-}
-
-/* Length of cell i inside the span. */
-static float inside(const struct span *s, int i)
-{
-	float low = s->low > (float)i ? s->low : (float)i, high = s->high < (float)(i + 1) ? s->high
-		: (float)(i + 1);
-	return high - low;
 }
 
 /* ---- Front to back ---- */
@@ -236,7 +354,7 @@ static void set_keys(const struct lod_screen *screen, bool by_range, struct plac
 {
 	for (uint32_t i = 0; i < screen->count; i++) {
 		const struct lod_visibility *visibility = &screen->visibilities[i];
-		memcpy(&places[i].key, by_range ? &visibility->range : &visibility->depth,
+		memcpy(&places[i].key, by_range ? &visibility->range : &visibility->distance,
 			sizeof places[i].key);
 		places[i].index = i;
 	}
@@ -262,83 +380,43 @@ static void sort_visibilities(const struct lod_screen *screen, bool by_range, st
 	}
 }
 
-/* Per cell: share of light let through so far, by clumped leaves and by random ones. Per column: first row
- * hidden by ground. */
-struct light { float *through, *clear, *horizon; };
+/* Per cell: share of light let through so far. Per column: first row hidden by ground. */
+struct light { float *cells, *horizon; };
 
-static struct span crown_across(const struct lod_screen *screen, const struct lod_visibility *s)
+/* The box AROUND times as wide and high; around the eye the picture. Returns its cells, in the picture or not. */
+static double surroundings(const struct lod_screen *screen, uint32_t index, struct span *across, struct span *down)
 {
-	return span_of(s->x, s->crown_reach_x, screen->columns);
-}
-
-/* Without the rows that ground hides. */
-static struct span crown_down(const struct lod_screen *screen, const struct lod_visibility *s)
-{
-	struct span down = span_of(s->crown_y, s->crown_reach_y, screen->rows);
-	down.high = fminf(down.high, s->bottom);
-	return down;
-}
-
-/* Share of a visibility's box that is in the picture and lit. */
-static double visible_share(const struct lod_screen *screen, const struct lod_visibility *visibility,
-	const float *clear)
-{
-	struct span across = span_of(visibility->x, visibility->reach_x, screen->columns),
-		down = span_of(visibility->y, visibility->reach_y, screen->rows);
-	double seen = 0;
-	down.high = fminf(down.high, visibility->bottom);
-	for (int r = down.first; r < down.end; r++) {
-		const float *row = clear + r * (int)screen->columns;
-		float height = fmaxf(0, inside(&down, r)), sum = 0;
-		for (int c = across.first; c < across.end; c++)
-			sum += inside(&across, c) * row[c];
-		seen += (double)(height * sum);
+	const struct lod_outline *o = &screen->outlines[index].crown;
+	double x = 0.5 * screen->columns + columns_of(screen, o->x), y = 0.5 * screen->rows - rows_of(screen, o->y),
+		wide = AROUND * BOX * columns_of(screen, o->wide), high = AROUND * BOX * rows_of(screen, o->high);
+	if (o->around) {
+		x = wide = 0.5 * screen->columns;
+		y = high = 0.5 * screen->rows;
 	}
-	double all = 4 * (double)visibility->reach_x * (double)visibility->reach_y;
-	return (all > seen ? seen / all : 1) * (double)visibility->within;
+	*across = span_of(x - wide, x + wide, screen->columns);
+	*down = span_of(y - high, fmin(y + high, (double)screen->visibilities[index].bottom), screen->rows);
+	return 4 * wide * high;
 }
 
-static void attenuate(const struct lod_screen *screen, const struct lod_visibility *visibility,
-	const struct light *light)
+/* Share of a visibility's surroundings that is in the picture and that no other plant covers: light that comes
+ * through all crowns but its own. */
+static double unoccluded_share(const struct lod_screen *screen, uint32_t index, const float *light)
 {
-	float opaque = visibility->hides * visibility->within,
-		clear_of = visibility->opacity * visibility->within;
-	struct span across = crown_across(screen, visibility), down = crown_down(screen, visibility);
+	const struct lod_visibility *v = &screen->visibilities[index];
+	struct span across, down;
+	double seen = 0, all = surroundings(screen, index, &across, &down);
 	for (int r = down.first; r < down.end; r++) {
-		float *clear = light->clear + r * (int)screen->columns,
-			*through = light->through + r * (int)screen->columns;
-		float height = fmaxf(0, inside(&down, r));
+		const float *row = light + r * (int)screen->columns;
+		const struct lod_run *run = r >= v->crown.row && r < v->crown.end ? crown_run(screen, v, r) : NULL;
+		float sum = 0;
 		for (int c = across.first; c < across.end; c++) {
-			float part = height * inside(&across, c);
-			clear[c] *= 1 - part * clear_of;
-			through[c] *= 1 - part * opaque;
-		}
-	}
-}
-
-/* Share of a visibility's surroundings, a box AROUND times as wide and high, that is in the picture and that
- * no other plant covers: light that comes through all crowns but its own. */
-static double unoccluded_share(const struct lod_screen *screen, const struct lod_visibility *visibility,
-	const float *clear)
-{
-	struct span across = span_of(visibility->x, (float)AROUND * visibility->reach_x, screen->columns);
-	struct span down = span_of(visibility->y, (float)AROUND * visibility->reach_y, screen->rows);
-	struct span crown = crown_across(screen, visibility), high = crown_down(screen, visibility);
-	double seen = 0;
-	down.high = fminf(down.high, visibility->bottom);
-	for (int r = down.first; r < down.end; r++) {
-		const float *row = clear + r * (int)screen->columns;
-		float height = fmaxf(0, inside(&down, r)), sum = 0;
-		float own = r >= high.first && r < high.end
-			? fmaxf(0, inside(&high, r)) * visibility->opacity * visibility->within : 0;
-		for (int c = across.first; c < across.end; c++) {
-			float rest = 1 - (c >= crown.first && c < crown.end ? own * inside(&crown, c) : 0);
+			bool own = run && c >= run->across.first && c < run->across.end;
+			float rest = own ? 1 - v->shown * run->height * inside(&run->across, c) : 1;
 			sum += inside(&across, c) * (rest > CLEAR_LEAST ? row[c] / rest : 0);
 		}
-		seen += (double)(height * sum);
+		seen += (double)(inside(&down, r) * sum);
 	}
-	double all = 4 * AROUND * AROUND * (double)visibility->reach_x * (double)visibility->reach_y;
-	return (all > seen ? seen / all : 1) * (double)visibility->within;
+	return all > seen ? seen / all : seen > 0;
 }
 
 /* Sets the row from which on ground hides the visibility, then lowers the horizon to its foot: one cell below
@@ -346,7 +424,7 @@ static double unoccluded_share(const struct lod_screen *screen, const struct lod
  * changes at once. */
 static void lower_horizon(const struct lod_screen *screen, struct lod_visibility *visibility, float *horizon)
 {
-	float rows = (float)screen->rows, foot = fminf(visibility->foot + 1, rows), at = visibility->x - 0.5f;
+	float rows = (float)screen->rows, foot = fminf(visibility->foot + 1, rows), at = visibility->foot_x - 0.5f;
 	if (!(at >= -1 && at < (float)screen->columns))
 		return;                  /* may be farther off than an int says */
 	int last = (int)screen->columns - 1, column = (int)floorf(at);
@@ -376,26 +454,29 @@ static void hide_by_ground(const struct lod_screen *screen, float *horizon, stru
 	}
 }
 
-/* From the nearest to the farthest: takes the light that is left, then hides what is behind. */
-static void occlude(const struct lod_screen *screen, struct lod_visibility *visibility,
-	const struct light *light)
+/* From the nearest to the farthest: takes the light that is left. */
+static void take(const struct lod_screen *screen, uint32_t index, float *light)
 {
-	visibility->share = (float)visible_share(screen, visibility, light->through);
-	attenuate(screen, visibility, light);
-}
-
-static uint64_t cells_of(const struct lod_screen *screen, const struct lod_visibility *visibility)
-{
-	struct span across = span_of(visibility->x, (float)AROUND * visibility->reach_x, screen->columns);
-	struct span down = span_of(visibility->y, (float)AROUND * visibility->reach_y, screen->rows);
-	return (uint64_t)(across.end - across.first) * (uint64_t)(down.end - down.first);
+	struct lod_visibility *v = &screen->visibilities[index];
+	double cell = screen->cell_x * screen->cell_y;
+	struct lit crown = take_light(screen, index, &v->crown, v->near ? -1 : v->shown, light),
+		stem = take_light(screen, index, &v->stem, 1, light);
+	if (v->near) {
+		v->ellipse = (float)(cell * crown.cells);
+		v->shown = crown.cells > 0 ? (float)(crown.all / crown.cells) : 0;
+		v->pixels = (float)(cell * (crown.all + stem.all));
+	}
+	v->share = v->pixels > 0 ? (float)fmin(1, cell * (crown.lit + stem.lit) / (double)v->pixels) : 0;
 }
 
 uint64_t lod_screen_cells(const struct lod_screen *screen)
 {
 	uint64_t sum = 0;
-	for (uint32_t i = 0; i < screen->count; i++)
-		sum += cells_of(screen, &screen->visibilities[i]);
+	struct span across, down;
+	for (uint32_t i = 0; i < screen->count; i++) {
+		surroundings(screen, i, &across, &down);
+		sum += (uint64_t)(across.end - across.first) * (uint64_t)(down.end - down.first);
+	}
 	return sum;
 }
 
@@ -407,41 +488,29 @@ void lod_screen_coarsen(struct lod_screen *screen)
 	double across = (double)columns / screen->columns, down = (double)rows / screen->rows;
 	for (uint32_t i = 0; i < screen->count; i++) {
 		struct lod_visibility *v = &screen->visibilities[i];
-		v->x = scaled(v->x, across);
-		v->reach_x = scaled(v->reach_x, across);
-		v->crown_reach_x = scaled(v->crown_reach_x, across);
-		v->y = scaled(v->y, down);
-		v->reach_y = scaled(v->reach_y, down);
-		v->crown_y = scaled(v->crown_y, down);
-		v->crown_reach_y = scaled(v->crown_reach_y, down);
+		v->foot_x = scaled(v->foot_x, across);
 		v->foot = scaled(v->foot, down);
 		v->bottom = (float)rows;
 	}
 	screen->cell_x /= across;
 	screen->cell_y /= down;
+	screen->per_x *= across;
+	screen->per_y *= down;
 	screen->columns = columns;
 	screen->rows = rows;
 	screen->shared = 0;
 }
 
-static void finish(const struct lod_screen *screen, struct lod_visibility *visibility,
-	const struct light *light, bool hide)
+static void finish(const struct lod_screen *screen, uint32_t index, const float *light, bool hide)
 {
-	double seen = hide ? (double)visibility->share : visible_share(screen, visibility, light->clear);
-	double unoccluded = hide ? unoccluded_share(screen, visibility, light->clear) : seen;
-	/* not more of a plant than the picture holds: where the eye is inside it, SEEN_LEAST may be more than
-	 * all pixels */
-	double least =
-		SEEN_LEAST * fmin(1,
-		screen->columns * screen->rows
-		/ (1 + 4 * (double)visibility->reach_x * (double)visibility->reach_y));
-	visibility->share = (float)(seen > least ? seen : least);
-	unoccluded = LOD_OWNER_WEIGHT * (double)visibility->share + (1 - LOD_OWNER_WEIGHT) * unoccluded;
-	visibility->unoccluded = unoccluded < (double)visibility->share ? (float)unoccluded
-		: visibility->share;
+	struct lod_visibility *v = &screen->visibilities[index];
+	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows * screen->cell_x * screen->cell_y
+		/ (1 + (double)v->ellipse));
+	v->share = fmaxf(v->share, (float)least);
+	double unoccluded = hide ? unoccluded_share(screen, index, light) : (double)v->share;
+	unoccluded = LOD_OWNER_WEIGHT * (double)v->share + (1 - LOD_OWNER_WEIGHT) * unoccluded;
+	v->unoccluded = fminf((float)unoccluded, v->share);
 }
-
-static bool make_covers(struct lod_screen *screen);
 
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error)
 {
@@ -450,26 +519,30 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 		return ECO_OK;
 	struct place *order = malloc(((size_t)screen->count + 1) * sizeof *order),
 		*spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
-	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear),
-		malloc(screen->columns * sizeof *light.horizon) };
-	bool good = order && spare && light.through && light.clear && light.horizon;
+	struct light light = { malloc(cells * sizeof *light.cells), malloc(screen->columns * sizeof *light.horizon) };
+	bool good = order && spare && light.cells && light.horizon;
 	if (good) {
-		for (uint32_t i = 0; i < cells; i++)
-			light.through[i] = light.clear[i] = 1;
 		if (screen->ground && hide)
 			hide_by_ground(screen, light.horizon, order, spare);
 		sort_visibilities(screen, false, order, spare);
-		for (uint32_t i = 0; hide && i < screen->count; i++)
-			occlude(screen, &screen->visibilities[spare[i].index], &light);
-		for (uint32_t i = 0; i < screen->count; i++)
-			finish(screen, &screen->visibilities[i], &light, hide);
-		good = make_covers(screen);
+		screen->run_count = 0;
+		for (uint32_t i = 0; i < screen->count && good; i++) {
+			struct lod_visibility *v = &screen->visibilities[i];
+			good = make_runs(screen, &screen->outlines[i].crown, v->bottom, &v->crown)
+				&& make_runs(screen, &screen->outlines[i].stem, v->bottom, &v->stem);
+		}
+		for (uint32_t i = 0; i < screen->count && good; i++) {
+			for (uint32_t c = 0; c < cells && (i == 0 || !hide); c++)
+				light.cells[c] = 1;
+			take(screen, spare[i].index, light.cells);
+		}
+		for (uint32_t i = 0; i < screen->count && good; i++)
+			finish(screen, i, light.cells, hide);
 		screen->shared = good ? screen->count : 0;
 	}
 	free(order);
 	free(spare);
-	free(light.through);
-	free(light.clear);
+	free(light.cells);
 	free(light.horizon);
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants in view",
 		screen->count);
@@ -491,57 +564,50 @@ static lod_f4 uncovered_of(double shown, struct lod_wrong wrong)
 	return (lod_f4){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn), 1 };
 }
 
-/* Screen cover of a crown, as far as it does not depend on what is drawn. */
-struct lod_cover { struct span across, down; float shown, before; uint32_t of; };
+/* A crown as it covers cells: denser than DENSEST, it covers as much of wider runs, so that false positives lie around
+ * it. */
+struct cover { const struct lod_visibility *v; float shown, wider; };
 
-/* Those of all visibilities that are somewhere in the picture; false: no memory. */
-static bool make_covers(struct lod_screen *screen)
+static struct cover cover_of(const struct lod_visibility *v)
 {
-	free(screen->covers);
-	screen->cover_count = 0;
-	screen->covers = malloc(((size_t)screen->count + 1) * sizeof *screen->covers);
-	for (uint32_t i = 0; screen->covers && i < screen->count; i++) {
-		struct lod_visibility wide = screen->visibilities[i];
-		if (wide.shown > (float)DENSEST) {
-			float wider = sqrtf(wide.shown / (float)DENSEST);
-			wide.crown_reach_x *= wider;
-			wide.crown_reach_y *= wider;
-			wide.shown = (float)DENSEST;
-		}
-		struct lod_cover cover = { crown_across(screen, &wide), crown_down(screen, &wide), wide.shown,
-			wide.before, i };
-		if (!wide.beside && cover.across.first < cover.across.end && cover.down.first < cover.down.end)
-			screen->covers[screen->cover_count++] = cover;
-	}
-	return screen->covers;
+	return v->shown > DENSEST ? (struct cover){ v, DENSEST, v->shown / DENSEST } : (struct cover){ v, v->shown, 1 };
 }
 
-static void cover_cells(const struct lod_screen *screen, const struct lod_cover *cover, lod_f4 uncovered,
-	lod_f4 *cells)
+static struct span cover_run(const struct lod_screen *screen, const struct cover *cover, int row, float *height)
 {
-	lod_f4 one = lod_f4_all(1), covered = (one - uncovered) * lod_f4_all(cover->before);
-	for (int r = cover->down.first; r < cover->down.end; r++) {
-		lod_f4 *row = cells + r * (int)screen->columns, part = covered
-			* lod_f4_all(fmaxf(0, inside(&cover->down, r)));
-		for (int c = cover->across.first; c < cover->across.end; c++)
-			row[c] *= one - part * lod_f4_all(inside(&cover->across, c));
+	const struct lod_run *run = crown_run(screen, cover->v, row);
+	const struct span *s = &run->across;
+	*height = run->height;
+	if (!(cover->wider > 1))
+		return *s;
+	float middle = 0.5f * (s->low + s->high), reach = 0.5f * cover->wider * (s->high - s->low);
+	return span_of((double)(middle - reach), (double)(middle + reach), screen->columns);
+}
+
+static void cover_cells(const struct lod_screen *screen, const struct cover *cover, lod_f4 uncovered, lod_f4 *cells)
+{
+	lod_f4 one = lod_f4_all(1), covered = one - uncovered;
+	for (int r = cover->v->crown.row; r < cover->v->crown.end; r++) {
+		float height;
+		struct span across = cover_run(screen, cover, r, &height);
+		lod_f4 *row = cells + r * (int)screen->columns, part = covered * lod_f4_all(height);
+		for (int c = across.first; c < across.end; c++)
+			row[c] *= one - part * lod_f4_all(inside(&across, c));
 	}
 }
 
-/* Layers of splats, over the crown as it covers. False: no memory. */
-static bool add_splats(const struct lod_screen *screen, const struct lod_cover *cover,
-	const struct lod_splats *splats, struct lod_splat_field *field)
+/* Layers of splats, over the crown. False: no memory. */
+static bool add_splats(const struct lod_screen *screen, const struct cover *cover, const struct lod_splats *splats,
+	struct lod_splat_field *field)
 {
-	const struct lod_visibility *visibility = &screen->visibilities[cover->of];
-	double wider = (double)visibility->shown / (double)cover->shown, box = wider * 4 * screen->cell_x
-		* screen->cell_y * (double)visibility->crown_reach_x * (double)visibility->crown_reach_y;
-	float *cells = lod_splat_field_of(field, splats->side), layers = box > 0 ? (float)((double)cover->before
-		* splats->count * splats->side * splats->side / box) : 0;
-	for (int r = cover->down.first; cells && r < cover->down.end; r++) {
-		float *row = cells + r * (int)screen->columns,
-			part = layers * fmaxf(0, inside(&cover->down, r));
-		for (int c = cover->across.first; c < cover->across.end; c++)
-			row[c] += part * inside(&cover->across, c);
+	double all = (double)(cover->v->ellipse * cover->wider);
+	float *cells = lod_splat_field_of(field, splats->side),
+		layers = all > 0 ? (float)(splats->count * splats->side * splats->side / all) : 0;
+	for (int r = cover->v->crown.row; cells && r < cover->v->crown.end; r++) {
+		float height, *row = cells + r * (int)screen->columns;
+		struct span across = cover_run(screen, cover, r, &height);
+		for (int c = across.first; c < across.end; c++)
+			row[c] += layers * height * inside(&across, c);
 	}
 	return cells;
 }
@@ -550,14 +616,17 @@ static bool cover_all(const struct lod_screen *screen, lod_drawn_fn drawn_of, vo
 	struct lod_splat_field *field)
 {
 	bool good = true;
-	for (uint32_t i = 0; i < screen->cover_count && good; i++) {
-		const struct lod_cover *cover = &screen->covers[i];
-		struct lod_drawn drawn = drawn_of(ctx, &screen->visibilities[cover->of]);
-		float clear = 1 - cover->shown;
+	for (uint32_t i = 0; i < screen->count && good; i++) {
+		const struct lod_visibility *v = &screen->visibilities[i];
+		if (v->crown.row == v->crown.end)
+			continue;
+		struct lod_drawn drawn = drawn_of(ctx, v);
+		struct cover cover = cover_of(v);
+		float clear = 1 - cover.shown;
 		bool splats = drawn.splats.count > 0;
-		cover_cells(screen, cover, splats ? (lod_f4){ clear, 1, clear, 1 }
-			: uncovered_of((double)cover->shown, drawn.wrong), cells);
-		good = !splats || add_splats(screen, cover, &drawn.splats, field);
+		cover_cells(screen, &cover, splats ? (lod_f4){ clear, 1, clear, 1 }
+			: uncovered_of((double)cover.shown, drawn.wrong), cells);
+		good = !splats || add_splats(screen, &cover, &drawn.splats, field);
 	}
 	return good;
 }

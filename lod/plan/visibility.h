@@ -8,18 +8,15 @@
  *   lod_screen_expect(&screen, wrong, ctx, &p, &error)    pixels right and wrong, by each visibility's error
  *   lod_screen_free(&screen)
  *
- * A crown is an upright ellipse of even density: a share exp(-area / 2 / ellipse) of light passes through it
- * (random leaves in random directions), and what is behind is seen in that light. Where a scene has ground, a
- * plant's foot is a point of it. Whatever is farther away along the ground and lower in the picture than a
- * foot in the same column is behind the ground. The distance is along the ground, not depth: seen from above,
- * what is lower on a slope is deeper and not hidden.
+ * Leaves fill an upright ellipsoid evenly, the crown, seen in perspective (outline.h). They stand in clumps, so a
+ * share exp(-.6 layers) of light passes (Beer's law; Nilson 1971), where layers are the leaves that face the eye on
+ * its way through the crown: the mean way, or near the eye the way of each ray. Wood below the crown is an opaque
+ * stem. From the nearest plant to the farthest each takes its part of the light that is left in each cell: that is
+ * what shows of it, and all plants together show no more than the picture has.
  *
- * The position in the picture of a plant whose middle is not in front of the eye is unknown, and its box is
- * larger than the picture. e^-r^2 of the box is taken to show, where r is the plant's distance in its own
- * radii: much if the eye is within it, else almost nothing. Otherwise each plant that passes by would take a
- * part of the budget from all others and return it. So much of it hides what is farther away, all over its
- * box: else plants around the eye would show several times as many pixels as the picture has. To split such a
- * plant into 64 proxy shapes makes shares change faster (lod/EXPERIMENTS.md, Plants around the eye).
+ * In a scene with ground a plant's foot is a point of it. Whatever is farther away along the ground and lower in
+ * the picture than a foot in the same column is behind the ground. The distance is along the ground, not depth: seen
+ * from above, what is lower on a slope is deeper and not hidden.
  *
  * Wood stands upright on a plant's axis. From afar it is as far away as the plant's middle and all leaves are
  * before it; who stands at a trunk sees it larger, and fewer leaves, or none, between.
@@ -37,52 +34,52 @@
 #ifndef LOD_VISIBILITY_H
 #define LOD_VISIBILITY_H
 
-#include "lod/eye.h"
+#include "lod/plan/outline.h"
 #include <stdint.h>
 
 #define LOD_SCREEN_COLUMNS 96u
 #define LOD_OWNER_WEIGHT 0.5
 
+struct lod_outlines { struct lod_outline crown, stem; };
+struct lod_runs { uint32_t first; uint16_t row, end; };      /* an outline's cells in rows [row, end) */
+
 struct lod_visibility {
-	float x, y;                  /* centre, in cells from the top left */
-	float reach_x, reach_y;      /* half of the whole plant's box, in cells */
-	float crown_y, crown_reach_x, crown_reach_y; /* the crown's: it hides others and covers */
-	float foot;                  /* row of its foot */
+	float foot_x, foot;          /* column and row of its foot */
 	float depth;                 /* metres in front of the eye */
 	float distance;              /* metres from the eye to its middle */
 	float range;                 /* metres along level ground; 0 if behind, when looking steeply down */
-	float opacity;               /* of its crown, at full detail */
-	float hides, shown;          /* the same of clumped leaves, by which what is behind is hidden; in a
-	                              * picture, with leaves along twigs */
-	float pixels;                /* covered at full detail, seen or not */
+	float opacity;               /* of its crown, at full detail, if leaves stood at random */
+	float shown;                 /* the same of clumped leaves; of a near one, in the picture */
+	float density;               /* layers of clumped leaves that face the eye, a metre of way */
+	float pixels;                /* covered at full detail, seen or not; of a near one, in the picture */
 	float bottom;                /* set by lod_screen_shares: row from which on ground hides it */
 	float share;                 /* set by lod_screen_shares: part of it in the picture and visible; above
 	                              * 0 */
 	float unoccluded;            /* set by lod_screen_shares: share times the weight of a false positive;
 	                              * at most share */
-	float ellipse;               /* pixels of its crown, gaps included */
+	float ellipse;               /* pixels of its crown, gaps included; of a near one, in the picture */
 	float leaves;                /* pixels of all its leaves, each by itself */
+	struct lod_runs crown, stem; /* set by lod_screen_shares */
+	bool near;                   /* the eye is in its crown or next to it: each ray has its way */
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
 	float above;                 /* the caller's: how far from above it is seen (lod_seen_above) */
 	float wood_nearer;           /* pixels of its wood, over those at the distance of its middle; 1 or
 	                              * more */
 	float wood_behind;           /* part of its crown's leaves that lie before its axis */
-	bool beside;                 /* around the eye, not in front: its position in the picture is
-	                              * unknown */
-	float within;                /* part of its box's visible share that counts, and that hides others; 1
-	                              * where `before` is 1, 0 where none of it is in front of the eye */
-	float before;                /* how much of it covers where it stands: 0 where beside, 1 from twice as
-	                              * far in front of the eye on */
+	float before;                /* how much its foot's ground hides: 0 beside the eye, 1 from twice as far
+	                              * in front of it on */
 };
 
 struct lod_screen {
 	const struct lod_eye *eye;
 	uint32_t columns, rows;
 	double cell_x, cell_y;       /* pixels */
+	double per_x, per_y;         /* cells per length 1 of the image plane at distance 1 */
 	bool ground;
 	struct lod_visibility *visibilities;    uint32_t count, capacity;
-	struct lod_cover *covers;    uint32_t cover_count;   /* of those that are in the picture */
+	struct lod_outlines *outlines;       uint32_t outline_capacity;      /* as many */
+	struct lod_run *runs;        uint32_t run_count, run_capacity;
 	uint32_t shared;             /* of so many the shares are found; a caller that drops any says 0 */
 };
 
@@ -91,18 +88,16 @@ void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const
 	bool ground);
 void lod_screen_free(struct lod_screen *screen);
 
-/* Metres up or down the picture, at the same depth, of a metre upwards, and of one along the ground towards
- * the eye. */
-struct lod_tilt { double upright, level; };
-/* At a place `from_eye`; closer in front than `closest` it is that of the picture's middle. */
-struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest);
-/* Half the height of an ellipsoid in the picture, in metres at its depth: from above it is as high as
- * wide. */
-double lod_tilt_height(const struct lod_tilt *tilt, double across, double up);
+/* Half the height of an upright ellipsoid as seen from afar, in metres: from above it is as high as wide. */
+double lod_height_seen(double across, double up, const double from_eye[3]);
 
-/* A plant, or a tile, as an ellipsoid: half extents across and upwards and leaf area (a leaf counted once),
- * in metres; and those of its crown, whose centre is `rise` above its own. */
-struct lod_proxy_shape { double across, up, area, crown_across, crown_up, rise; };
+/* A plant, or a tile, in metres. */
+struct lod_proxy_shape {
+	double across, up;           /* half extents of all of it */
+	double area, leaf_area;      /* of all organs, and of those in the crown; a leaf counted once */
+	double crown_across, crown_up, rise; /* half axes of its crown, whose centre is `rise` above its own */
+	double stem;                 /* radius of the wood below the crown; 0: there is none */
+};
 /* Adds a proxy shape at `center` (world). The caller sets its own fields. NULL without memory. */
 struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3],
 	const struct lod_proxy_shape *proxy_shape);

@@ -250,6 +250,8 @@ static bool add_visibility(struct lod_visible_tree *visible, const struct lod_no
 	proxy_shape.across *= place->scale;
 	proxy_shape.up *= place->scale;
 	proxy_shape.area *= place->scale * place->scale;
+	proxy_shape.leaf_area *= place->scale * place->scale;
+	proxy_shape.stem *= place->scale;
 	proxy_shape.crown_across *= place->scale;
 	proxy_shape.crown_up *= place->scale;
 	proxy_shape.rise *= place->scale;

@@ -192,7 +192,7 @@ UNIT_TEST_BETWEEN(near_a_trunk_there_is_more_of_it, NULL, stand_free)
 	for (uint64_t vertices = 1500; vertices <= 15000; vertices += 1500) {
 		double share[2];
 		for (int near = 0; near < 2; near++) {
-			struct eco_view view = view_of((double[]){ 0, near ? -2.5 : -60, 1.7 }, (double[]){ 0, 0, 1.7 });
+			struct eco_view view = view_of((double[]){ 0, near ? -0.8 : -60, 1.7 }, (double[]){ 0, 0, 1.7 });
 			share[near] = share_of(lod_rule_optimal, &view, vertices, 1u << 1);
 			sum[near] += share[near];
 		}

@@ -5,7 +5,7 @@
 #include "lod/plan/visibility.h"
 #include "tests/support/unit_test.h"
 
-static const struct lod_proxy_shape tree = { .across = 2, .up = 5, .area = 60, .crown_across = 2,
+static const struct lod_proxy_shape tree = { .across = 2, .up = 5, .area = 60, .leaf_area = 60, .crown_across = 2,
 	.crown_up = 4 };
 
 #define PICTURE .up = { 0, 0, 1 }, .width = 800, .height = 600
@@ -57,7 +57,7 @@ UNIT_TEST(a_slope_seen_from_above_hides_nothing)
 		for (uint32_t i = 0; i < 41; i++)
 			if (!(screen.visibilities[i].share > 0.9f))
 				fail_msg("%g m beside: tree %u at row %g shows %g", tilts[k], i,
-					(double)screen.visibilities[i].y,
+					(double)screen.visibilities[i].foot,
 					(double)screen.visibilities[i].share);
 		lod_screen_free(&screen);
 	}
@@ -81,7 +81,7 @@ UNIT_TEST(of_a_tree_alone_as_much_is_wrong_as_its_curve_says)
 		struct lod_proxy_shape proxy_shape = tree;
 		struct lod_screen screen;
 		struct eco_prediction p;
-		proxy_shape.area = areas[k];
+		proxy_shape.leaf_area = areas[k];
 		lod_screen_init(&screen, &eye, &view, false);
 		assert_non_null(lod_screen_add(&screen, center, &proxy_shape));
 		assert_int_equal(lod_screen_shares(&screen, true, NULL), ECO_OK);
@@ -92,8 +92,13 @@ UNIT_TEST(of_a_tree_alone_as_much_is_wrong_as_its_curve_says)
 	}
 }
 
-/* Each is as large as the picture, but all of them show no more than that, nor is what stands behind them as
- * open to view as without them. */
+static double pixels_of(const struct lod_visibility *visibility)
+{
+	return (double)visibility->share * (double)visibility->pixels;
+}
+
+/* Those that the eye is in hide each other and what stands behind them: together they show no more than the picture
+ * has. */
 UNIT_TEST(plants_around_the_eye_hide_each_other)
 {
 	static const double feet[6][3] = { { 0, 25, -5 }, { 0, -0.5, -5 }, { 0.6, -0.3, -5 },
@@ -107,36 +112,52 @@ UNIT_TEST(plants_around_the_eye_hide_each_other)
 	look_at_trees(&screen, &view, feet, 6);
 	double seen = 0;
 	for (uint32_t i = 0; i < 6; i++)
-		seen += (double)screen.visibilities[i].share * (double)screen.visibilities[i].pixels;
-	assert_true(screen.visibilities[1].beside && screen.visibilities[5].beside);
+		seen += pixels_of(&screen.visibilities[i]);
+	assert_true(screen.outlines[1].crown.inside && screen.outlines[5].crown.inside);
 	assert_true(seen < 800 * 600);
 	assert_true(screen.visibilities[0].share < 0.2f * alone);
 	lod_screen_free(&screen);
 }
 
-/* Past the eye, one and two radii aside, or through it. Most of what stands around the eye is not in the
- * picture, but what the eye is within. */
+/* Past the eye, one and two radii aside, or through it. What stands beside the eye is not in the picture, but what
+ * the eye is within. */
 UNIT_TEST(what_passes_the_eye_goes_little_by_little)
 {
 	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .fov_y_deg = 50,
 		PICTURE };
 	struct lod_screen screen;
-	float before[3] = { 0 };
+	double before[3] = { 0 };
 	for (int step = 0; step <= 400; step++) {
 		const double y = 5 - 0.025 * step, feet[3][3] = { { 0, y, 0 }, { 2, y, 0 }, { 4, y, 0 } };
-		float within[3];
 		look_at_trees(&screen, &view, feet, 3);
 		for (int i = 0; i < 3; i++) {
-			within[i] = screen.visibilities[i].within;
-			assert_true(within[i] >= 0 && within[i] <= 1);
-			assert_true(step == 0 || fabsf(before[i] - within[i]) < 0.03f);
-			before[i] = within[i];
+			double seen = pixels_of(&screen.visibilities[i]);
+			if (step && fabs(before[i] - seen) > 0.12 * 800 * 600)
+				fail_msg("tree %d, step %d: %g pixels after %g", i, step, seen, before[i]);
+			before[i] = seen;
 		}
-		assert_true(within[0] >= within[1] && within[1] >= within[2]);
-		assert_true(!screen.visibilities[2].beside || within[2] < 0.05f);
+		assert_true(y > 1 || before[2] < 0.01 * 800 * 600);
 		lod_screen_free(&screen);
 	}
-	assert_true(before[0] <= 0);
+	assert_true(before[0] < 1 && before[1] < 1);
+}
+
+/* A crown overhead covers the top of the picture, as far as it hangs into it: what stands behind, lower, shows all of
+ * itself. */
+UNIT_TEST(a_crown_overhead_hides_nothing_below_it)
+{
+	static const double middles[2][3] = { { 0, 40, 5 }, { 0, 4, 9 } };
+	const struct eco_view view = { .eye = { 0, 0, 1.7 }, .target = { 0, 40, 1.7 }, .fov_y_deg = 50, PICTURE };
+	struct lod_screen screen;
+	struct lod_eye eye;
+	lod_eye_make(&eye, &view);
+	lod_screen_init(&screen, &eye, &view, false);
+	for (int i = 0; i < 2; i++)
+		assert_non_null(lod_screen_add(&screen, middles[i], &tree));
+	assert_good(lod_screen_shares(&screen, true, &cause));
+	assert_true(screen.visibilities[0].share > 0.9f);
+	assert_true(pixels_of(&screen.visibilities[1]) < 0.1 * 800 * 600);
+	lod_screen_free(&screen);
 }
 
 /* Wood on the tree's axis, slice by slice, over the same at the distance of the tree's middle. */
