@@ -405,7 +405,8 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	if (!code && v->options.reference)
 		code = score_frame(v, &f, error);
 	if (!code)
-		code = view_explain_frame(&v->explain, v->fetch, number, &request, error);
+		code = view_explain_frame(&v->explain, v->fetch, number, &request, &(struct view_full){ v->full, &eye,
+			v->options.reference ? &v->reference : NULL }, error);
 	if (!code) {
 		view_frames_add(&v->report.frames, &f);
 		view_progress_clear(&v->progress);

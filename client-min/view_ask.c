@@ -83,7 +83,7 @@ enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, str
 /* ---- Explanations ---- */
 
 static const char *const columns[] = { "list", "first", "end", "tile", "plant", "band", "distance_m",
-	"share_first", "share_end", "plants", "vertices", "gain_px", "next_lambda", "why", "reason" };
+	"share_first", "share_end", "plants", "vertices", "expected_px", "seen_px", "gain_px", "next_lambda", "why", "reason" };
 #define COLUMNS (sizeof columns / sizeof *columns)
 
 void view_explain_open(struct view_explain *explain, const char *path)
@@ -108,29 +108,118 @@ static void write_value(FILE *out, const json_t *value)
 		fprintf(out, "%.9g", json_real_value(value));
 }
 
-enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, struct eco_error *error)
+uint32_t *view_pixels_of(const struct view_selection *selection, const struct view_picture *picture, uint64_t *others)
 {
+	uint32_t *pixels = eco_alloc((size_t)selection->instance_count + 1, sizeof *pixels);
+	uint64_t unused = 0;
+	struct view_table owners;
+	if (!view_owners_make(&owners, selection))
+		eco_end("no memory");
+	for (size_t i = 0; i < (size_t)picture->width * picture->height; i++) {
+		const struct view_instance *one = view_owners_find(&owners, selection, picture->owner[i]);
+		if (picture->owner[i] && one)
+			pixels[one - selection->instances]++;
+		else if (picture->owner[i])
+			++*(others ? others : &unused);
+	}
+	view_table_free(&owners);
+	return pixels;
+}
+
+void view_pixels_by_distance(const struct view_selection *selection, const uint32_t *pixels, double px[LOD_DISTANCES])
+{
+	memset(px, 0, LOD_DISTANCES * sizeof *px);
+	for (uint32_t i = 0; i < selection->instance_count; i++)
+		px[lod_distance_of(selection->instances[i].distance_m)] += pixels[i];
+}
+
+struct shown { const struct view_full *full; struct view_selection selection; uint32_t *pixels; };
+
+/* Are the row's plants those of the instance: of its whole plant, its band and its share? */
+static bool is_of(const struct shown *shown, const json_t *row, const struct view_instance *one)
+{
+	const struct view_plant *plant = view_store_plant(shown->full->store, one->plant);
+	double hash = one->hash / (double)ECO_SHARE_ONE, center[3];
+	if (!plant || json_integer_value(json_object_get(row, "anchor")) != plant->plant.anchor_first
+			|| !(hash >= json_number_value(json_object_get(row, "share_first")))
+			|| !(hash < json_number_value(json_object_get(row, "share_end"))))
+		return false;
+	lod_place_point(&one->place, plant->anchors[0].center, center);
+	return json_integer_value(json_object_get(row, "band"))
+		== lod_eye_band(shown->full->eye, center, one->place.scale, one->hash);
+}
+
+/* Null where a row is of no whole plants, and where full detail was not drawn. */
+static json_t *shown_by(const struct shown *shown, const json_t *row)
+{
+	json_int_t sum = 0;
+	bool any = false;
+	if (!shown->pixels || !json_object_get(row, "anchor"))
+		return NULL;
+	for (uint32_t i = 0; i < shown->selection.instance_count; i++)
+		if (is_of(shown, row, &shown->selection.instances[i])) {
+			sum += shown->pixels[i];
+			any = true;
+		}
+	return any ? json_integer(sum) : NULL;
+}
+
+static void write_row(FILE *out, uint32_t frame, const json_t *lambda, const json_t *row)
+{
+	fprintf(out, "%u,", frame);
+	write_value(out, lambda);
+	for (size_t c = 0; c < COLUMNS; c++) {
+		fputc(',', out);
+		write_value(out, json_object_get(row, columns[c]));
+	}
+	fputc('\n', out);
+}
+
+static void write_distances(FILE *out, uint32_t frame, const json_t *why, const struct shown *shown)
+{
+	const json_t *expected = json_object_get(why, "expected_px");
+	double px[LOD_DISTANCES];
+	if (shown->pixels)
+		view_pixels_by_distance(&shown->selection, shown->pixels, px);
+	for (uint32_t i = 0; i < json_array_size(expected) && i < LOD_DISTANCES; i++) {
+		json_t *row = json_pack("{s:f, s:O, s:s}", "distance_m", lod_distance_from_m(i), "expected_px",
+			json_array_get(expected, i), "why", "distance");
+		if (shown->pixels)
+			json_object_set_new(row, "seen_px", json_real(px[i]));
+		write_row(out, frame, json_object_get(why, "lambda"), row);
+		json_decref(row);
+	}
+}
+
+enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, const struct view_full *full,
+	struct eco_error *error)
+{
+	struct shown shown = { .full = full };
+	if (full->picture) {
+		enum eco_code code = view_select_make(&shown.selection, full->store, full->eye, error);
+		if (code)
+			return code;
+		shown.pixels = view_pixels_of(&shown.selection, full->picture, NULL);
+	}
 	json_error_t where;
 	json_t *root = json_loads(json, 0, &where), *why = json_object_get(root, "explanation"),
 		*rows = json_object_get(why, "rows"), *row;
 	size_t i;
 	bool good = json_is_array(rows);
 	json_array_foreach(rows, i, row) {
-		fprintf(out, "%u,", frame);
-		write_value(out, json_object_get(why, "lambda"));
-		for (size_t c = 0; c < COLUMNS; c++) {
-			fputc(',', out);
-			write_value(out, json_object_get(row, columns[c]));
-		}
-		fputc('\n', out);
+		json_object_set_new(row, "seen_px", shown_by(&shown, row));
+		write_row(out, frame, json_object_get(why, "lambda"), row);
 	}
+	write_distances(out, frame, why, &shown);
 	json_decref(root);
+	free(shown.pixels);
+	view_select_free(&shown.selection);
 	return good ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED, "frame %u: the server does not explain its "
 		"plans; it is older than this program", frame);
 }
 
 enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame,
-	const struct eco_request *request, struct eco_error *error)
+	const struct eco_request *request, const struct view_full *full, struct eco_error *error)
 {
 	char *text;
 	if (!explain->out)
@@ -138,7 +227,7 @@ enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch
 	enum eco_code code = view_fetch_explanation(fetch, request, &text, error);
 	if (code)
 		return code;
-	code = view_explain_write(explain->out, frame, text, error);
+	code = view_explain_write(explain->out, frame, text, full, error);
 	free(text);
 	return code;
 }
@@ -185,19 +274,12 @@ static int by_pixels(const void *a, const void *b)
 static uint32_t find_seen(const struct view_geojson_job *job, struct seen *seen, uint64_t *others)
 {
 	const struct view_selection *s = job->selection;
-	const struct view_picture *picture = job->picture;
-	struct view_table owners;
-	uint32_t count = 0;
-	if (!view_owners_make(&owners, s))
-		eco_end("no memory");
-	for (uint32_t i = 0; i < s->instance_count; i++)
+	uint32_t count = 0, *pixels = view_pixels_of(s, job->picture, others);
+	for (uint32_t i = 0; i < s->instance_count; i++) {
 		seen[i].instance = i;
-	for (size_t i = 0; i < (size_t)picture->width * picture->height; i++) {
-		const struct view_instance *one = view_owners_find(&owners, s, picture->owner[i]);
-		if (picture->owner[i])
-			++*(one ? &seen[one - s->instances].pixels : others);
+		seen[i].pixels = pixels[i];
 	}
-	view_table_free(&owners);
+	free(pixels);
 	qsort(seen, s->instance_count, sizeof *seen, by_pixels);
 	while (count < s->instance_count && seen[count].pixels)
 		count++;

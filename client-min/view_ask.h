@@ -33,15 +33,27 @@ enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, str
 /* ---- Why each cut of a plan is what it is (plan?explain=1), as a table; it appears complete or not at all
  * ---- */
 
+/* Pixels of a picture that each instance of its selection has; the caller frees them. *others: those of what is no
+ * instance; may be NULL. Ends the program without memory. */
+uint32_t *view_pixels_of(const struct view_selection *selection, const struct view_picture *picture,
+	uint64_t *others);
+/* The same summed by the instances' distances, lod_distance_of. */
+void view_pixels_by_distance(const struct view_selection *selection, const uint32_t *pixels,
+	double px[LOD_DISTANCES]);
+
+/* Full detail of a view, to say what shows in it beside what was expected; picture NULL: it was not drawn. */
+struct view_full { const struct view_store *store; const struct lod_eye *eye; const struct view_picture *picture; };
+
 /* out NULL: nothing is explained */
 struct view_explain { const char *path; char *text; size_t size; FILE *out; };
 
 void view_explain_open(struct view_explain *explain, const char *path);
 enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame,
-	const struct eco_request *request, struct eco_error *error);
+	const struct eco_request *request, const struct view_full *full, struct eco_error *error);
 enum eco_code view_explain_close(struct view_explain *explain, bool keep, struct eco_error *error);
-/* Writes the rows of a plan's JSON as lines. */
-enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, struct eco_error *error);
+/* Writes the rows of a plan's JSON as lines; then one for each distance, whose `why` is "distance". */
+enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, const struct view_full *full,
+	struct eco_error *error);
 
 /* ---- The plants that a view shows as GeoJSON (RFC 7946) for a GIS: a point each, the plant with the most
  * pixels first; longitude and latitude of WGS 84 where the scene has a CRS, else the scene's metres.

@@ -216,3 +216,13 @@ uint32_t lod_share_hash(uint32_t path, uint32_t list, uint32_t index)
 	h ^= h >> 31;
 	return (uint32_t)(h & (ECO_SHARE_ONE - 1));
 }
+
+uint32_t lod_distance_of(double m)
+{
+	uint32_t distance = 0;
+	while (distance + 1 < LOD_DISTANCES && m >= lod_distance_from_m(distance + 1))
+		distance++;
+	return distance;
+}
+
+double lod_distance_from_m(uint32_t distance) { return distance ? LOD_DISTANCE_FIRST_M * (1u << (distance - 1)) : 0; }

@@ -79,4 +79,11 @@ uint32_t lod_share_hash(uint32_t path, uint32_t list, uint32_t index);
  * shares. */
 static inline uint32_t lod_open_hash(uint32_t hash) { return (hash * 40503u + 12829u) % ECO_SHARE_ONE; }
 
+/* Distances by which pixels are summed: the first ends at 8 m, each other at twice that, the last nowhere. */
+#define LOD_DISTANCES 5u
+#define LOD_DISTANCE_FIRST_M 8.0
+uint32_t lod_distance_of(double m);
+/* Metres from which on a distance counts. */
+double lod_distance_from_m(uint32_t distance);
+
 #endif

@@ -342,17 +342,20 @@ static void describe_reason(struct srv_json *json, const struct eco_scene *scene
 	if (row->tile != ECO_NONE)
 		srv_json_add(json, "tile:%u", row->tile);
 	if (row->plant != ECO_NONE)
-		srv_json_add(json, "plant:%s band:%u distance_m:%.9g share_first:%.9g share_end:%.9g",
-			scene->plants[row->plant].name, cut->band_first, lod_band_distance_m(cut->band_first),
+		srv_json_add(json, "plant:%s anchor:%u band:%u distance_m:%.9g share_first:%.9g share_end:%.9g",
+			scene->plants[row->plant].name, cut->anchor, cut->band_first, lod_band_distance_m(cut->band_first),
 			share_of(cut->share_first), share_of(cut->share_end));
-	srv_json_add(json, "plants:%lu vertices:%lu gain_px:%.9g next_lambda:%.9g why:%s reason:%s}", row->plants,
-		row->vertices, row->reason.gain, row->reason.next, lod_why_names[row->reason.why], reason);
+	srv_json_add(json, "plants:%lu vertices:%lu expected_px:%.9g gain_px:%.9g next_lambda:%.9g why:%s reason:%s}",
+		row->plants, row->vertices, row->expected_px, row->reason.gain, row->reason.next, lod_why_names[row->reason.why], reason);
 }
 
 static void describe_explanation(struct srv_json *json, const struct eco_scene *scene,
 	const struct lod_explanation *why)
 {
-	srv_json_add(json, "explanation:{lambda:%.9g omitted:%lu rows:[", why->lambda, why->omitted);
+	srv_json_add(json, "explanation:{lambda:%.9g omitted:%lu expected_px:[", why->lambda, why->omitted);
+	for (uint32_t i = 0; i < LOD_DISTANCES; i++)
+		srv_json_add(json, "%.9g", why->expected_px[i]);
+	srv_json_add(json, "] rows:[");
 	for (uint32_t i = 0; i < why->count && !json->out.failed; i++)
 		describe_reason(json, scene, why, &why->rows[i]);
 	srv_json_add(json, "]}");

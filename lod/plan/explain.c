@@ -20,14 +20,6 @@ const char *const lod_why_names[LOD_WHY_COUNT] = {
 	[LOD_WHY_GROUND] = "ground",
 };
 
-uint32_t lod_distance_of(double m)
-{
-	uint32_t bin = 0;
-	for (double end = LOD_DISTANCE_FIRST_M; bin + 1 < LOD_DISTANCES && m >= end; end *= 2)
-		bin++;
-	return bin;
-}
-
 void lod_explanation_free(struct lod_explanation *explanation)
 {
 	free(explanation->rows);
@@ -102,6 +94,9 @@ static struct lod_reason reason_of(const struct lod_fill *fill, const struct lod
 {
 	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead,
 		.between = candidate->between };
+	reason.expected_px = candidate->ladder_choice == ECO_NONE
+		? fill->allocation->tile_choices[candidate->node].pixels
+		: fill->allocation->slot_choices[choice_of(fill, candidate)->slot].seen;
 	reason.gain = candidate->seen * lod_hull_error(candidate->hull, candidate->hull->points)
 		- lod_fill_wrong_of(fill, candidate);
 	if (candidate->ladder_choice == ECO_NONE)
@@ -178,6 +173,7 @@ void lod_explain_tiles(const struct lod_fill *fill)
 			continue;
 		lod_allocation_compare(m, n, &plants, &summary);
 		row.plants = node->plants;
+		row.expected_px = m->tile_choices[n].pixels;
 		row.reason = (struct lod_reason){ .why = LOD_WHY_PLANTS, .gain = plants,
 			.margin = fmax(0, more_by(plants, summary)) };
 		add_row(explanation, &row);
@@ -197,6 +193,7 @@ void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry,
 	else
 		row.plant = p->visible.slots[entry->slot].plant;
 	row.vertices = eco_cut_vertices(cut, &p->scene->lists[cut->list]) * plants;
+	row.expected_px = (double)plants * entry->reason.expected_px;
 	add_row(p->input->explanation, &row);
 }
 

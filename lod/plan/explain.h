@@ -11,6 +11,7 @@
 #define LOD_EXPLAIN_H
 
 #include "ecofiles/format/plan.h"
+#include "lod/eye.h"
 
 #define LOD_EXPLAINED_MAX 10000u /* rows; further ones are counted in `omitted` */
 #define LOD_EXPLAINED_LEAST 1000u        /* the same where work is bounded, or more */
@@ -35,11 +36,6 @@ enum lod_why {
 };
 extern const char *const lod_why_names[LOD_WHY_COUNT]; /* "next step", "left over", ...; for tables */
 
-/* Distances by which pixels are summed: the first ends at 8 m, each other at twice that, the last nowhere. */
-#define LOD_DISTANCES 5u
-#define LOD_DISTANCE_FIRST_M 8.0
-uint32_t lod_distance_of(double m);
-
 /* Pixels saved are wrong pixels as the objective weighs them (lod/plan/README.md). */
 struct lod_reason {
 	enum lod_why why;
@@ -50,6 +46,7 @@ struct lod_reason {
 	                              * more is saved, as a share; INFINITY: the other choice saves nothing;
 	                              * WHOLE: 0 where it saves no more at lambda, but leaves less wrong at
 	                              * the budget. GROUND: error in pixels */
+	double expected_px;          /* that a plant, or the summary, is expected to show */
 	double share;                /* WHOLE: of the slot's plants beyond the gate, that draw it */
 	uint64_t ahead, between;     /* plants that draw more than the others of the slot */
 };
@@ -59,6 +56,7 @@ struct lod_explained {
 	uint32_t tile;               /* of a summary, ground or PLANTS; else ECO_NONE */
 	uint32_t plant;              /* of a rule; else ECO_NONE */
 	uint64_t plants;             /* instances that the cut matches in this band */
+	double expected_px;          /* that these show, whatever is drawn of them; 0 with Deussen's rule */
 	uint64_t vertices;           /* drawn by the cut for these; all rows sum to the plan's unless some are
 	                              * omitted */
 	struct lod_reason reason;

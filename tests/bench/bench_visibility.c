@@ -2,9 +2,10 @@
  * (lod/plan/visibility.h) beside what full detail shows, by the owners of its pixels. At eye level, and in the
  * crown of the plant that shows most of there. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/memory.h"
+#include "client-min/view_ask.h"
 #include "lod/plan/explain.h"
 #include "lod/plan/planner.h"
 #include "tests/bench/bench_fetch.h"
@@ -24,27 +25,6 @@ struct view_bins { double expected[LOD_DISTANCES], seen[LOD_DISTANCES]; };
 /* off: sum over bins of |expected - seen| / all seen, mean of views and most */
 struct study { struct bench_table *table; double off, most, bin; uint32_t views; char row[64], bin_row[64]; };
 
-static void add_owners(const struct bench_drawing *drawing, const struct view_picture *picture,
-	double seen[LOD_DISTANCES], uint32_t *most)
-{
-	const struct view_selection *s = &drawing->selection;
-	uint32_t *pixels = eco_alloc(s->instance_count + 1, sizeof *pixels);
-	struct view_table owners;
-	must(view_owners_make(&owners, s) ? ECO_OK : eco_fail(must_error, ECO_NO_MEMORY, "owners"));
-	*most = 0;
-	for (size_t i = 0; i < (size_t)picture->width * picture->height; i++) {
-		const struct view_instance *one = view_owners_find(&owners, s, picture->owner[i]);
-		if (!one || !picture->owner[i])
-			continue;
-		seen[lod_distance_of(one->distance_m)]++;
-		uint32_t instance = (uint32_t)(one - s->instances);
-		pixels[instance]++;
-		*most = pixels[instance] > pixels[*most] ? instance : *most;
-	}
-	view_table_free(&owners);
-	free(pixels);
-}
-
 /* `crown`: in the plant that shows most, beside its trunk. */
 static void see(const struct srv_scene *scene, const struct eco_view *view, double seen[LOD_DISTANCES],
 	double crown[3])
@@ -53,11 +33,15 @@ static void see(const struct srv_scene *scene, const struct eco_view *view, doub
 	struct view_store *store;
 	struct view_picture picture = { 0 };
 	struct bench_drawing drawing;
-	uint32_t most;
+	uint32_t most = 0;
 	must(view_store_new(&store, &(struct view_store_options){ .memory_max = 16ull << 30 }, must_error));
 	must(bench_fetch(NULL, scene, &full, store, must_error));
 	must(bench_draw(&drawing, store, view, NULL, &picture, must_error));
-	add_owners(&drawing, &picture, seen, &most);
+	uint32_t *pixels = view_pixels_of(&drawing.selection, &picture, NULL);
+	view_pixels_by_distance(&drawing.selection, pixels, seen);
+	for (uint32_t i = 0; i < drawing.selection.instance_count; i++)
+		most = pixels[i] > pixels[most] ? i : most;
+	free(pixels);
 	memcpy(crown, view->eye, sizeof view->eye);
 	if (most < drawing.selection.instance_count) {
 		const struct view_instance *one = &drawing.selection.instances[most];
@@ -92,8 +76,7 @@ static void add_bins(struct study *s, const char *scene, const char *camera, con
 		off += fabs(bins->expected[i] - bins->seen[i]);
 	}
 	for (uint32_t i = 0; i < LOD_DISTANCES; i++) {
-		double expected = bins->expected[i], seen = bins->seen[i], from = i ? ldexp(LOD_DISTANCE_FIRST_M,
-			(int)i - 1) : 0, bin = seen > 0 ? fabs(expected - seen) / seen : NAN;
+		double expected = bins->expected[i], seen = bins->seen[i], from = lod_distance_from_m(i), bin = seen > 0 ? fabs(expected - seen) / seen : NAN;
 		bench_table_values(s->table, (const double[]){ expected, seen, 100 * fabs(expected - seen) / all,
 			100 * bin }, "%s,%s,%g m", scene, camera, from);
 		if (seen > PART_LEAST * all && bin > s->bin) {

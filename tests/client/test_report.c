@@ -175,30 +175,32 @@ UNIT_TEST(comparison_has_a_colour_for_each_case)
 
 UNIT_TEST(an_explanation_is_a_table)
 {
+	const struct view_full none = { .picture = NULL };
 	char *text;
 	size_t size;
 	struct eco_error error = { 0 };
 	FILE *out = open_memstream(&text, &size);
 	assert_int_equal(view_explain_write(out, 3, "{\"explanation\": {\"lambda\": 0.5, \"omitted\": 0, "
-		"\"rows\": ["
+		"\"expected_px\": [1.5, 200], \"rows\": ["
 		"{\"list\": 7, \"first\": 0, \"end\": 4, \"plant\": \"oak, \\\"old\\\"\", \"band\": 99, "
-		"\"plants\": 2, \"vertices\": 24, \"gain_px\": 1.25, "
+		"\"plants\": 2, \"vertices\": 24, \"expected_px\": 8, \"gain_px\": 1.25, "
 		"\"why\": \"all\", \"reason\": \"all of it is drawn\"}, {\"tile\": 1, \"plants\": 5, "
-		"\"vertices\": 0, \"why\": \"plants\"}]}}", &error), ECO_OK);
+		"\"vertices\": 0, \"why\": \"plants\"}]}}", &none, &error), ECO_OK);
 	fclose(out);
-	assert_string_equal(text, "3,0.5,7,0,4,,\"oak, \"\"old\"\"\",99,,,,2,24,1.25,,all,all of it is "
-		"drawn\n3,0.5,,,,1,,,,,,5,0,,,plants,\n");
+	assert_string_equal(text, "3,0.5,7,0,4,,\"oak, \"\"old\"\"\",99,,,,2,24,8,,1.25,,all,all of it is "
+		"drawn\n3,0.5,,,,1,,,,,,5,0,,,,,plants,\n"
+		"3,0.5,,,,,,,0,,,,,1.5,,,,distance,\n3,0.5,,,,,,,8,,,,,200,,,,distance,\n");
 	free(text);
 	out = open_memstream(&text, &size);
 	assert_int_equal(view_explain_write(out, 0, "{\"explanation\": {\"lambda\": -1.5, \"rows\": "
 		"[{\"list\": -7, \"plant\": \"=cmd|' /C calc'!A0\", \"why\": \"+1;2\", "
 		"\"reason\": \"@a\\r\\n-b\"}, {\"plant\": \"-oak\", \"why\": \"\\t=1\", \"reason\": "
 		"\" =1\"}, {\"plant\": \"a=b\", \"why\": \"\", \"reason\": \"\uff1d1\"}]}}",
-		&error), ECO_OK);
+		&none, &error), ECO_OK);
 	fclose(out);
-	assert_string_equal(text, "0,-1.5,-7,,,,'=cmd|' /C calc'!A0,,,,,,,,,\"'+1;2\",\"'@a\r\n-b\"\n"
-		"0,-1.5,,,,,'-oak,,,,,,,,,\"'\t=1\",' =1\n0,-1.5,,,,,a=b,,,,,,,,,,'\uff1d1\n");
+	assert_string_equal(text, "0,-1.5,-7,,,,'=cmd|' /C calc'!A0,,,,,,,,,,,\"'+1;2\",\"'@a\r\n-b\"\n"
+		"0,-1.5,,,,,'-oak,,,,,,,,,,,\"'\t=1\",' =1\n0,-1.5,,,,,a=b,,,,,,,,,,,,'\uff1d1\n");
 	free(text);
-	assert_int_equal(view_explain_write(stdout, 0, "{\"cuts\": []}", &error), ECO_UNSUPPORTED);
-	assert_int_equal(view_explain_write(stdout, 0, "no JSON", &(struct eco_error){ 0 }), ECO_UNSUPPORTED);
+	assert_int_equal(view_explain_write(stdout, 0, "{\"cuts\": []}", &none, &error), ECO_UNSUPPORTED);
+	assert_int_equal(view_explain_write(stdout, 0, "no JSON", &none, &(struct eco_error){ 0 }), ECO_UNSUPPORTED);
 }
