@@ -93,8 +93,6 @@ struct lod_plant_options {
 	/* 0: LOD_ORDER_GREEDY. It takes long, so with grid_bits 0 lod_plant_build makes a draft in combined
 	 * order, and lod_plant_measure builds again once the grid is chosen. */
 	enum lod_order_method order;
-	/* Leaves of the greedy order's lists at random instead: to compare with. */
-	bool random_leaves;
 	uint32_t cell_triangles;             /* a cell of more triangles is split (octree); 0: 4096 */
 	uint32_t grid_bits;                  /* of the largest extent; 0: chosen by measurement, 12 to 18 */
 	uint32_t views, pixels;              /* for curves; 0: 12 views of 256 pixels */

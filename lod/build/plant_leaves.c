@@ -92,19 +92,18 @@ static void order_greedily(struct lod_build *b)
 	uint32_t n = b->elements.count;
 	struct lod_foliage foliage;
 	struct lod_rank rank;
-	b->growth = b->options->random_leaves ? NULL : lod_arena_take(&b->arena, n, sizeof *b->growth);
+	b->growth = lod_arena_take(&b->arena, n, sizeof *b->growth);
 	b->simple = lod_arena_take(&b->arena, n, sizeof *b->simple);
 	struct lod_arena_piece *mark = b->arena.last;
 	lod_foliage_from(&foliage,
 		&(struct lod_foliage_parts){ b->model, &b->mesh, &b->organs, &b->elements }, &b->arena);
 	b->code = lod_rank_make(&rank, &foliage,
-		&(struct lod_rank_options){ .seed = b->options->seed, .random = b->options->random_leaves,
-		.progress = rank_goes_on, .each = rank_each, .ctx = b }, &b->arena, b->error);
+		&(struct lod_rank_options){ .seed = b->options->seed, .progress = rank_goes_on, .each = rank_each,
+		.ctx = b }, &b->arena, b->error);
 	if (b->code)
 		longjmp(b->stopped, 1);
 	memcpy(b->order, rank.order, n * sizeof *b->order);
-	if (b->growth)
-		memcpy(b->growth, rank.growth, n * sizeof *b->growth);
+	memcpy(b->growth, rank.growth, n * sizeof *b->growth);
 	memcpy(b->simple, rank.simple, n * sizeof *b->simple);
 	lod_arena_release(&b->arena, mark);
 }

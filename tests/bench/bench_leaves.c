@@ -113,7 +113,7 @@ uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method 
 	return order;
 }
 
-/* The union of leaves->mask and `wood`, which may be NULL. */
+/* Compares leaves->mask, and `wood` if not NULL. */
 static void count_wrong(const struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	const uint64_t *wood, struct bench_wrong *sum)
 {
@@ -199,8 +199,18 @@ static void draw_ours(const void *what, const struct lod_eye *eye, struct lod_ra
 	plant_view_raster(raster, &ours->plant, eye, &ours->drawing, false);
 }
 
+static double foliage_vertices(const struct plant_view_drawing *drawing)
+{
+	double sum = 0;
+	for (const struct plant_view_batch *b = drawing->batches; b < drawing->batches + drawing->count; b++) {
+		bool wood = b->list->organ == ECO_ORGAN_WOOD && !(b->list->list->attributes & ECO_ATTR_SPLAT);
+		sum += b->impostor ? 1 : wood ? 0 : (double)b->count * eco_list_vertices(b->list->list);
+	}
+	return sum;
+}
+
 void bench_leaves_ours(struct bench *bench, struct bench_leaves *leaves, const struct bench_model *model,
-	const struct lod_sights *sights, const double *vertices, uint32_t count, double *q)
+	const struct lod_sights *sights, const double *vertices, uint32_t count, double *q, double *drawn)
 {
 	char path[512];
 	struct eco_pack *pack;
@@ -214,6 +224,8 @@ void bench_leaves_ours(struct bench *bench, struct bench_leaves *leaves, const s
 		for (uint32_t v = 0; v < sights->count; v++)
 			bench_leaves_compare_drawn(leaves, sights, v, draw_ours, &ours, &sum);
 		q[i] = bench_wrong_q(&sum);
+		if (drawn)
+			drawn[i] = foliage_vertices(&ours.drawing);
 		plant_view_drawing_free(&ours.drawing);
 	}
 	plant_view_close(&ours.plant);

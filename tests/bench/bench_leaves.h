@@ -60,10 +60,10 @@ double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the 
 double bench_wrong_precision(const struct bench_wrong *wrong);
 double bench_wrong_recall(const struct bench_wrong *wrong);
 
-/* Q of a pack of the plant with at most so many vertices, as the planner draws it: wood, splats and impostor
- * count. */
+/* Q of a pack of the plant with at most so many vertices, as the planner draws it. drawn: vertices without
+ * those of wood by itself, which splats and impostors include; NULL: not asked for. */
 void bench_leaves_ours(struct bench *bench, struct bench_leaves *leaves, const struct bench_model *model,
-	const struct lod_sights *sights, const double *vertices, uint32_t count, double *q);
+	const struct lod_sights *sights, const double *vertices, uint32_t count, double *q, double *drawn);
 
 /* ---- Plants ---- */
 

@@ -416,27 +416,12 @@ static uint32_t views_of(uint32_t count)
 	return views < VIEWS_LEAST ? VIEWS_LEAST : views > VIEWS_MOST ? VIEWS_MOST : views;
 }
 
-static void shuffle(struct ranking *r)
-{
-	struct lod_arena_piece *mark = r->arena->last;
-	struct lod_keyed *items = lod_arena_take(r->arena, r->count, sizeof *items);
-	for (uint32_t i = 0; i < r->count; i++)
-		items[i] = (struct lod_keyed){ lod_mix(((uint64_t)r->options->seed << 32) + i), i };
-	lod_sort(r->arena, items, r->count);
-	for (uint32_t i = 0; i < r->count; i++)
-		r->order[i] = items[i].value;
-	memset(r->growth, ECO_GROWTH_PLAIN, r->count);
-	lod_arena_release(r->arena, mark);
-}
-
 enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage,
 	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error)
 {
 	struct ranking r = { .options = options, .arena = arena, .count = foliage->count };
 	struct lod_rank_options crown = *options;
 	crown.views = crown.views ? crown.views : views_of(foliage->count);
-	if (options->random)                     /* needs none of them */
-		crown.views = 1, crown.pixels = 64;
 	assert(foliage->count > 0);
 	rank->order = r.order = lod_arena_take(arena, r.count, sizeof *r.order);
 	rank->growth = r.growth = lod_arena_take(arena, r.count, sizeof *r.growth);
@@ -445,12 +430,9 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
 	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
 	lod_crown_open(&r.crown, foliage, &crown, arena);
-	bool good = run(&r, (r.count + BATCH - 1) / BATCH, fit_batch);
-	if (good && options->random)
-		shuffle(&r);
-	else if (good)
-		good = make_steps(&r) && lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count,
-			r.order, r.growth, r.points == (uint32_t)(POINTS_MOST * r.count) }, arena);
+	bool good = run(&r, (r.count + BATCH - 1) / BATCH, fit_batch) && make_steps(&r)
+		&& lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order, r.growth,
+		r.points == (uint32_t)(POINTS_MOST * r.count) }, arena);
 	lod_arena_release(arena, mark);
 	return good ? ECO_OK : eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 }

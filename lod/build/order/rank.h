@@ -12,7 +12,6 @@ struct lod_rank_options {
 	uint32_t views, pixels;              /* 0: chosen by the plant */
 	uint32_t seed;
 	bool leaves;                         /* no leaf will be drawn as a point */
-	bool random;                         /* any order, without growth codes; simple triangles as ever */
 	/* as in lod_plant_options */
 	bool (*progress)(void *ctx, double share);
 	lod_each *each;

@@ -35,11 +35,10 @@
 static const uint8_t leaf_rgb[3] = { 76, 110, 40 };
 
 /* SCALED: quads at the scale that is best in other views; SOLID: and opaque. PRINTED: as large as the paper
- * has them. SECTORS: each sector has a level, the finer the more it faces the eye. OURS: what a pack
- * shows with as many vertices, wood included. */
-enum kind { SCALED, PRINTED, SOLID, SECTORS, OURS, KINDS };
+ * has them. SECTORS: each sector has a level, the finer the more it faces the eye. */
+enum kind { SCALED, PRINTED, SOLID, SECTORS, KINDS };
 static const char *const kind_names[KINDS] = { "leaf collapse", "leaf collapse as printed",
-	"leaf collapse without textures", "leaf collapse by sectors", "ours" };
+	"leaf collapse without textures", "leaf collapse by sectors" };
 
 struct crown {
 	uint32_t sectors;
@@ -302,7 +301,7 @@ static void draw_levels(struct study *s, const struct crown *c)
 static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 {
 	struct study *s = ctx;
-	double q[KINDS][SHARES] = { { 0 } }, vertices[SHARES];
+	double q[KINDS][SHARES] = { { 0 } };
 	s->leaves = leaves;
 	s->bare = leaves->foliage;
 	s->order = lod_arena_take(&leaves->arena, s->bare.count, sizeof *s->order);
@@ -310,7 +309,7 @@ static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 	s->all = (double)bench_leaves_vertices(&s->bare, NULL, s->bare.count);
 	bench_leaves_look(leaves, &s->tuning, TUNING_VIEWS, TUNING_SEED);
 	bench_leaves_look(leaves, &s->tests, s->bench->full ? VIEWS_MOST : VIEWS_MOST / 2, TEST_SEED);
-	for (int kind = SCALED; kind < OURS; kind++) {
+	for (int kind = SCALED; kind < KINDS; kind++) {
 		struct crown crown;
 		leaves->foliage = s->bare;
 		grow(&crown, kind == SECTORS ? WEDGES : 1, kind == SOLID, &leaves->foliage,
@@ -326,9 +325,6 @@ static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 		draw_atlas(s, &crown.atlas);
 		draw_levels(s, &crown);
 	}
-	for (uint32_t i = 0; i < SHARES; i++)
-		vertices[i] = bench_shares[i] * s->all + 3 * (double)s->bare.wood_count;
-	bench_leaves_ours(s->bench, leaves, s->model, &s->tests, vertices, SHARES, q[OURS]);
 	return bench_reals(*q, KINDS * SHARES);
 }
 
@@ -510,9 +506,8 @@ static void write_means(struct bench *bench, double sum[ROWS][SHARES], uint32_t 
 		"Q of leaf collapse at 10 % of the vertices");
 	bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best scale. "
 		"Rows as printed and by sectors have the paper's sizes, which are too large: quads reach "
-		"beyond the crown. Ours is a pack's picture with as many vertices, those of the wood included, "
-		"which is drawn whole in all other rows. There is no figure where a coarsest level has more "
-		"vertices than asked for.");
+		"beyond the crown. Packs draw as much wood as they choose, which is whole in all other rows. "
+		"There is no figure where a coarsest level has more vertices than asked for.");
 	bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
 		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
 		.series_count = plotted });

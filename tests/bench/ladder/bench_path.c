@@ -142,7 +142,7 @@ static double saving_of(const struct path *p, const struct eco_view *view, enum 
 static void write_frames(struct bench *bench, const struct path *p)
 {
 	static const char *const printed[BENCH_ORDERS] = { "10.1,4.3,43.7", "17.4,2.2,23.6",
-		"40.7,30.8,69.3", "-,-,-", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-" };
+		"40.7,30.8,69.3", "-,-,-", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-", "-,-,-" };
 	static double x[FRAMES], y[BENCH_ORDERS][FRAMES];
 	struct bench_series series[BENCH_ORDERS];
 	struct bench_table *table = bench_table_open(bench, "path",

@@ -6,7 +6,8 @@
  *   each method: the least lambda whose Q, at the scale that its table has, is no less
  *
  * lambda counts vertices of the foliage as the client draws them, 3 a triangle; wood is drawn whole by all
- * and not counted. A method's table has the scale that is best on one set of views and the Q of that on
+ * orders and not counted. Packs draw as much wood as their planner chooses; vertices of splats and impostors, which
+ * show wood too, all count. A method's table has the scale that is best on one set of views and the Q of that on
  * another; between lambdas both are interpolated, as a client does. */
 #include <math.h>
 #include <stdlib.h>
@@ -44,18 +45,19 @@
 const double bench_shares[BENCH_SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };
 const char *const bench_order_names[METHODS] = { "stochastic", "density", "orientation",
 	"orientation with much noise", "combined", "combined with much noise", "greedy at one scale",
-	"greedy" };
+	"greedy", "packs" };
 static const struct { const char *printed; enum lod_order_method order; double noise; } methods[METHODS] = {
 	{ "10.1", LOD_ORDER_STOCHASTIC, 0 }, { "17.4", LOD_ORDER_DENSITY, 0 },
 	{ "40.7", LOD_ORDER_ORIENTATION, NOISE_SMALL }, { "-", LOD_ORDER_ORIENTATION, NOISE_MUCH },
 	{ "30.1", LOD_ORDER_COMBINED, NOISE_SMALL }, { "-", LOD_ORDER_COMBINED, NOISE_MUCH },
-	{ .printed = "-" }, { .printed = "-" } };
+	{ .printed = "-" }, { .printed = "-" }, { .printed = "-" } };
 
 /* Scale: Cook's times 2^(step / 8). */
 struct row { double lambda, step, count, q; };
 
 struct study {
 	struct bench *bench;
+	const struct bench_model *model;
 	struct bench_leaves *leaves;
 	struct lod_sights tuning, tests;
 	uint32_t *order[METHODS], n;
@@ -198,6 +200,18 @@ static void fill_row(struct study *s, enum bench_order method, struct row *row, 
 	row->q = try_row(s, method, &s->tests, row, -INFINITY);
 }
 
+/* Budgets are shares of all vertices, wood included. */
+static void fill_pack(struct study *s, struct row *rows)
+{
+	double budget[ROWS_MAX] = { 1e15 }, q[ROWS_MAX], drawn[ROWS_MAX], leaves = (double)s->vertices[0][s->n],
+		all = leaves + 3 * (double)s->leaves->foliage.wood_count;
+	for (uint32_t i = 1; i < s->row_count; i++)
+		budget[i] = rows[i].lambda * all;
+	bench_leaves_ours(s->bench, s->leaves, s->model, &s->tests, budget, s->row_count, q, drawn);
+	for (uint32_t i = 0; i < s->row_count; i++)
+		rows[i] = (struct row){ .lambda = fmin(1, drawn[i] / leaves), .q = q[i] };
+}
+
 static void fill_tables(struct study *s)
 {
 	double lambda[ROWS_MAX], least = fmax(LAMBDA_LEAST, 1.0 / s->n),
@@ -210,8 +224,10 @@ static void fill_tables(struct study *s)
 		for (uint32_t i = 0; i < s->row_count; i++) {
 			struct row *row = &s->rows[m][i];
 			*row = (struct row){ .lambda = lambda[i] };
-			fill_row(s, (enum bench_order)m, row, i ? row - 1 : NULL);
+			if (m < BENCH_PACK)
+				fill_row(s, (enum bench_order)m, row, i ? row - 1 : NULL);
 		}
+	fill_pack(s, s->rows[BENCH_PACK]);
 }
 
 /* The least lambda from which on Q is reached; rows are by falling lambda. */
@@ -303,6 +319,7 @@ void bench_savings_of(struct bench *bench, struct bench_savings *savings, const 
 	double values[3 + METHODS * ROW], *at = values + 3;
 	struct bench_model file = *model;
 	s->bench = bench;
+	s->model = &file;
 	/* by what the file holds: the same plant in two scenes is measured once */
 	snprintf(file.name, sizeof file.name, "%s", must_stamp(model->path));
 	bench_cells(bench_leaves_unit(bench, "savings", NULL, &file, PIXELS, study_leaves, s), values,
@@ -384,7 +401,7 @@ static void write_tables(struct bench *bench, const struct all *all)
 /* Figures of the data folder's species. */
 static void write_keys(struct bench *bench, const struct all *all)
 {
-	double x[DISTANCES], y[METHODS][DISTANCES] = { { 0 } }, mean = 0, total = 0;
+	double x[DISTANCES], y[METHODS][DISTANCES] = { { 0 } }, mean[METHODS] = { 0 }, total[METHODS] = { 0 };
 	struct bench_series series[METHODS];
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < all->count; i++)
@@ -393,16 +410,20 @@ static void write_keys(struct bench *bench, const struct all *all)
 		const struct species *one = &all->of[i];
 		if (one->model.generated)
 			continue;
-		mean += one->saved[BENCH_GREEDY][MEAN] / count;
-		total += one->saved[BENCH_GREEDY][TOTAL] / count;
+		for (int m = 0; m < METHODS; m++) {
+			mean[m] += one->saved[m][MEAN] / count;
+			total[m] += one->saved[m][TOTAL] / count;
+		}
 		for (uint32_t k = 0; k < METHODS * DISTANCES; k++)
 			y[k / DISTANCES][k % DISTANCES] +=
 				100 * (1 - one->s.ratio[k / DISTANCES][BENCH_EVEN][k % DISTANCES]) / count;
 	}
-	bench_key(bench, "saving_pruned_mean", count ? mean : NAN,
+	bench_key(bench, "saving_pruned_mean", count ? mean[BENCH_GREEDY] : NAN,
 		">= 0.76: mean over species, leaves as they are");
-	bench_key(bench, "saving_pruned_total", count ? total : NAN,
+	bench_key(bench, "saving_pruned_total", count ? total[BENCH_GREEDY] : NAN,
 		">= 0.60: of all vertices, leaves as they are");
+	bench_key(bench, "saving_packs_mean", count ? mean[BENCH_PACK] : NAN, "mean over species, packs");
+	bench_key(bench, "saving_packs_total", count ? total[BENCH_PACK] : NAN, "of all vertices, packs");
 	bench_key(bench, "saving_species", count, "species that count");
 	for (uint32_t d = 0; d < DISTANCES; d++)
 		x[d] = bench_distance(BENCH_EVEN, d);

@@ -193,7 +193,7 @@ static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 	s->plant = lod_billboard_plant_make(&leaves->model, &leaves->arena);
 	study_caps(s);
 	study_turn(s);
-	bench_leaves_ours(s->bench, leaves, s->model, &s->looks, budgets, BUDGETS, s->made.ours);
+	bench_leaves_ours(s->bench, leaves, s->model, &s->looks, budgets, BUDGETS, s->made.ours, NULL);
 	return bench_reals((const double *)&s->made, NUMBERS);
 }
 
