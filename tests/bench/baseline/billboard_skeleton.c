@@ -4,14 +4,11 @@
 
 #include "ecofiles/base/status.h"
 #include "ecofiles/base/union.h"
-#include "lod/heap.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 
 #define NODE (1.0 / 64)              /* length of a node */
 #define CELL_FIRST (1.0 / 128)
 #define TRUNK_BELOW 0.05             /* the trunk begins this near the ground */
-#define SURPASSES 2.0                /* extent of a component that looks around a cell again */
-#define NEAR_MOST 8u                 /* half cells between points of neighbouring cells, more than that */
 
 struct skeleton {
 	const struct lod_mesh *mesh;
@@ -20,34 +17,16 @@ struct skeleton {
 	/* how a component hangs on the one that bears it: a corner (3 * triangle + k) of each; ECO_NONE: a
 	 * root */
 	struct link { uint32_t parent, own; } *link;
-	struct lod_heap_item *heap;
-	uint32_t heap_count;
 	/* nodes of chains; a parent is smaller than the node's own number, ECO_NONE for node 0 */
 	uint32_t count, *parent, *of;        /* of: per triangle */
 	struct lod_v3 *connector;            /* where it meets its parent */
 	uint32_t *around_first, *around;     /* corners at a vertex */
-	double *distance;            /* per vertex, of the component at hand */
-	uint32_t *stamp;             /* per vertex: 1 + the component that `distance` is of */
 	uint32_t *level, *set;       /* per triangle: its level; union-find over those that are one node */
 };
 
 static void *take(struct skeleton *s, size_t count, size_t size)
 {
 	return lod_arena_take(s->arena, count, size);
-}
-
-/* The heap has room for another item. */
-static void push(struct skeleton *s, double key, uint32_t id)
-{
-	lod_heap_push(s->heap, s->heap_count++, (struct lod_heap_item){ key, id });
-}
-
-static uint32_t pop(struct skeleton *s)
-{
-	uint32_t id = s->heap[0].id;
-	s->heap[0] = s->heap[--s->heap_count];
-	lod_heap_sift(s->heap, s->heap_count, 0);
-	return id;
 }
 
 /* Items i with key[i] = k are list[first[k] .. first[k + 1]), for k < n; others are left out. Returns first.
@@ -74,24 +53,17 @@ static struct lod_v3 corner_at(const struct skeleton *s, uint32_t corner)
 
 /* ---- The tree of components ----
  *
- * Prim's algorithm on corners in cells: from the trunk upwards each component hangs on the nearest that hangs
- * already. One corner of a component stands for all its corners in a cell; a component that is taken looks
- * for others in the cells around its own. Components that none has reached are looked for in cells twice as
- * wide, and so on. A cell is looked around again only for a much larger component, so the work is linear in
- * corners. Nearness counts in half cells, and among the equally near the largest bears: a leaf hangs on its
- * twig and not on the leaf beside it. */
+ * Each component hangs on the nearest that is larger. One corner of a component stands for all its corners in a
+ * cell; what finds no larger one in the cells around its own looks in cells twice as wide, and so on. Nearness
+ * counts in half cells, and among the equally near the largest bears: a leaf hangs on its twig and not on the
+ * leaf beside it. */
 
-struct rep { uint32_t corner, component, cell; };
-struct attach {
-	struct skeleton *s;
-	bool *taken;
-	uint32_t *near, *bearer;     /* half cells away, and by which component, of what is not taken */
-	double side;                 /* of cells */
-	struct lod_keyed *cells;     /* by key; value: the first rep */
-	uint32_t cell_count, rep_count;
+struct rep { uint32_t corner, component; };
+struct cells {
+	double side;
+	struct lod_keyed *cells;     /* by key; value: the first rep; one more ends the last */
+	uint32_t count;
 	struct rep *reps;            /* by cell */
-	uint32_t *own_first, *own;   /* reps by component */
-	double *seen;                /* per cell: extent of what looked around it */
 };
 
 /* Extents; returns the largest component that begins near the ground, with its lowest corner. */
@@ -120,104 +92,86 @@ static uint32_t find_trunk(struct skeleton *s, uint32_t *corner)
 	return best;
 }
 
-static void make_level(struct attach *a, double side)
+static void make_cells(struct skeleton *s, struct cells *c, double side)
 {
-	struct skeleton *s = a->s;
 	const struct lod_mesh *mesh = s->mesh;
-	uint32_t n = 3 * mesh->triangle_count, *component = take(s, n, sizeof *component);
+	uint32_t n = 3 * mesh->triangle_count, reps = 0;
 	struct lod_keyed *items = take(s, n, sizeof *items);
-	a->side = side;
-	a->cells = take(s, (size_t)n + 1, sizeof *a->cells);
-	a->seen = take(s, n, sizeof *a->seen);
-	a->reps = take(s, n, sizeof *a->reps);
+	*c = (struct cells){ side, take(s, (size_t)n + 1, sizeof *c->cells), 0, take(s, n, sizeof *c->reps) };
 	/* in the order of components, which the sort keeps within a cell */
 	for (uint32_t i = 0; i < n; i++) {
 		uint32_t corner = 3 * mesh->member[i / 3] + i % 3;
 		items[i] = (struct lod_keyed){ billboard_cell(corner_at(s, corner), side, 0, 0, 0), corner };
 	}
 	lod_sort(s->arena, items, n);
-	a->rep_count = a->cell_count = 0;
 	for (uint32_t i = 0; i < n; i++) {
 		uint32_t of = mesh->component[items[i].value / 3];
 		bool new_cell = i == 0 || items[i].key != items[i - 1].key;
-		if (new_cell) {
-			a->seen[a->cell_count] = -1;
-			a->cells[a->cell_count++] = (struct lod_keyed){ items[i].key, a->rep_count };
-		}
-		if (new_cell || component[a->rep_count - 1] != of) {
-			component[a->rep_count] = of;
-			a->reps[a->rep_count++] = (struct rep){ items[i].value, of, a->cell_count - 1 };
-		}
+		if (new_cell)
+			c->cells[c->count++] = (struct lod_keyed){ items[i].key, reps };
+		if (new_cell || c->reps[reps - 1].component != of)
+			c->reps[reps++] = (struct rep){ items[i].value, of };
 	}
-	a->cells[a->cell_count].value = a->rep_count;
-	a->own_first = list_by(s, component, a->rep_count, mesh->component_count, &a->own);
-	s->heap_count = 0;
-	s->heap = take(s, NEAR_MOST * (size_t)mesh->component_count, sizeof *s->heap);
-	memset(a->near, 0xff, mesh->component_count * sizeof *a->near);  /* ECO_NONE */
+	c->cells[c->count].value = reps;
 }
 
-static void offer(struct attach *a, const struct rep *from, const struct rep *to)
+/* Links a component to the nearest that comes before it in the order, if cells around its corners have one. */
+static bool hang(struct skeleton *s, const struct cells *c, const uint32_t *place, uint32_t component)
 {
-	const double *extent = a->s->extent;
-	uint32_t c = to->component, near = (uint32_t)(2 * lod_v3_distance(corner_at(a->s, from->corner),
-		corner_at(a->s, to->corner)) / a->side);
-	if (a->taken[c] || near > a->near[c] || (near == a->near[c]
-			&& !(extent[from->component] > extent[a->bearer[c]])))
-		return;
-	if (near < a->near[c])               /* extents stay below 64 */
-		push(a->s, -64.0 * near + extent[c], c);
-	a->near[c] = near;
-	a->bearer[c] = from->component;
-	a->s->link[c] = (struct link){ from->corner, to->corner };
-}
-
-static void expand(struct attach *a, uint32_t component)
-{
-	double extent = a->s->extent[component];
-	for (uint32_t k = a->own_first[component]; k < a->own_first[component + 1]; k++) {
-		const struct rep *from = &a->reps[a->own[k]];
-		if (extent <= SURPASSES * a->seen[from->cell])
+	const uint32_t *member_first = s->mesh->member_first;
+	uint32_t least = ECO_NONE, bearer = ECO_NONE;
+	for (uint32_t i = 27 * 3 * member_first[component]; i < 27 * 3 * member_first[component + 1]; i++) {
+		uint32_t own = 3 * s->mesh->member[i / 81] + i / 27 % 3, k = i % 27;
+		struct lod_v3 at = corner_at(s, own);
+		uint64_t key = billboard_cell(at, c->side, (int)(k % 3) - 1, (int)(k / 3 % 3) - 1, (int)(k / 9) - 1);
+		uint32_t cell = billboard_find(c->cells, c->count, key);
+		if (cell == c->count || c->cells[cell].key != key)
 			continue;
-		a->seen[from->cell] = extent;
-		for (int i = 0; i < 27; i++) {
-			uint64_t key = billboard_cell(corner_at(a->s, from->corner), a->side, i % 3 - 1,
-				i / 3 % 3 - 1, i / 9 - 1);
-			uint32_t cell = billboard_find(a->cells, a->cell_count, key);
-			if (cell == a->cell_count || a->cells[cell].key != key)
+		for (uint32_t r = c->cells[cell].value; r < c->cells[cell + 1].value; r++) {
+			const struct rep *to = &c->reps[r];
+			if (place[to->component] >= place[component])
 				continue;
-			for (uint32_t to = a->cells[cell].value; to < a->cells[cell + 1].value; to++)
-				offer(a, from, &a->reps[to]);
+			uint32_t near = (uint32_t)(2 * lod_v3_distance(at, corner_at(s, to->corner)) / c->side);
+			if (near > least || (near == least && place[to->component] >= place[bearer]))
+				continue;
+			least = near;
+			bearer = to->component;
+			s->link[component] = (struct link){ to->corner, own };
 		}
 	}
+	return bearer != ECO_NONE;
 }
 
-/* Fills `order` with all components, each after the one that bears it, and links. */
+/* Fills `order` with all components, the trunk first, then the largest, and links. */
 static void attach_all(struct skeleton *s, uint32_t *order)
 {
-	uint32_t n = s->mesh->component_count, count = 1, lowest = 0, trunk = find_trunk(s, &lowest);
-	struct attach a = { .s = s, .taken = take(s, n, sizeof *a.taken), .near = take(s, n, sizeof *a.near),
-		.bearer = take(s, n, sizeof *a.bearer) };
+	uint32_t n = s->mesh->component_count, left = n - 1, lowest = 0, trunk = find_trunk(s, &lowest),
+		*place = take(s, n, sizeof *place);
+	struct lod_keyed *items = take(s, n, sizeof *items);
+	bool *hangs = take(s, n, sizeof *hangs);
+	for (uint32_t c = 0; c < n; c++)
+		items[c] = (struct lod_keyed){ c == trunk ? 0 : ~lod_sort_key(s->extent[c]), c };
+	lod_sort(s->arena, items, n);
+	for (uint32_t i = 0; i < n; i++) {
+		order[i] = items[i].value;
+		place[order[i]] = i;
+	}
 	s->link[trunk] = (struct link){ ECO_NONE, lowest };
-	a.taken[trunk] = true;
-	order[0] = trunk;
-	for (double side = CELL_FIRST; count < n; side *= 2) {
+	hangs[trunk] = true;
+	for (double side = CELL_FIRST; left; side *= 2) {
 		struct lod_arena_piece *mark = s->arena->last;
-		make_level(&a, side);
-		for (uint32_t i = 0; i < count; i++)
-			expand(&a, order[i]);
-		while (s->heap_count > 0) {
-			uint32_t c = pop(s);
-			if (a.taken[c])
-				continue;
-			a.taken[c] = true;
-			order[count++] = c;
-			expand(&a, c);
-		}
+		struct cells cells;
+		make_cells(s, &cells, side);
+		for (uint32_t i = 1; i < n; i++)
+			if (!hangs[order[i]] && hang(s, &cells, place, order[i])) {
+				hangs[order[i]] = true;
+				left--;
+			}
 		lod_arena_release(s->arena, mark);
 	}
 }
 
-/* ---- Nodes: level sets of the distance along the surface from where a component hangs ----
+/* ---- Nodes: level sets of the distance from where a component hangs ----
  *
  * A tube becomes a chain of rings, one that forks becomes a chain that forks. A component that is shorter
  * than two nodes, such as a leaf, is one node. */
@@ -232,37 +186,12 @@ static struct lod_v3 place_of(const struct skeleton *s, uint32_t vertex)
 	return lod_v3_of(s->mesh->place + 3 * (size_t)vertex);
 }
 
-static void reach(struct skeleton *s, uint32_t component, uint32_t vertex, double distance)
+static double nearest(const struct skeleton *s, uint32_t triangle, struct lod_v3 from)
 {
-	if (s->stamp[vertex] == component + 1 && s->distance[vertex] <= distance)
-		return;
-	s->stamp[vertex] = component + 1;
-	s->distance[vertex] = distance;
-	push(s, -distance, vertex);
-}
-
-/* Dijkstra over edges. */
-static void measure(struct skeleton *s, uint32_t component, uint32_t from)
-{
-	s->heap_count = 0;
-	reach(s, component, from, 0);
-	while (s->heap_count > 0) {
-		double at = -s->heap[0].key;
-		uint32_t v = pop(s);
-		for (uint32_t i = s->around_first[v]; i < s->around_first[v + 1] && at <= s->distance[v]; i++)
-			for (uint32_t k = 0; k < 3 && s->mesh->component[s->around[i]
-				/ 3] == component; k++) {
-				uint32_t to = vertex_of(s, s->around[i] / 3, k);
-				reach(s, component, to,
-					at + lod_v3_distance(place_of(s, v), place_of(s, to)));
-			}
-	}
-}
-
-static double nearest(const struct skeleton *s, uint32_t triangle)
-{
-	return fmin(s->distance[vertex_of(s, triangle, 0)], fmin(s->distance[vertex_of(s, triangle, 1)],
-		s->distance[vertex_of(s, triangle, 2)]));
+	double least = INFINITY;
+	for (uint32_t k = 0; k < 3; k++)
+		least = fmin(least, lod_v3_distance(place_of(s, vertex_of(s, triangle, k)), from));
+	return least;
 }
 
 /* A triangle at the vertex in the component, of the level (`lower`: of a lower one and of a node before
@@ -281,7 +210,7 @@ static uint32_t neighbour(const struct skeleton *s, uint32_t vertex, uint32_t tr
 }
 
 /* Triangles of one level that share a vertex are of one node. Nodes are numbered by their distance. */
-static void make_nodes(struct skeleton *s, uint32_t component)
+static void make_nodes(struct skeleton *s, uint32_t component, struct lod_v3 from)
 {
 	const uint32_t *member = s->mesh->member + s->mesh->member_first[component];
 	uint32_t members = s->mesh->member_first[component + 1] - s->mesh->member_first[component];
@@ -289,10 +218,10 @@ static void make_nodes(struct skeleton *s, uint32_t component)
 	struct lod_keyed *items = take(s, members, sizeof *items);
 	for (uint32_t i = 0; i < members; i++) {
 		uint32_t t = member[i];
-		s->level[t] = (uint32_t)(nearest(s, t) / NODE);
+		s->level[t] = (uint32_t)(nearest(s, t, from) / NODE);
 		s->set[t] = t;
 		s->of[t] = ECO_NONE;
-		items[i] = (struct lod_keyed){ lod_sort_key(nearest(s, t)), t };
+		items[i] = (struct lod_keyed){ lod_sort_key(nearest(s, t, from)), t };
 	}
 	for (uint32_t i = 0; i < 3 * members; i++) {     /* the first at a vertex: all join that one */
 		uint32_t t = member[i / 3];
@@ -340,8 +269,7 @@ static void add_component(struct skeleton *s, uint32_t component)
 	s->parent[first] = link->parent == ECO_NONE ? ECO_NONE : s->of[link->parent / 3];
 	s->connector[first] = place_of(s, own);
 	if (s->extent[component] > 2 * NODE) {
-		measure(s, component, own);
-		make_nodes(s, component);
+		make_nodes(s, component, place_of(s, own));
 		link_nodes(s, component, first);
 		return;
 	}
@@ -496,12 +424,8 @@ void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mes
 	s.parent = take(&s, most, sizeof *s.parent);
 	s.of = take(&s, most, sizeof *s.of);
 	s.connector = take(&s, most, sizeof *s.connector);
-	s.distance = take(&s, mesh->vertex_count, sizeof *s.distance);
-	s.stamp = take(&s, mesh->vertex_count, sizeof *s.stamp);
 	s.level = take(&s, most, sizeof *s.level);
 	s.set = take(&s, most, sizeof *s.set);
-	s.heap = take(&s, 9 * (size_t)most + 1,
-		sizeof *s.heap);         /* each edge from each triangle and end */
 	s.around_first = list_by(&s, mesh->index, 3 * most, mesh->vertex_count, &s.around);
 	for (uint32_t i = 0; i < n; i++)
 		add_component(&s, order[i]);
