@@ -129,7 +129,7 @@ bool bench_scene_asked(struct bench *bench, const char *name);
 /* False, too, where the scene needs data that is not there (scbi): the report says so. Makes its pack. */
 bool bench_scene_there(struct bench *bench, const char *name, char pack[512]);
 /* The pack of one model, made anew each time; its plant comes from a cache. */
-void bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512]);
+void bench_model_pack(struct bench *bench, const struct bench_model *model, bool draft, char pack[512]);
 /* Stamp of the pack's content for units: the same for the same bytes. Borrowed until the next call. */
 const char *bench_pack_stamp(const char *path);
 /* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there

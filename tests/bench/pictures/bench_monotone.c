@@ -36,7 +36,7 @@ static void study_plant(struct bench *bench, const struct bench_model *model, st
 	char pack[512], stamp[40], key[80];
 	double f[FIGURES];
 	json_t *unit;
-	bench_model_pack(bench, model, pack);
+	bench_model_pack(bench, model, false, pack);
 	snprintf(stamp, sizeof stamp, "pack %016llx", (unsigned long long)bench_file_hash(pack));
 	snprintf(key, sizeof key, "monotone-%s", model->name);
 	unit = bench_unit(bench, key, stamp, measure, pack);
