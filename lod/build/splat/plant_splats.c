@@ -16,7 +16,7 @@
  * is cut into up to LEVEL_CHUNKS chunks of at least LEAST_CHUNK splats. */
 #define LEVEL_CHUNKS 16u
 #define LEAST_CHUNK 48u
-#define LEVELS_DRAFT 5u
+#define LEVELS_DRAFT 6u
 #define COLORS 16u               /* more would be no better to see: lod/EXPERIMENTS.md, Splats, Colours */
 
 static struct eco_list list_of(const struct lod_splats *splats, uint32_t count)
@@ -217,7 +217,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	const uint8_t (*rgb)[3] = (const uint8_t (*)[3])triangles.rgb;
 	/* a build with small curves is a draft in its splats, too */
 	bool small = options->draft || (options->pixels && options->pixels < 160);
-	struct lod_splats_options fit = { .views = small ? 12 : 0, .pixels = small ? 48 : 0,
+	struct lod_splats_options fit = { .views = small ? 8 : 0, .pixels = small ? 72 : 0,
 		.levels = options->draft ? LEVELS_DRAFT : 0, .draft = options->draft,
 		.rgb = rgb, .organ = triangles.organ, .leaf = triangles.leaf, .progress = options->progress,
 		.each = options->each, .ctx = options->ctx };

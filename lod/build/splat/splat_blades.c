@@ -1,7 +1,6 @@
 /* Plants of blades: grass, turf, reeds. A splat is right where it lies on one blade, and mostly wrong where it
- * covers two, and no descent leads from there to one. So one level has a splat for each blade. The two levels
- * before it begin with the blades that show most, coarser ones with all points of their blades
- * (lod/EXPERIMENTS.md, Splats, Blades). */
+ * covers two, and no descent leads from there to one. So one level has a splat for each blade; coarser ones begin
+ * with all points of their blades (lod/EXPERIMENTS.md, Splats, Blades). */
 #include <math.h>
 #include <string.h>
 
@@ -12,7 +11,6 @@
 #define BLADES_LEAST 48u         /* fewer are found by the usual start */
 #define BLADES_MOST 1024u
 #define LONG2 16                 /* square of a blade's length over its width */
-#define ALONE_LEVELS 2u          /* before that of the blades */
 #define LONG_SHARE 0.9           /* of all points: lie on such blades */
 
 struct blade { struct splat_part part; double mean[3], length; };
@@ -200,11 +198,4 @@ struct splat_part splat_blades_part(const struct splat_blades *blades, uint32_t 
 	uint32_t each = blades->size[blades->level] / blades->size[level];
 	const struct splat_part *parts = blades->parts + (size_t)i * each;
 	return (struct splat_part){ parts->first, parts[each - 1].end };
-}
-
-struct splat_part splat_blades_start(const struct splat_blades *blades, uint32_t level, uint32_t i)
-{
-	uint32_t each = blades->size[blades->level] / blades->size[level];
-	return level + ALONE_LEVELS >= blades->level ? blades->parts[(size_t)i * each]
-		: splat_blades_part(blades, level, i);
 }

@@ -27,8 +27,7 @@
 #define PRICED 192u
 #define MOST_SIBLINGS 4u
 
-#define USUAL_LEVELS 7u
-static const uint32_t usual_size[USUAL_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
+static const uint32_t usual_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072, 12288 };
 #define SPARSE 0.4               /* cover: blades stand apart (splat_blades.c) */
 #define CHANCE_FEW 0.1f          /* at least, for levels of at most so many splats */
 #define FEW_SPLATS 12u
@@ -38,12 +37,7 @@ static const uint32_t usual_size[USUAL_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 
 /* Levels of at most so many begin there: so much of their descent. Finer ones would lose by it. */
 #define COARSE_FIRST 192u
 #define COARSE_SHARE 0.7f
-#define FEW_TRIANGLES 4096u
-/* Share of hard Q in the objective (chance of struct splat_softness) for plants of so few triangles, by the
- * mean cover of the pixels that they cover at all (lod/EXPERIMENTS.md, Thin plants). */
-static const struct { double cover, chance; } chances[] = { { 0.4, 0.4 }, { 0.5, 0.7 }, { 0.65, 0.7 },
-	{ 0.72, 0.03 }, { 1, 0.03 } };
-
+#define FEW_TRIANGLES 4096u      /* plants of blades have fewer */
 struct fit {
 	const struct lod_splats_options *options;
 	struct lod_arena arena;
@@ -55,7 +49,6 @@ struct fit {
 	struct splat_params *level[LOD_SPLAT_LEVELS];
 	struct lod_splats *splats;
 	double cover;                    /* mean cover of the pixels that the plant covers at all */
-	float chance;                    /* how much of the objective is hard Q */
 };
 
 /* ---- Parts ---- */
@@ -236,8 +229,7 @@ static void share_points(struct fit *fit, uint32_t level)
 static void choose_sizes(struct fit *fit, const struct eco_model *model)
 {
 	memcpy(fit->size, usual_size, sizeof usual_size);
-	bool small = model->triangle_count < LARGE_PLANT;
-	fit->most = fit->options->levels ? USUAL_LEVELS : USUAL_LEVELS - small;
+	fit->most = LOD_SPLAT_LEVELS - (model->triangle_count < LARGE_PLANT);
 	if (model->triangle_count < FEW_TRIANGLES
 			&& splat_blades_find(&fit->blades, &fit->points, model, &fit->arena)) {
 		memcpy(fit->size, fit->blades.size, sizeof fit->size);
@@ -267,16 +259,12 @@ static void find_parts(struct fit *fit, uint32_t level)
 static void start_level(struct fit *fit, uint32_t level)
 {
 	uint32_t size = fit->size[level], children = level ? size / fit->size[level - 1] : 1;
-	bool blades = fit->blades.levels && level <= fit->blades.level;
 	fit->level[level] = lod_arena_take(&fit->arena, size, sizeof **fit->level);
 	fit->parts[level] = lod_arena_take(&fit->arena, size, sizeof **fit->parts);
 	find_parts(fit, level);
-	for (uint32_t i = 0; i < size; i++) {
-		struct splat_part part = blades ? splat_blades_start(&fit->blades, level, i)
-			: fit->parts[level][i];
-		first_shape(fit, &part, level ? &fit->level[level - 1][i / children] : NULL, i % children,
-			&fit->level[level][i]);
-	}
+	for (uint32_t i = 0; i < size; i++)
+		first_shape(fit, &fit->parts[level][i], level ? &fit->level[level - 1][i / children] : NULL,
+			i % children, &fit->level[level][i]);
 }
 
 static uint32_t count_levels(const struct fit *fit, const struct eco_model *model)
@@ -335,26 +323,11 @@ static double cover_of(const struct splat_views *views)
 	return sum / (double)(pixels + !pixels);
 }
 
-/* Thin plants of few triangles get hard Q: all of their splats are few beside the pixels that they are drawn in, and opacity adds noise to noise. */
-static float chance_of(const struct fit *fit, const struct eco_model *model)
-{
-	double cover = fit->cover;
-	uint32_t i = 1;
-	if (fit->options->opaque || model->triangle_count >= FEW_TRIANGLES)
-		return fit->options->opaque ? CHANCE_OPAQUE : CHANCE;
-	cover = cover > chances[0].cover ? cover : chances[0].cover;
-	while (i + 1 < sizeof chances / sizeof *chances && cover > chances[i].cover)
-		i++;
-	double part = (cover - chances[i - 1].cover) / (chances[i].cover - chances[i - 1].cover);
-	return (float)(chances[i - 1].chance + (chances[i].chance - chances[i - 1].chance)
-		* (part < 1 ? part : 1));
-}
-
 static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settle)
 {
 	struct splat_descent descent = { .views = &fit->views, .splats = fit->level[level],
 		.count = fit->size[level], .opaque = fit->options->opaque,
-		.blades = fit->blades.levels > 0, .chance = fit->chance,
+		.blades = fit->blades.levels > 0, .chance = fit->options->opaque ? CHANCE_OPAQUE : CHANCE,
 		.level = level, .levels = levels, .options = fit->options, .settle = settle };
 	descent.coarse = &fit->coarse;
 	descent.coarse_share = fit->blades.levels ? 0 : fit->size[level] <= COARSE_SPLATS ? 1
@@ -530,7 +503,6 @@ static bool run(struct fit *fit, const struct eco_model *model)
 	place(fit->splats, &fit->views);
 	choose_sizes(fit, model);
 	fit->cover = cover_of(&fit->views);
-	fit->chance = chance_of(fit, model);
 	uint32_t levels = count_levels(fit, model);
 	for (uint32_t l = 0; l < levels; l++) {
 		start_level(fit, l);

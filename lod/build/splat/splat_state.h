@@ -35,6 +35,7 @@ struct splat_view {
 
 struct splat_views {
 	uint32_t count, pixels, stride, planes;      /* planes: 1, or 4 of coarse views */
+	uint32_t samples;            /* of the surface, at most, in each */
 	float scale;                 /* pixels a radius */
 	struct splat_view *items;
 	double center[3], radius;    /* of the model, metres */
@@ -157,8 +158,7 @@ struct splat_blades {
  * their triangles, by the parts. */
 bool splat_blades_find(struct splat_blades *blades, const struct splat_points *points,
 	const struct eco_model *model, struct lod_arena *arena);
-/* The points of splat i of a level up to that of the blades; those that its descent begins with. */
+/* The points of splat i of a level up to that of the blades. */
 struct splat_part splat_blades_part(const struct splat_blades *blades, uint32_t level, uint32_t i);
-struct splat_part splat_blades_start(const struct splat_blades *blades, uint32_t level, uint32_t i);
 
 #endif

@@ -18,6 +18,7 @@
  * that faces the eye, .50 on a whole ball; of a splat the middle shows most (lod/EXPERIMENTS.md, Leaves on splats). */
 #define CELL_RUN 0.63
 #define SAMPLES 49152u           /* of the surface, in all views */
+#define SAMPLES_DRAFT 12288u
 
 struct drawing {
 	struct splat_views *views;
@@ -97,7 +98,7 @@ static void surface_point(float out[3], const struct splat_views *views, const s
 static void take_samples(struct splat_views *views, uint32_t index, const struct lod_raster *raster)
 {
 	struct splat_view *view = &views->items[index];
-	uint32_t room = SAMPLES / views->count;
+	uint32_t room = views->samples;
 	uint64_t seed = 0x51A7 + index;
 	for (uint32_t tries = 0; tries < 8 * room && view->sample_count < room; tries++) {
 		uint64_t bits = eco_random_next(&seed);
@@ -149,8 +150,8 @@ static void allocate(struct splat_views *views, struct lod_arena *arena)
 		struct splat_view *view = &views->items[i];
 		view->cover = lod_arena_take(arena, pixels * views->stride, sizeof *view->cover);
 		view->light = lod_arena_take(arena, pixels * pixels, sizeof *view->light);
-		view->sample = lod_arena_take(arena, SAMPLES / views->count, sizeof *view->sample);
-		view->triangle = lod_arena_take(arena, SAMPLES / views->count, sizeof *view->triangle);
+		view->sample = lod_arena_take(arena, views->samples, sizeof *view->sample);
+		view->triangle = lod_arena_take(arena, views->samples, sizeof *view->triangle);
 	}
 }
 
@@ -160,6 +161,7 @@ void splat_views_make(struct splat_views *views, const struct eco_model *model,
 	uint32_t pixels = options->pixels ? options->pixels : 160, parts = options->each ? 4 : 1;
 	*views = (struct splat_views){ .count = options->views ? options->views : 55, .pixels = pixels,
 		.stride = pixels + 4, .planes = 1, .scale = (float)(pixels / (2 * FRAME)) };
+	views->samples = (options->draft ? SAMPLES_DRAFT : SAMPLES) / views->count;
 	views->items = lod_arena_take(arena, views->count, sizeof *views->items);
 	look(views);
 	views->radius = lod_model_sphere(model, views->center);
