@@ -66,6 +66,38 @@ UNIT_TEST(plans_are_the_same_with_tables_as_without)
 #define THREADS 4u
 #define LADDERS_MOST 512u
 
+/* A crown is that of leaves, however wood lies; wood below it is the stem. The plant is 12 m high, its leaves lie from
+ * 4 m on in two cells, and a cell below has all of its wood. */
+UNIT_TEST(a_crown_is_of_leaves_and_stands_on_its_stem)
+{
+	static const struct { float z, radius, leaves, wood; } cells[] = { { 2, 3.4641f, 0, 5.0265f }, { 6, 3.4641f, 80, 0 },
+		{ 10, 3.4641f, 80, 0 } };
+	struct scene_builder b = { .state = 0 };
+	struct lod_plan_tables *tables;
+	uint32_t plant = scene_add_plant(&b, (struct eco_plant){ .height_m = 12, .area = 165 }),
+		anchor = scene_add_anchor(&b, (struct eco_anchor){ { 0, 0, 6 }, 6.5f });
+	for (int i = -1; i < 3; i++) {
+		if (i >= 0)
+			anchor = scene_add_anchor(&b, (struct eco_anchor){ { 0, 0, cells[i].z }, cells[i].radius });
+		for (int wood = 0; wood < 2; wood++) {
+			struct eco_ladder l = scene_ladder(plant, anchor, wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE);
+			l.area = i < 0 ? wood ? 5 : 160 : wood ? cells[i].wood : cells[i].leaves;
+			if (l.area > 0)
+				scene_add_ladder(&b, l);
+		}
+	}
+	assert_false(lod_plan_tables_make(&tables, &b.scene, NULL));
+	const struct lod_proxy_shape *shape = lod_plan_tables_proxy_shapes(tables);
+	double foot = shape->rise - shape->crown_up + shape->up;
+	assert_float_equal(shape->rise, 2, 1e-3);
+	assert_float_equal(shape->leaf_area, 160, 1e-3);
+	assert_true(foot > 1.5 && foot < 4);
+	/* its cylinder, as far as it stands below the crown, of 20 cm across */
+	assert_float_equal(shape->stem, 0.2, 0.03);
+	lod_plan_tables_free(tables);
+	scene_free(&b);
+}
+
 struct asker { struct lod_plan_tables *tables; const struct lod_plan_tables_ladder *found[LADDERS_MOST]; };
 
 static void *ask_all(void *ctx)

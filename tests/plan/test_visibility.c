@@ -119,6 +119,41 @@ UNIT_TEST(plants_around_the_eye_hide_each_other)
 	lod_screen_free(&screen);
 }
 
+/* Anywhere around and among them, whatever their sizes: each is lit by what others leave. */
+UNIT_TEST(plants_show_no_more_pixels_than_the_picture_has)
+{
+	struct rng { uint64_t s; } r = { 7 };
+	for (int scene = 0; scene < 60; scene++) {
+		struct lod_screen screen;
+		struct lod_eye eye;
+		double seen = 0, number[4];
+		const struct eco_view view = { .eye = { 0, 0, 2 }, .target = { 0, 10, 2 }, .fov_y_deg = 55, PICTURE };
+		lod_eye_make(&eye, &view);
+		lod_screen_init(&screen, &eye, &view, scene % 2);
+		for (int i = 0; i < 80; i++) {
+			for (int k = 0; k < 4; k++) {
+				r.s = r.s * 6364136223846793005u + 1442695040888963407u;
+				number[k] = (double)(r.s >> 11) * 0x1p-53;
+			}
+			struct lod_proxy_shape shape = { .across = 0.2 + 5 * number[0], .up = 0.2 + 8 * number[1], .area = 100 };
+			shape.leaf_area = 200 * number[2];
+			shape.crown_across = shape.across;
+			shape.crown_up = 0.7 * shape.up;
+			shape.rise = 0.3 * shape.up;
+			shape.stem = 0.3 * number[3];
+			const double center[3] = { 30 * number[3] - 15, 40 * number[2] - 10, shape.up };
+			assert_non_null(lod_screen_add(&screen, center, &shape));
+		}
+		assert_good(lod_screen_shares(&screen, true, &cause));
+		for (uint32_t i = 0; i < screen.count; i++) {
+			assert_true(screen.visibilities[i].share > 0 && screen.visibilities[i].share <= 1);
+			seen += pixels_of(&screen.visibilities[i]);
+		}
+		assert_true(seen > 0 && seen < 1.02 * 800 * 600);
+		lod_screen_free(&screen);
+	}
+}
+
 /* Past the eye, one and two radii aside, or through it. What stands beside the eye is not in the picture, but what
  * the eye is within. */
 UNIT_TEST(what_passes_the_eye_goes_little_by_little)
