@@ -128,7 +128,7 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, co
 	} else {
 		srv_json_add(json, "bounds:null look:null");
 	}
-	srv_json_add(json, "near_m:%g", (double)tables->near_m);
+	srv_json_add(json, "near_m:%g draft:%d", (double)tables->near_m, json_is_true(json_object_get(scene->meta, "draft")));
 	describe_origin(json, scene->meta);
 	describe_needs(json, tables->needs);
 	srv_json_add(json, "cap_vertices:%lx cap_bytes:%lx", most->vertices, most->bytes);

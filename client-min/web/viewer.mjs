@@ -160,6 +160,7 @@ function know(said) {
 	about = said;
 	showSettings();
 	document.title = `${about.title ?? settings.scene} – ecostream`;
+	$('draft').hidden = !about.draft;
 	camera.reach(about.bounds, about.near_m);
 	const stays = !view && located && camera.transfer(located, about);
 	located = about;

@@ -23,6 +23,7 @@ UNIT_TEST(health_and_scenes_are_described)
 	assert_int_equal(count_in(json, "chunks"), scene()->chunk_count);
 	assert_int_equal(count_in(json, "plants"), 2);
 	assert_true(json_real_value(json_object_get(json, "near_m")) == scene()->near_m);
+	assert_true(json_is_true(json_object_get(json, "draft")));
 	assert_int_equal(json_array_size(json_object_get(json, "needs")), 6);
 	assert_string_equal(json_string_value(json_object_get(origin, "crs")), "EPSG:32632");
 	assert_true(json_number_value(json_array_get(json_object_get(origin, "at"), 1)) == 5334000);

@@ -127,7 +127,7 @@ static enum eco_code sample_write(const char *path, const struct eco_ground *gro
 	sample_lists(&b, plain);
 	sample_tables(&b, plain);
 	enum eco_code code = scene_add_heights(&b, ground, error);
-	code = code ? code : scene_write(&b, path, "{\"name\":\"sample\",\"crs\":\"EPSG:32632\",\"origin\":"
+	code = code ? code : scene_write(&b, path, "{\"name\":\"sample\",\"draft\":true,\"crs\":\"EPSG:32632\",\"origin\":"
 		"[691000,5334000,500.5],\"place\":{\"longitude_deg\":11.5621,\"latitude_deg\":48.129,"
 		"\"convergence_deg\":1.9082}}", NULL, error);
 	scene_free(&b);
