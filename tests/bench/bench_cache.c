@@ -1,33 +1,26 @@
 /* A client with little memory (Deussen 2002, section 6.3): bytes fetched along a path, chunks given up
  * (client-min/view_cache.h) and requests repeated, by the memory that the client may hold.
  *
- * Paths go there and back, which needs everything twice; with the data folder there is a drone's recorded
- * flight over the SCBI forest, too. The whole need is the memory of a client without a limit at the end.
- * Nothing is drawn: tests/client/test_view_cache.c compares the pictures. */
+ * Paths go there and back, which needs everything twice. The whole need is the memory of a client without a limit
+ * at the end. Nothing is drawn: tests/client/test_view_cache.c compares the pictures. */
 #include <stdlib.h>
-#include <sys/stat.h>
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/format/view.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
 
-#define PATH 1100
 #define VERTICES 100000u
 #define FRAMES_FULL 60u                  /* one way */
 #define FRAMES_QUICK 20u
-#define TRACK "cameras/dji_p4_rtk.SRT"   /* 661 m in 54 s */
-/* the place of its first fix in the scbi scene, from which it crosses the plot; a pilot's view */
-#define TRACK_PLACE "--to 100,30,345 --pitch -15 --fps 1"
 
 /* Parts of the whole need; no limit; the need of the largest view alone, and 2 % for descriptions of what
  * only its coarse steps show. */
 enum { NO_LIMIT = 0, LARGEST_VIEW = UINT32_MAX };
 static const uint32_t parts[] = { NO_LIMIT, 1, 2, 4, LARGEST_VIEW };
 #define PARTS (sizeof parts / sizeof *parts)
-static const struct { const char *scene; bool recorded; } paths[] = { { "outdoor", false },
-	{ "trees5000", false }, { "scbi", false }, { "scbi", true } };
-#define PATHS (sizeof paths / sizeof *paths)
+static const char *const scenes[] = { "outdoor", "trees5000", "scbi" };
+#define SCENES (sizeof scenes / sizeof *scenes)
 
 struct walk { struct eco_request *requests; uint32_t count; uint64_t need, largest; };
 
@@ -42,31 +35,6 @@ static void there_and_back(struct bench *bench, const char *scene, struct walk *
 		must(eco_fail(must_error, ECO_NOT_FOUND, "scene '%s' has no path", scene));
 	for (uint32_t i = 0; i < one_way; i++)
 		walk->requests[one_way + i] = walk->requests[one_way - 1 - i];
-}
-
-static void recorded(struct bench *bench, struct walk *walk)
-{
-	char path[PATH];
-	struct eco_camera *camera;
-	snprintf(path, sizeof path, "%s/recorded.json", bench->cache);
-	bench_command("'%s/ecopack' camera '%s/" TRACK "' -o '%s' -q " TRACK_PLACE, bench->build, bench->data, path);
-	must(eco_camera_load(&camera, path, must_error));
-	walk->count = eco_camera_frame_count(camera);
-	walk->requests = eco_alloc(walk->count, sizeof *walk->requests);
-	for (uint32_t i = 0; i < walk->count; i++) {
-		eco_camera_frame(camera, i, &walk->requests[i].view);
-		walk->requests[i].view.width = BENCH_SHOT_WIDTH;
-		walk->requests[i].view.height = BENCH_SHOT_HEIGHT;
-	}
-	eco_camera_free(camera);
-}
-
-static bool has_track(const struct bench *bench)
-{
-	char path[PATH];
-	struct stat status;
-	return bench->data && snprintf(path, sizeof path, "%s/" TRACK, bench->data) < (int)sizeof path
-		&& stat(path, &status) == 0;
 }
 
 /* ---- One path ---- */
@@ -141,18 +109,15 @@ struct work { struct bench *bench; size_t which; const char *pack; };
 static json_t *run_path(void *ctx)
 {
 	const struct work *w = ctx;
-	const char *scene = paths[w->which].scene;
+	const char *scene = scenes[w->which];
 	struct srv_store served;
 	struct walk walk = { 0 };
 	double figure[PARTS][FIGURES] = { { 0 } };
 	srv_store_init(&served);
-	if (paths[w->which].recorded)
-		recorded(w->bench, &walk);
-	else
-		there_and_back(w->bench, scene, &walk);
+	there_and_back(w->bench, scene, &walk);
 	must(srv_store_add(&served, "scene", w->pack, must_error));
 	for (size_t i = 0; i < PARTS; i++) {
-		bench_progress(w->bench, ((double)w->which + (double)i / PARTS) / PATHS, scene);
+		bench_progress(w->bench, ((double)w->which + (double)i / PARTS) / SCENES, scene);
 		walk_with(served.scenes[0], &walk, memory_of(&walk, parts[i]), figure[i]);
 	}
 	srv_store_free(&served);
@@ -164,10 +129,9 @@ static void try_path(struct bench *bench, size_t which, struct bench_table *tabl
 {
 	char pack[512], name[96];
 	double figure[PARTS][FIGURES], *all = figure[0];
-	if (!bench_scene_there(bench, paths[which].scene, pack))
+	if (!bench_scene_there(bench, scenes[which], pack))
 		return;
-	snprintf(name, sizeof name, "cache-%s-%s-%s", paths[which].scene,
-		paths[which].recorded ? "recorded" : "path", bench->full ? "full" : "quick");
+	snprintf(name, sizeof name, "cache-%s-%s", scenes[which], bench->full ? "full" : "quick");
 	bench_cells(bench_unit(bench, name, bench_pack_stamp(pack), run_path, &(struct work){ bench, which,
 		pack }), all, PARTS * FIGURES);
 	for (size_t i = 0; i < PARTS; i++) {
@@ -175,8 +139,7 @@ static void try_path(struct bench *bench, size_t which, struct bench_table *tabl
 		const double *now = figure[i];
 		snprintf(part, sizeof part, parts[i] == NO_LIMIT ? "no limit" : parts[i] == LARGEST_VIEW
 			? "largest view" : "1/%u", parts[i]);
-		bench_table_row(table, "%s,%s,%s,%.2f,%.0f of %.0f,%.0f,%.2f,%.0f,%.0f,%.0f",
-			paths[which].scene, paths[which].recorded ? "recorded" : "there and back", part,
+		bench_table_row(table, "%s,%s,%.2f,%.0f of %.0f,%.0f,%.2f,%.0f,%.0f,%.0f", scenes[which], part,
 			now[MEMORY] / (1 << 20), now[FRAMES], all[FRAMES], now[BYTES],
 			now[BYTES] / all[BYTES], now[EVICTIONS], now[AGAIN], now[ANSWERS] - now[FRAMES]);
 	}
@@ -184,11 +147,10 @@ static void try_path(struct bench *bench, size_t which, struct bench_table *tabl
 
 static void run(struct bench *bench)
 {
-	struct bench_table *table = bench_table_open(bench, "cache", "scene,path,memory,MiB,frames,bytes,"
+	struct bench_table *table = bench_table_open(bench, "cache", "scene,memory,MiB,frames,bytes,"
 		"times no limit,chunks evicted,bytes fetched again,requests repeated", true);
-	for (size_t i = 0; i < PATHS; i++)
-		if (!paths[i].recorded || has_track(bench))
-			try_path(bench, i, table);
+	for (size_t i = 0; i < SCENES; i++)
+		try_path(bench, i, table);
 	bench_table_close(table);
 	bench_say(bench, "A client may hold a part of the decoded data that a whole path needs, at %u "
 		"vertices a frame. The chunk that no plan needed for the longest time goes first; ties: the "
