@@ -118,7 +118,7 @@ static void step_splat(const struct state *s, struct splat_params *splat, struct
 		splat->v[j] -= rate * (j < SPLAT_OPACITY ? size : 1) * by;
 	}
 	float *opacity = &splat->v[SPLAT_OPACITY];
-	*opacity = s->d->opaque || *opacity > 1 ? 1 : *opacity < 0.0625f ? 0.0625f : *opacity;
+	*opacity = *opacity > 1 ? 1 : *opacity < 0.0625f ? 0.0625f : *opacity;
 }
 
 static void prepare(struct state *s, struct lod_arena *arena)

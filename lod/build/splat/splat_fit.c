@@ -32,7 +32,6 @@ static const uint32_t usual_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3
 #define CHANCE_FEW 0.1f          /* at least, for levels of at most so many splats */
 #define FEW_SPLATS 12u
 #define CHANCE 0.03f
-#define CHANCE_OPAQUE 0.4f       /* hard Q of opaque splats is what they are for */
 #define COARSE_SPLATS 48u        /* levels of at most so many are fitted in coarse views alone */
 /* Levels of at most so many begin there: so much of their descent. Finer ones would lose by it. */
 #define COARSE_FIRST 192u
@@ -100,7 +99,7 @@ static void first_shape(struct fit *fit, const struct splat_part *part, const st
 		for (int i = 0; i < 3; i++)
 			splat->v[SPLAT_AXES + 3 * k + i] = (float)(length * vector[k][i]);
 	}
-	splat->v[SPLAT_OPACITY] = fit->options->opaque ? 1 : 0.8f;
+	splat->v[SPLAT_OPACITY] = 0.8f;
 }
 
 #define FOUR(n) (((n) + 3) / 4 * 4)
@@ -326,8 +325,7 @@ static double cover_of(const struct splat_views *views)
 static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settle)
 {
 	struct splat_descent descent = { .views = &fit->views, .splats = fit->level[level],
-		.count = fit->size[level], .opaque = fit->options->opaque,
-		.blades = fit->blades.levels > 0, .chance = fit->options->opaque ? CHANCE_OPAQUE : CHANCE,
+		.count = fit->size[level], .blades = fit->blades.levels > 0, .chance = CHANCE,
 		.level = level, .levels = levels, .options = fit->options, .settle = settle };
 	descent.coarse = &fit->coarse;
 	descent.coarse_share = fit->blades.levels ? 0 : fit->size[level] <= COARSE_SPLATS ? 1

@@ -41,7 +41,6 @@ struct lod_splats {                      /* owns its items */
 
 struct lod_splats_options {
 	bool draft;                      /* a quarter of the steps */
-	bool opaque;                     /* all opacities 1 */
 	uint32_t levels;                 /* at most; 0: as many as the plant's triangles suggest */
 	uint32_t views, pixels;          /* fitted to; 0: 55 views of 160 pixels; pixels: a multiple of 8 */
 	const uint8_t (*rgb)[3];         /* per triangle of the model; NULL: from materials and textures */

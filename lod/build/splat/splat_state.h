@@ -107,7 +107,7 @@ struct splat_descent {
 	 * others, so that pictures between two levels are good, too. */
 	const struct splat_params *parents;
 	uint32_t children;               /* of each parent */
-	bool opaque, blades;                     /* of a plant of blades, which takes more views a step */
+	bool blades;                     /* of a plant of blades, which takes more views a step */
 	float chance;                    /* struct splat_softness */
 	bool settle;                     /* shapes stay, as they have been rounded; a few steps of the rest */
 	uint32_t level, levels;          /* for progress */
