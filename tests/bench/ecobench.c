@@ -2,7 +2,7 @@
 #include "tests/bench/bench.h"
 
 extern const struct bench_section bench_frames, bench_pictures, bench_bytes,
-	bench_rising, bench_monotone, bench_rules, bench_curves, bench_species, bench_ladders, bench_path,
+	bench_rising, bench_rules, bench_curves, bench_species, bench_ladders, bench_path,
 	bench_drawn, bench_collapse, bench_lee, bench_scale, bench_hierarchy,
 	bench_importance, bench_steadiness, bench_switches, bench_extreme, bench_billboards, bench_deussen, bench_neubert,
 	bench_requests, bench_needs, bench_cache, bench_planner,
@@ -11,7 +11,7 @@ extern const struct bench_section bench_frames, bench_pictures, bench_bytes,
 int main(int argc, char **argv)
 {
 	static const struct bench_section *const sections[] = { &bench_frames, &bench_pictures,
-		&bench_bytes, &bench_rising, &bench_monotone, &bench_rules, &bench_curves,
+		&bench_bytes, &bench_rising, &bench_rules, &bench_curves,
 		&bench_species, &bench_ladders, &bench_path, &bench_drawn, &bench_collapse,
 		&bench_lee, &bench_scale, &bench_hierarchy, &bench_importance,
 		&bench_steadiness, &bench_switches, &bench_extreme, &bench_billboards, &bench_deussen, &bench_neubert,
