@@ -322,16 +322,19 @@ endif
 # Words that people add to: each table becomes an array of its rows. Comments begin with #; the first row names the columns; a column
 # whose first value is a number holds numbers.
 PLACES := ecofiles/import/places
+# names.tsv has a row for each plant and language, its table one for each name, in their order
+names_by_name = awk -F '\t' '/^\#/ { next } !named++ { print "name\ttaxon\tlanguage\twhere"; fflush(); next } \
+	{ count = split($$4, name, "|"); for (i = 1; i <= count; i++) print name[i] "\t" $$1 "\t" $$2 "\t" $$3 | "LC_ALL=C sort" }'
 WORDS := $(patsubst $(PLACES)/words/%.tsv,build/words/%.table,$(wildcard $(PLACES)/words/*.tsv))
 build/words/%.table: $(PLACES)/words/%.tsv Makefile
 	$(call say,awk,$<)
 	@mkdir -p $(@D)
-	$(Q)LC_ALL=C awk -F '\t' 'BEGIN { print "static const struct {" } /^#/ { next } { gsub(/[\\"]/, "\\\\&") } \
+	$(Q)$(if $(filter names,$*),$(names_by_name),cat) $< | LC_ALL=C awk -F '\t' 'BEGIN { print "static const struct {" } /^#/ { next } { gsub(/[\\"]/, "\\\\&") } \
 		!named { named = split($$0, name); next } \
 		!begun++ { for (i = 1; i <= named; i++) { number[i] = $$i ~ /^-?[0-9.]+$$/; \
 			print (number[i] ? "double " : "const char *") name[i] ";" } print "} $*_rows[] = {" } \
 		{ printf "{"; for (i = 1; i <= named; i++) printf number[i] ? " %s," : " \"%s\",", $$i; print " }," } \
-		END { print "};" }' $< >$@.part && mv $@.part $@
+		END { print "};" }' >$@.part && mv $@.part $@
 $(call objects,$(wildcard $(PLACES)/*.c)): | $(WORDS)
 
 # libFuzzer declares the function that it calls

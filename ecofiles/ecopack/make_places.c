@@ -11,6 +11,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
+#include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/size_units.h"
 
@@ -277,9 +278,9 @@ void make_places_check(struct make *m)
 /* By the plant's name; of a name that says nothing, by its first file's. */
 static struct eco_flora flora_of(const struct make_plant *plant)
 {
-	struct eco_flora flora = eco_flora_of(plant->source->name, false);
+	struct eco_flora flora = eco_flora_of(plant->source->name, NULL);
 	return flora.genus || flora.form != ECO_FORM_UNKNOWN ? flora
-		: eco_flora_of(eco_path_last(plant->source->models[0]), false);
+		: eco_flora_of(eco_path_last(plant->source->models[0]), NULL);
 }
 
 static void doubt_height(const struct make *m, uint32_t id, double middle_m, uint64_t count)

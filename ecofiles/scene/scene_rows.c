@@ -21,7 +21,7 @@ static const struct eco_field row_fields[] = {
 	FIELD("from", PATH, 0, 0, path), COLUMN("layer", layer), COLUMN("x", x), COLUMN("y", y), COLUMN("z", z),
 	FIELD("unit", UNIT, 0, 0, unit_m), ECO_OTHER("polar"), ECO_OTHER("quadrat"), FIELD("crs", CRS, 0, 0, crs),
 	FIELD("vertical", TEXT, 0, 0, vertical), ECO_OTHER("separator"), ECO_OTHER("decimal"),
-	ECO_OTHER("thousands"), COLUMN("species", species), ECO_OTHER("map"), ECO_OTHER("plant"),
+	ECO_OTHER("thousands"), ECO_OTHER("species"), ECO_OTHER("map"), ECO_OTHER("plant"),
 	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"),
 	FIELD("levels", WHOLE, 1, 1024, levels), COLUMN("scale", scale), COLUMN("yaw_deg", yaw_deg),
 	ECO_OTHER("duplicates"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
@@ -180,15 +180,31 @@ static void map_of_plants(const struct eco_source *source, const struct eco_json
 	check_keys(at, spec);
 }
 
+/* A column, or an array of the genus's, the epithet's and the cultivar's. */
+static void parse_species_columns(const struct eco_json *at, char *columns[ECO_SPECIES_COLUMNS])
+{
+	struct eco_json species = eco_json_member(at, "species");
+	size_t count = species.value ? eco_scene_several(&species) : 0;
+	eco_scene_need(!species.value || !json_is_array(species.value)
+		|| eco_json_array(&species, ECO_SPECIES_COLUMNS));
+	if (species.value && count == 0)
+		eco_scene_fail(&species, "an array of columns that is empty");
+	for (size_t i = 0; i < count; i++) {
+		struct eco_json item = eco_scene_one(&species, i);
+		eco_scene_copy(&item, ECO_COLUMN_BYTES, &columns[i]);
+	}
+}
+
 static void parse_species(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	struct eco_json map = eco_json_member(at, "map"), plant = eco_json_member(at, "plant");
 	spec->fallback.plant = ECO_NONE;
-	if (plant.value && (spec->species || map.value))
+	parse_species_columns(at, spec->species);
+	if (plant.value && (spec->species[0] || map.value))
 		eco_scene_fail(&plant, "\"plant\" makes every row this plant: leave out \"species\" and \"map\", or "
 			"\"plant\"");
-	if (!plant.value && !spec->species)
+	if (!plant.value && !spec->species[0])
 		eco_scene_fail(at, "say what stands there: \"plant\": \"NAME\", or \"species\": \"COLUMN\" and a "
 			"\"map\"");
 	if (plant.value) {
@@ -418,6 +434,8 @@ void eco_positions_spec_free(struct eco_positions_spec *spec)
 	eco_scene_fields_free(polar_fields, spec);
 	eco_scene_fields_free(quadrat_fields, spec);
 	free(spec->fallback.name);
+	for (uint32_t i = 0; i < ECO_SPECIES_COLUMNS; i++)
+		free(spec->species[i]);
 	for (uint32_t i = 0; i < spec->map_count; i++)
 		free(spec->map[i].name);
 	for (uint32_t i = 0; i < spec->height_count; i++)

@@ -129,14 +129,14 @@ UNIT_TEST(values_are_counted_most_first)
 	struct eco_rows_source source = { .path = input_text("table", "values.csv", "a,sp\n1,oak\n2, elm "
 		"\n3,elm\n4\n5,ash\n") };
 	struct eco_table_values values;
-	assert_good(eco_table_values_read(&values, &source, "sp", &cause));
+	assert_good(eco_table_values_read(&values, &source, (const char *const[]){ "sp" }, 1, &cause));
 	assert_int_equal(values.count, 3);
 	assert_string_equal(values.items[0].text, "elm");
 	assert_int_equal(values.items[0].rows, 2);
 	assert_int_equal(values.items[0].first_line, 3);
 	assert_string_equal(values.items[1].text, "oak");
 	eco_table_values_free(&values);
-	assert_code(eco_table_values_read(&values, &source, "none", &cause), ECO_BAD_INPUT, "");
+	assert_code(eco_table_values_read(&values, &source, (const char *const[]){ "none" }, 1, &cause), ECO_BAD_INPUT, "");
 }
 
 /* ---- Places ---- */

@@ -1,11 +1,13 @@
-/* Words and texts of inventories: names of plants and of columns, numbers, sizes and their units. */
+/* Words and texts of inventories: tables of words, names of columns, numbers, sizes and their units. */
 #include <glob.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
+#include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/size_units.h"
@@ -16,14 +18,13 @@
 /* ---- Tables of words: each column is described, each row is whole, no word stands twice ---- */
 
 #define FIELDS_MAX 8
-#define SEEN_BYTES 65536
 #define say(t, format, ...) fail_msg("%s:%u: " format, (t)->path, (t)->line, ##__VA_ARGS__)
 
 struct table {
 	const char *path;
 	unsigned line, rows, columns;
-	char comments[4096], names[512], *name[FIELDS_MAX];
-	char seen[SEEN_BYTES];       /* "\nkey\tword\n..." */
+	char comments[4096], names[512], *name[FIELDS_MAX], first[ECO_WORDS_BYTES];
+	char **seen; uint32_t seen_count, seen_capacity;     /* "key\tword" */
 };
 
 static unsigned split(char *text, char **field)
@@ -49,19 +50,35 @@ static bool is_one_of(const char *text, const char *const *names, size_t count)
 /* A list of words, or of phrases with bars between; none of them may be in another row of that key. */
 static void check_list(struct table *t, const char *key, char *list, bool phrases)
 {
-	char folded[ECO_WORDS_BYTES], entry[ECO_WORDS_BYTES];
+	char folded[ECO_WORDS_BYTES], entry[2 * ECO_WORDS_BYTES];
+	bool of_sizes = strstr(t->path, "sizes.tsv") != NULL;
 	for (char *word = strtok(list, phrases ? "|" : " "); word; word = strtok(NULL, phrases ? "|" : " ")) {
-		if (phrases)
+		if (of_sizes)
 			eco_text_fold(word, folded, sizeof folded);
 		else
 			eco_words_of(word, folded, sizeof folded);
 		if (strcmp(folded, word) != 0)
 			say(t, "\"%s\" is to be written \"%s\"", word, folded);
-		snprintf(entry, sizeof entry, "\n%s\t%s\n", key, word);
-		if (strstr(t->seen, entry))
-			say(t, "\"%s\" stands twice for %s", word, key);
-		strncat(t->seen, entry + 1, sizeof t->seen - strlen(t->seen) - 1);
+		snprintf(entry, sizeof entry, "%s\t%s", key, word);
+		eco_grow(&t->seen, &t->seen_capacity, t->seen_count, sizeof *t->seen);
+		t->seen[t->seen_count++] = eco_copy_text(entry);
 	}
+}
+
+static int compare_texts(const void *a, const void *b)
+{
+	return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static void check_seen(struct table *t)
+{
+	qsort(t->seen, t->seen_count, sizeof *t->seen, compare_texts);
+	for (uint32_t i = 1; i < t->seen_count; i++)
+		if (strcmp(t->seen[i - 1], t->seen[i]) == 0)
+			say(t, "stands twice: %s", t->seen[i]);
+	for (uint32_t i = 0; i < t->seen_count; i++)
+		free(t->seen[i]);
+	free(t->seen);
 }
 
 static void check_field(struct table *t, const char *name, char *text, const char *key, bool number)
@@ -73,10 +90,31 @@ static void check_field(struct table *t, const char *name, char *text, const cha
 		say(t, "%s: \"%s\" is no number", name, text);
 	if (strcmp(name, "role") == 0 && !is_one_of(text, eco_role_names, ECO_ROLE_COUNT))
 		say(t, "no role is \"%s\"", text);
-	if (strcmp(name, "form") == 0 && !is_one_of(text, eco_form_names + 1, ECO_FORM_COUNT - 1))
+	if (strcmp(name, "form") == 0 && !is_one_of(text, eco_form_names + 1, ECO_FORM_COUNT - 1)
+			&& !(strcmp(text, "-") == 0 && strstr(t->path, "growth.tsv")))
 		say(t, "no form is \"%s\"", text);
-	if (is_one_of(name, (const char *const[]){ "words", "names", "epithets", "phrases" }, 4))
-		check_list(t, key, text, strcmp(name, "phrases") == 0);
+	if (strcmp(name, "leaf") == 0 && !is_one_of(text, (const char *const[]){ "evergreen", "deciduous", "-" }, 3))
+		say(t, "no leaf is \"%s\"", text);
+	if (strcmp(name, "where") == 0 && !is_one_of(text, (const char *const[]){ "all", "always", "alone", "america",
+			"europe", "africa", "asia", "oceania", "for people" }, 9) && !strstr(t->path, "grids.tsv"))
+		say(t, "no place is \"%s\"", text);
+	if ((strcmp(name, "genus") == 0 || strcmp(name, "taxon") == 0) && !eco_flora_of(text, NULL).genus
+			&& !is_one_of(text, eco_form_names, ECO_FORM_COUNT))
+		say(t, "no genus of genera.tsv is \"%s\"", text);
+	if (is_one_of(name, (const char *const[]){ "words", "epithets" }, 2))
+		check_list(t, key, text, false);
+	if (is_one_of(name, (const char *const[]){ "names", "phrases", "cultivars" }, 3) && strcmp(text, "-") != 0)
+		check_list(t, key, text, true);
+}
+
+/* Tables that are searched by halves are in the order of their bytes. */
+static void check_order(struct table *t, const char *first)
+{
+	if (strstr(t->path, "genera.tsv") || strstr(t->path, "species.tsv")) {
+		if (strcmp(t->first, first) >= 0)
+			say(t, "%s stands behind %s", first, t->first);
+		snprintf(t->first, sizeof t->first, "%s", first);
+	}
 }
 
 static void check_row(struct table *t, char *line, bool *number)
@@ -86,7 +124,10 @@ static void check_row(struct table *t, char *line, bool *number)
 	if (count != t->columns)
 		say(t, "%u fields, %u are named: tabs part them", count, t->columns);
 	/* a genus may share a common name with another; a column's word may speak for one role and against another */
-	snprintf(key, sizeof key, "%s%s", field[0], field[1][0] == '-' ? " (against)" : "");
+	bool keyed = strstr(t->path, "names.tsv") || strstr(t->path, "growth.tsv");
+	snprintf(key, sizeof key, "%s%s%s%s", field[0], field[1][0] == '-' && !keyed ? " (against)" : "",
+		keyed ? field[1] : "", strstr(t->path, "/names.tsv") ? field[2] : "");
+	check_order(t, field[0]);
 	for (unsigned i = 0; i < count && count == t->columns; i++) {
 		char *end;
 		number[i] |= t->rows == 0 && *field[i] && (strtod(field[i], &end), *end == 0);
@@ -114,7 +155,7 @@ static void check_table(const char *path, char *text)
 {
 	static struct table t;
 	bool number[FIELDS_MAX] = { false };
-	t = (struct table){ .path = path, .seen = "\n" };
+	t = (struct table){ .path = path };
 	for (char *line = text, *next; line && *line; line = next) {
 		next = strchr(line, '\n');
 		if (next)
@@ -129,13 +170,14 @@ static void check_table(const char *path, char *text)
 		else
 			check_row(&t, line, number);
 	}
+	check_seen(&t);
 }
 
 UNIT_TEST(tables_of_words_are_whole)
 {
 	glob_t found;
 	assert_int_equal(glob("ecofiles/import/places/words/*.tsv", 0, NULL, &found), 0);
-	assert_true(found.gl_pathc >= 9);
+	assert_true(found.gl_pathc >= 13);
 	for (size_t i = 0; i < found.gl_pathc; i++) {
 		size_t size;
 		uint8_t *bytes = file_read(found.gl_pathv[i], &size);
@@ -155,6 +197,8 @@ UNIT_TEST(names_become_words)
 		{ "\u00c9pic\u00e9a", "epicea" }, { "sapling_oak_s7.obj", "sapling oak s 7 obj" },
 		{ "CommonTree_1", "common tree 1" }, { "Stra\u00dfe", "strase" },
 		{ "\u0160\u0164\u0158\u0142\u0153", "strlo" }, { "\u4e2d x", "\u4e2d x" }, { "  ", "" },
+		{ "H\u00f6HE", "hohe" }, { "HH\u00f6he", "hhohe" }, { "H\u00c3\u00b6he", "hohe" },
+		{ "\u3051\u3084\u304d\uff08\u6b05\uff09", "\u30b1\u30e4\u30ad \u6b05" },
 		{ "20\u00a0m\u00b2", "20 m" }, { "Высота, м", "высота м" }, { "ЁЛКАКрона2", "елкакрона 2" } };
 	char words[ECO_WORDS_BYTES];
 	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
@@ -163,67 +207,6 @@ UNIT_TEST(names_become_words)
 	}
 	for (size_t size = 1; size < 20; size++)             /* cut anywhere */
 		assert_true(eco_words_of("abc d\u00e9fg 12 hij", words, size) < size);
-}
-
-UNIT_TEST(genera_and_forms_are_known_in_several_languages)
-{
-	static const struct { const char *name, *genus; enum eco_form form;
-	} names[] = { { "Quercus robur", "quercus", ECO_FORM_BROAD },
-		{ "Stieleiche", "quercus", ECO_FORM_BROAD },
-		{ "ch\u00eane p\u00e9doncul\u00e9", "quercus", ECO_FORM_BROAD },
-		{ "oak, pin (Quercus palustris)", "quercus", ECO_FORM_BROAD },
-		{ "d\u0105b szypu\u0142kowy", "quercus", ECO_FORM_BROAD },
-		{ "sosna zwyczajna", "pinus", ECO_FORM_CONIFER }, { "b\u0159\u00edza", "betula", ECO_FORM_BROAD },
-		{ "salgueiro", "salix", ECO_FORM_WEEPING }, { "lind", "tilia", ECO_FORM_BROAD },
-		{ "Laburnum anagyroides", "laburnum", ECO_FORM_BROAD },  /* nearly Viburnum, and none */
-		{ "Берёза повислая", "betula", ECO_FORM_BROAD },
-		{ "СЛИВА", "prunus", ECO_FORM_BROAD },       /* ends as a willow does, which is too short */
-		{ "maples", "acer", ECO_FORM_BROAD }, { "Rotfichte", "picea", ECO_FORM_CONIFER },
-		{ "Populus nigra 'Italica' fastigiata", "populus", ECO_FORM_COLUMN },
-		{ "Betula pendula", "betula", ECO_FORM_WEEPING }, { "palmera", "phoenix", ECO_FORM_PALM },
-		{ "CommonTree_1", NULL, ECO_FORM_BROAD }, { "Bush_1", NULL, ECO_FORM_SHRUB },
-		{ "Rock_2", NULL, ECO_FORM_NOTHING },
-		{ "Vacant site small (vacant site small)", NULL, ECO_FORM_NOTHING },
-		{ "Pinus pinea :: Italian Stone Pine", "pinus", ECO_FORM_CONIFER },
-		{ "Rock elm", "ulmus", ECO_FORM_BROAD }, { "Oak (removed)", "quercus", ECO_FORM_NOTHING },
-		{ "Tabebuia rosea", NULL, ECO_FORM_UNKNOWN },        /* nearly a rose, and none */
-		{ "Terminalia catappa L.", NULL, ECO_FORM_UNKNOWN },
-		{ "Thespesia populnea (L.) Sol. ex Correa", NULL, ECO_FORM_UNKNOWN },
-		{ "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN },
-		{ "", NULL, ECO_FORM_UNKNOWN } };
-	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-		struct eco_flora flora = eco_flora_of(names[i].name, true);
-		const char *genus = flora.genus ? flora.genus : "?";
-		if (strcmp(genus, names[i].genus ? names[i].genus : "?") != 0 || flora.form != names[i].form)
-			fail_msg("%s is %s, %s", names[i].name, genus, eco_form_names[flora.form]);
-		assert_string_equal(flora.misspelt, "");
-	}
-}
-
-UNIT_TEST(codes_are_known_where_spelling_is_asked_for)
-{
-	static const char *const codes[][2] = { { "piab", "picea abies" }, { "FASY", "fagus sylvatica" },
-		{ "quru", "quercus rubra" }, { "QUEROB", "quercus robur" }, { "litu", "liriodendron tulipifera" } };
-	for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
-		struct eco_flora flora = eco_flora_of(codes[i][0], true);
-		assert_string_equal(flora.coded, codes[i][1]);
-		assert_true(flora.genus && strncmp(flora.genus, codes[i][1], strlen(flora.genus)) == 0);
-		assert_true(eco_form_is_tree(flora.form));
-		assert_null(eco_flora_of(codes[i][0], false).genus);
-	}
-	assert_string_equal(eco_flora_of("pine", true).coded, "");     /* a word, though pinus nes... */
-	assert_null(eco_flora_of("quxy", true).genus);
-}
-
-UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
-{
-	struct eco_flora flora = eco_flora_of("Qercus robur", true);
-	assert_string_equal(flora.genus, "quercus");
-	assert_string_equal(flora.misspelt, "qercus");
-	assert_null(eco_flora_of("Qercus robur", false).genus);
-	assert_null(eco_flora_of("Xyzzy plugh", true).genus);
-	assert_string_equal(eco_flora_of("Pseudotsgua menziesii", true).genus, "pseudotsuga");
-	assert_string_equal(eco_flora_of("Norway mapel", true).genus, "acer");
 }
 
 /* ---- Texts of tables, as people write them in several countries ---- */

@@ -19,6 +19,7 @@
 
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/run.h"
+#include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/place_guess.h"
 #include "ecofiles/import/places/size_units.h"
@@ -72,6 +73,7 @@ struct start {
 	struct start_model *models; uint32_t model_count, model_capacity;
 	struct eco_table_values species;
 	struct start_match *matches;         /* per value of species */
+	struct eco_flora_hint hint;          /* for their names */
 	uint32_t fallback;                   /* the model of all other species */
 	double height_m;                     /* of plants of which no size is known */
 	struct start_guess *guesses; uint32_t guess_count, guess_capacity;

@@ -100,8 +100,14 @@ static void say_columns(struct start *s)
 			? "swapped, see crs" : o->x && o->y ? "as you say" : "by their names and numbers");
 	}
 	say_offsets(s);
-	if (s->columns.of[ECO_ROLE_SPECIES] != ECO_NONE)
-		say_column(s, ECO_ROLE_SPECIES, "--species-column", o->species);
+	if (s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE)
+		return;
+	say_column(s, ECO_ROLE_SPECIES, "--species-column", o->species);
+	for (uint32_t i = 0; i < 2 && s->columns.species_more[i] != ECO_NONE; i++) {
+		snprintf(took, sizeof took, "\"%.70s\", joined to it", start_column(s, s->columns.species_more[i]));
+		start_guess(s, "species", took, "\"species\" in the scene", "%s", i == 0
+			? "it has the epithets of these genera, or cultivars" : "it has cultivars");
+	}
 }
 
 /* ---- Sizes ---- */

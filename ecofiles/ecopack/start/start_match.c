@@ -8,20 +8,25 @@
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 
 #define COMMON 500u              /* species that a rare one is compared with */
 #define FEWER 20u                /* so many times rarer is a misspelling */
 
-/* ---- Scores ---- */
+/* ---- Scores: same species, genus, form, leaves, size, in this order ---- */
 
+#define SPECIES 200
 #define GENUS 100
-#define WORD 40                  /* a word that both have */
+#define WORD 40                  /* a word that both have, where neither's genus is known */
 #define FORM 20
-#define NEAR 8                   /* the form that is most like theirs */
 #define KIND 10                  /* tree for tree, low plant for low plant */
-#define PLAIN 3                  /* a model of no genus stands for any */
+#define NEAR 8                   /* the form that is most like theirs */
+#define LEAF 5
+#define PLAIN 2                  /* a model of no genus stands for any */
+#define SIZE 1
 #define DEAD 1
+#define LIKE_SIZE 1.5            /* heights that differ by less are alike */
 
 /* Words of species and model that are the same and tell something: no numbers, no sizes, no "tree". */
 static int shared_words(const char *species, const char *model)
@@ -33,6 +38,13 @@ static int shared_words(const char *species, const char *model)
 		shared += strlen(word) >= 3 && (word[0] < '0' || word[0] > '9') &&
 			!eco_words_have(empty, word) && eco_words_have(model, word);
 	return shared;
+}
+
+/* Whether two names begin with one word: an epithet says nothing without its genus. */
+static bool begin_alike(const char *a, const char *b)
+{
+	char p[ECO_WORD_BYTES], q[ECO_WORD_BYTES];
+	return eco_words_next(&a, p) && eco_words_next(&b, q) && strcmp(p, q) == 0;
 }
 
 static bool says_genus(const struct eco_flora *a, const struct eco_flora *b)
@@ -48,23 +60,37 @@ static bool is_near(enum eco_form form, enum eco_form of_model)
 	return near[form] != ECO_FORM_UNKNOWN && near[form] == of_model;
 }
 
+/* A column of a broad-leaved genus is nearer to a broad-leaved tree, one of needles to a conifer. */
+static bool is_column_of(const struct eco_flora *flora, enum eco_form of_model)
+{
+	bool needles = flora->leaf == ECO_LEAF_EVERGREEN;
+	return flora->form == ECO_FORM_COLUMN && flora->genus
+		&& of_model == (needles ? ECO_FORM_CONIFER : ECO_FORM_BROAD);
+}
+
 static int score(const struct eco_flora *flora, const char *words, const struct start_model *model,
 	enum start_tier *tier)
 {
+	const struct eco_flora *own = &model->flora;
 	enum eco_form form = flora->form != ECO_FORM_UNKNOWN ? flora->form : ECO_FORM_BROAD;
-	int shared = shared_words(words, model->words), sum = WORD * shared;
-	bool genus = says_genus(flora, &model->flora);
+	bool genus = says_genus(flora, own), unknown = !flora->genus && !own->genus;
+	bool species = genus && flora->epithet[0] != 0 && strcmp(flora->epithet, own->epithet) == 0;
+	int shared = genus || (unknown && begin_alike(words, model->words)) ? shared_words(words, model->words) : 0;
+	int sum = species ? SPECIES : WORD * (genus ? shared > 1 : shared);
 	*tier = START_BY_NOTHING;
-	if (model->flora.form == ECO_FORM_NOTHING)
+	if (own->form == ECO_FORM_NOTHING)
 		return -GENUS;
 	/* a dead or bare tree stands for a living one only where there is no other */
 	if (model->is_dead && !eco_words_have(words, "dead"))
 		return DEAD;
-	sum += genus ? GENUS : model->flora.genus ? 0 : PLAIN;
-	sum += form == model->flora.form ? FORM : is_near(form, model->flora.form) ? NEAR : 0;
-	sum += eco_form_is_tree(form) == eco_form_is_tree(model->flora.form) ? KIND : 0;
-	*tier = shared > (genus ? 1 : 0) ? START_BY_NAME : genus ? START_BY_GENUS
-		: flora->form == model->flora.form ? START_BY_FORM : START_BY_NOTHING;
+	sum += genus ? GENUS : own->genus ? 0 : PLAIN;
+	sum += form == own->form ? FORM : is_column_of(flora, own->form) || is_near(form, own->form) ? NEAR : 0;
+	sum += eco_form_is_tree(form) == eco_form_is_tree(own->form) ? KIND : 0;
+	sum += flora->leaf != ECO_LEAF_UNKNOWN && flora->leaf == own->leaf ? LEAF : 0;
+	sum += flora->height_m > 0 && flora->height_m < LIKE_SIZE * own->height_m
+		&& own->height_m < LIKE_SIZE * flora->height_m ? SIZE : 0;
+	*tier = species || (shared > (genus ? 1 : 0)) ? START_BY_NAME : genus ? START_BY_GENUS
+		: flora->form == own->form ? START_BY_FORM : START_BY_NOTHING;
 	return sum;
 }
 
@@ -78,10 +104,9 @@ static uint32_t model_named(const struct start *s, const char *words)
 }
 
 /* Ties: a hash of the genus takes one of the models, so that not all woods look alike. */
-static struct start_match best_match(const struct start *s, const char *text)
+static struct start_match best_match(const struct start *s, const char *text, const struct eco_flora *flora)
 {
-	struct start_match match = { .model = ECO_NONE, .tier = START_LEFT_OUT,
-		.flora = eco_flora_of(text, true) };
+	struct start_match match = { .model = ECO_NONE, .tier = START_LEFT_OUT, .flora = *flora };
 	char words[ECO_WORDS_BYTES];
 	int best = -1000;
 	uint64_t hash = 0, taken = 0;
@@ -105,6 +130,69 @@ static struct start_match best_match(const struct start *s, const char *text)
 		match.tier = tier;
 	}
 	return match;
+}
+
+/* ---- What else the rows say ---- */
+
+/* Whether a column may say how a plant grows: by a word of its name, if it holds no species. */
+static bool may_say_form(const struct start *s, uint32_t column)
+{
+	return column != s->columns.of[ECO_ROLE_SPECIES] && column != s->columns.species_more[0]
+		&& eco_words_any(s->table.columns[column], eco_words_set("growth"));
+}
+
+static bool is_row_of(const struct start *s, uint32_t row, const char *species)
+{
+	char text[ECO_WORDS_BYTES] = "", part[ECO_WORDS_BYTES];
+	const uint32_t columns[] = { s->columns.of[ECO_ROLE_SPECIES], s->columns.species_more[0],
+		s->columns.species_more[1] };
+	for (size_t i = 0; i < 3 && columns[i] != ECO_NONE; i++)
+		eco_text_join(text, sizeof text, eco_text_trim(eco_table_field(&s->table, row, columns[i]), part,
+			sizeof part));
+	return strcmp(text, species) == 0;
+}
+
+/* The form that most rows of an unknown species say in another column: "conifer", "evergreen palm". */
+static void find_form_beside(const struct start *s, const char *species, struct eco_flora *flora)
+{
+	uint32_t counts[ECO_FORM_COUNT] = { 0 };
+	enum eco_form best = ECO_FORM_UNKNOWN;
+	for (uint32_t column = 0; column < s->table.column_count; column++)
+		for (uint32_t row = 0; may_say_form(s, column) && row < s->table.row_count; row++) {
+			enum eco_leaf leaf;
+			if (!is_row_of(s, row, species))
+				continue;
+			enum eco_form form = eco_form_of(eco_table_field(&s->table, row, column), &leaf);
+			counts[form == ECO_FORM_NOTHING ? ECO_FORM_UNKNOWN : form]++;
+			flora->leaf = leaf != ECO_LEAF_UNKNOWN ? leaf : flora->leaf;
+		}
+	for (int form = 1; form < ECO_FORM_NOTHING; form++)
+		if (counts[form] > counts[best] || (best == ECO_FORM_UNKNOWN && counts[form] > 0))
+			best = (enum eco_form)form;
+	flora->form = best;
+}
+
+/* The system of codes that explains four of five rows, and more of them than names do; NULL: none. */
+static const char *find_codes(const struct start *s)
+{
+	const char *best = NULL, *system;
+	uint64_t filled = 0, named = 0, most = 0;
+	for (uint32_t i = 0; i < s->species.count; i++) {
+		const struct eco_table_value *value = &s->species.items[i];
+		bool missing = eco_text_is_missing(value->text);
+		filled += missing ? 0 : value->rows;
+		named += !missing && eco_flora_of(value->text, NULL).genus ? value->rows : 0;
+	}
+	for (size_t k = 0; (system = eco_flora_system(k)) != NULL; k++) {
+		uint64_t sum = 0;
+		for (uint32_t i = 0; i < s->species.count; i++)
+			sum += eco_flora_has_code(system, s->species.items[i].text) ? s->species.items[i].rows : 0;
+		if (sum > most) {
+			most = sum;
+			best = system;
+		}
+	}
+	return most > named && 5 * most >= 4 * filled ? best : NULL;
 }
 
 /* ---- What is said ---- */
@@ -133,13 +221,22 @@ static void say_tier(struct start *s, enum start_tier tier)
 	}
 }
 
+/* Not where both name plants: a genus is no misspelling of another, nor is a species of its genus's other. */
+static bool may_be_same(const struct start *s, uint32_t rare, uint32_t common)
+{
+	const struct eco_flora *a = &s->matches[rare].flora, *b = &s->matches[common].flora;
+	if (!a->genus || a->misspelt[0] != 0)
+		return true;
+	return b->genus && strcmp(a->genus, b->genus) == 0 && !eco_flora_has_epithet(a->genus, a->epithet);
+}
+
 /* The much commoner species that a rare one differs from by a letter or two; ECO_NONE: none. */
 static uint32_t nearly_same(const struct start *s, uint32_t rare)
 {
 	const struct eco_table_value *values = s->species.items;
 	size_t length = strlen(values[rare].text);
 	for (uint32_t i = 0; i < rare && i < COMMON && length >= 8; i++)
-		if (values[i].rows >= FEWER * values[rare].rows
+		if (values[i].rows >= FEWER * values[rare].rows && may_be_same(s, rare, i)
 				&& eco_words_distance(values[i].text, values[rare].text, 2) <= 2)
 			return i;
 	return ECO_NONE;
@@ -176,7 +273,10 @@ static void say_spelling(struct start *s)
 			continue;
 		snprintf(took, sizeof took, "\"%.60s\" is meant as %s", s->species.items[i].text,
 			f->coded[0] ? f->coded : f->meant);
-		if (f->coded[0])
+		if (f->coded[0] && s->hint.codes)
+			start_guess(s, "code of a species", took, "\"map\" in the scene", "a code of %s, as most rows "
+				"have", s->hint.codes);
+		else if (f->coded[0])
 			start_guess(s, "code of a species", took, "\"map\" in the scene", "the first letters of both words");
 		else
 			start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is no plant, but "
@@ -190,7 +290,8 @@ static void say_spelling(struct start *s)
 static void choose_fallback(struct start *s)
 {
 	char took[100];
-	s->fallback = best_match(s, "tree").model;
+	struct eco_flora any = eco_flora_of("tree", NULL);
+	s->fallback = best_match(s, "tree", &any).model;
 	for (uint32_t i = 0; i < s->model_count; i++)
 		if (s->models[i].rows > s->models[s->fallback].rows &&
 			eco_form_is_tree(s->models[i].flora.form))
@@ -235,15 +336,23 @@ static _Noreturn void ask_for_species(const struct start *s)
 
 static void match_all(struct start *s)
 {
-	eco_check(eco_table_values_read(&s->species, &s->source, start_column(s, s->columns.of[ECO_ROLE_SPECIES]),
-		s->error));
+	const uint32_t *more = s->columns.species_more;
+	const char *columns[ECO_COLUMNS_JOINED] = { start_column(s, s->columns.of[ECO_ROLE_SPECIES]),
+		start_column(s, more[0]), start_column(s, more[1]) };
+	uint32_t joined = more[0] == ECO_NONE ? 1 : more[1] == ECO_NONE ? 2 : 3;
+	eco_check(eco_table_values_read(&s->species, &s->source, columns, joined, s->error));
 	s->matches = eco_alloc(s->species.count, sizeof *s->matches);
+	s->hint = (struct eco_flora_hint){ .spelling = true, .codes = find_codes(s),
+		.region = eco_region_of(s->place.degrees[0], s->place.degrees[1]) };
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		struct start_match *match = &s->matches[i];
 		*match = (struct start_match){ .model = ECO_NONE, .tier = START_TIERS };
 		if (eco_text_is_missing(s->species.items[i].text))
 			continue;        /* "*" */
-		*match = best_match(s, s->species.items[i].text);
+		struct eco_flora flora = eco_flora_of(s->species.items[i].text, &s->hint);
+		if (!flora.genus && flora.form == ECO_FORM_UNKNOWN)
+			find_form_beside(s, s->species.items[i].text, &flora);
+		*match = best_match(s, s->species.items[i].text, &flora);
 		if (match->model == ECO_NONE)
 			continue;
 		s->models[match->model].rows += s->species.items[i].rows;

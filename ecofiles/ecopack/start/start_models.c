@@ -15,6 +15,7 @@
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
+#include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 
 #define DEPTH_MAX 4u
@@ -182,7 +183,7 @@ static size_t base_bytes(const char *stem, size_t bytes)
 static void set_words(struct start_model *m, const char *text)
 {
 	eco_words_of(text, m->words, sizeof m->words);
-	m->flora = eco_flora_of(text, false);
+	m->flora = eco_flora_of(text, NULL);
 	m->is_dead = eco_words_have(m->words, "dead") || eco_words_have(m->words, "bare")
 		|| eco_words_have(m->words, "snow");
 }

@@ -187,6 +187,18 @@ static void set_text(json_t *object, const char *key, const char *text)
 		json_object_set_new(object, key, json_string(text));
 }
 
+static json_t *species_json(const struct start *s)
+{
+	const uint32_t *more = s->columns.species_more;
+	json_t *first = json_string(start_column(s, s->columns.of[ECO_ROLE_SPECIES])), *all;
+	if (more[0] == ECO_NONE)
+		return first;
+	all = json_pack("[o,s]", first, start_column(s, more[0]));
+	if (more[1] != ECO_NONE)
+		json_array_append_new(all, json_string(start_column(s, more[1])));
+	return all;
+}
+
 static json_t *entry_json(const struct start *s)
 {
 	const struct eco_place_guess *p = &s->place;
@@ -215,7 +227,7 @@ static json_t *entry_json(const struct start *s)
 	if (s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE) {
 		set_text(entry, "plant", s->models[s->fallback].name);
 	} else {
-		set_text(entry, "species", start_column(s, s->columns.of[ECO_ROLE_SPECIES]));
+		json_object_set_new(entry, "species", species_json(s));
 		json_object_set_new(entry, "map", map_json(s));
 	}
 	json_t *heights = heights_json(s);

@@ -57,11 +57,7 @@ const char *eco_row_field(const struct eco_positions *p, uint32_t column)
 
 const char *eco_row_shown(const char *text, char *buffer, size_t size)
 {
-	size_t length = strlen(text);
-	while (length > 0 && isspace((unsigned char)text[length - 1]))
-		length--;
-	snprintf(buffer, size, "%.*s", (int)(length < size ? length : size - 1), text);
-	return buffer;
+	return eco_text_trim(text, buffer, size);
 }
 
 char eco_row_decimal(const struct eco_positions *p)
@@ -104,13 +100,24 @@ static void tidy(char *text, bool is_cut)
 	}
 }
 
+/* The species' columns as one text. */
+static void read_species(struct eco_positions *p)
+{
+	char part[ECO_SPECIES_BYTES + 1];
+	p->said[0] = 0;
+	for (uint32_t i = 0; i < ECO_SPECIES_COLUMNS; i++) {
+		eco_row_shown(eco_row_field(p, ECO_COLUMN_SPECIES + i), part, sizeof part);
+		eco_text_join(p->said, sizeof p->said, part);
+	}
+}
+
 static bool read_plant(struct eco_positions *p, struct eco_position *record)
 {
 	const struct eco_species *species = &p->spec->fallback;
 	char *text = p->said;
 	*text = 0;
 	if (p->column[ECO_COLUMN_SPECIES] != ECO_NONE) {
-		eco_row_shown(eco_row_field(p, ECO_COLUMN_SPECIES), text, sizeof p->said);
+		read_species(p);
 		uint32_t key = eco_species_find(p->species, text, p->rows->line);
 		if (key < p->spec->map_count)
 			species = &p->spec->map[key];
@@ -307,7 +314,8 @@ static enum eco_code check_unit(const struct eco_positions_spec *s, struct eco_e
 /* The names of columns by their use; NULL: not needed. */
 static void name_columns(const struct eco_positions_spec *s, const char *names[ECO_COLUMN_COUNT])
 {
-	const char *const fixed[ECO_COLUMN_HEIGHTS] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale,
+	const char *const fixed[ECO_COLUMN_HEIGHTS] = { s->x, s->y, s->z, s->species[0], s->species[1],
+		s->species[2], s->yaw_deg, s->scale,
 		s->crown.column, s->quadrat.column, s->polar.azimuth, s->polar.distance };
 	memset(names, 0, ECO_COLUMN_COUNT * sizeof *names);
 	memcpy(names, fixed, sizeof fixed);

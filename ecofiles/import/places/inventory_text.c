@@ -43,6 +43,34 @@ bool eco_text_is_missing(const char *text)
 	return *folded == 0 || (take_phrase(&at, "nothing") >= 0 && *at == 0);
 }
 
+const char *eco_text_trim(const char *text, char *buffer, size_t size)
+{
+	while (isspace((unsigned char)*text))
+		text++;
+	size_t length = strlen(text);
+	while (length > 0 && isspace((unsigned char)text[length - 1]))
+		length--;
+	length = length < size ? length : size - 1;
+	memcpy(buffer, text, length);
+	buffer[length] = 0;
+	return buffer;
+}
+
+void eco_text_join(char *text, size_t size, const char *more)
+{
+	size_t used = strlen(text);
+	if (*more == 0 || (used > 0 && eco_text_is_missing(more)))
+		return;
+	bool again = strncasecmp(more, text, used) == 0 && (more[used] == 0 || more[used] == ' ');
+	if (used == 0 || again || eco_text_is_missing(text))
+		used = 0;
+	else if (used + 1 < size)
+		text[used++] = ' ';
+	size_t bytes = strlen(more), room = size - 1 - used;
+	memcpy(text + used, more, bytes < room ? bytes : room);
+	text[used + (bytes < room ? bytes : room)] = 0;
+}
+
 /* ---- Numbers ---- */
 
 /* Bytes of the space or apostrophe before three digits at the start of a text; 0: none. */

@@ -12,6 +12,13 @@
 /* Whether a text is empty or means "no value": NA, N/A, NaN, null, none, -, ... in any case. */
 bool eco_text_is_missing(const char *text);
 
+/* A text without the spaces around it, cut to the buffer. */
+const char *eco_text_trim(const char *text, char *buffer, size_t size);
+
+/* Adds a further column of a species to a text: "Acer" and "rubrum" are "Acer rubrum", "Acer" and "Acer rubrum",
+ * too. A missing value adds nothing, and a text that is one gives way. */
+void eco_text_join(char *text, size_t size, const char *more);
+
 /* A decimal number, with spaces around it. decimal ',' : "1,5" and "1.234,5"; a lone point counts as a
  * decimal point too. decimal '.' : "1.5" and "1,234.5". A lone comma is never guessed. Spaces and apostrophes
  * may part groups of three, "5 334 000", "2'600'000". No infinities, no hexadecimal. With

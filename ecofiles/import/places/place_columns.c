@@ -138,7 +138,7 @@ enum eco_code eco_zones_find(const struct eco_table *table, const struct eco_row
 		enum kind kind = kind_of(table->columns[i]);
 		struct eco_table_values values = { .items = NULL };
 		enum eco_code code = kind == NO_ZONES ? ECO_OK
-			: eco_table_values_read(&values, source, table->columns[i], error);
+			: eco_table_values_read(&values, source, (const char *const *)&table->columns[i], 1, error);
 		if (code)
 			return code;
 		*zones = (struct eco_zones){ .column = i };

@@ -19,6 +19,7 @@
 #include "ecofiles/base/status.h"
 
 #define ECO_SPECIES_BYTES 255u
+#define ECO_SPECIES_COLUMNS 3u
 
 struct eco_species {             /* a species, in which "*" is any text, and its plant */
 	char *name;
@@ -65,7 +66,9 @@ struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: n
 	struct eco_polar polar;      /* without x, y and geometry: from the scene's origin */
 	struct eco_quadrat quadrat;
 	char *crs, *vertical;        /* win over the file's */
-	char *species;               /* column; NULL: every row is `fallback` */
+	/* columns whose texts make the species, genus, epithet and cultivar; the first NULL: every row is
+	 * `fallback` */
+	char *species[ECO_SPECIES_COLUMNS];
 	char separator;              /* of a CSV; 0: found in its header */
 	char decimal;                /* 0: '.'; or ',' */
 	char thousands;              /* 0; or the other sign: it parts groups of coordinates, also a lone one */

@@ -128,7 +128,7 @@ static void key_lines(const struct report *r, const struct eco_positions_counts 
 	const struct eco_positions_spec *s = r->reader->spec;
 	char names[300] = "", key[ECO_SPECIES_BYTES + 3];
 	uint32_t unused = 0;
-	if (!s->species)
+	if (!s->species[0])
 		return;
 	for (uint32_t i = 0; i < s->map_count; i++) {
 		if (s->map[i].plant == ECO_NONE)

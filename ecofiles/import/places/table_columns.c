@@ -3,14 +3,15 @@
  * content. */
 #include "ecofiles/import/places/table_columns.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "build/words/columns.table"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/format/model.h"
+#include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/inventory_text.h"
 
@@ -20,6 +21,7 @@ const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "heigh
 #define NEAR_POINTS 10           /* a rival is at most so much worse */
 #define CONTENT_POINTS 60
 #define NUMERIC_LEAST 0.5
+#define CODES_LEAST 0.9          /* texts of a column that a system of codes explains */
 
 /* A word of five letters (bytes) and more counts within a longer one, too, "kronendurchmesser", one of four
  * at its end, "baumhohe". */
@@ -135,7 +137,27 @@ static bool is_size(const char *text, char decimal)
 static bool is_of_plants(const char *text, char decimal)
 {
 	(void)decimal;
-	return eco_flora_of(text, false).genus || eco_flora_is_code(text);
+	struct eco_flora flora = eco_flora_of(text, NULL);
+	return flora.genus || flora.form == ECO_FORM_NOTHING || eco_flora_is_code(text);
+}
+
+/* The share of a column's texts that one system of codes explains. */
+static double codes_share(const struct eco_table *table, uint32_t column)
+{
+	const char *system;
+	double best = 0;
+	for (size_t i = 0; (system = eco_flora_system(i)) != NULL; i++) {
+		uint32_t filled = 0, good = 0;
+		for (uint32_t row = 0; row < table->row_count && row < 128; row++) {
+			const char *text = eco_table_field(table, row, column);
+			if (eco_text_is_missing(text))
+				continue;
+			filled++;
+			good += eco_flora_has_code(system, text);
+		}
+		best = filled > 0 && (double)good / filled > best ? (double)good / filled : best;
+	}
+	return best;
 }
 
 static double plants_share(const struct eco_table *table, uint32_t column)
@@ -143,16 +165,27 @@ static double plants_share(const struct eco_table *table, uint32_t column)
 	return share(table, column, 256, is_of_plants, 0);
 }
 
-static int points(const struct eco_table *table, enum eco_role role, uint32_t column, char decimal)
+/* How surely a column names species: by its name, and as many of its texts do. Numbers are codes of a system. */
+static int species_points(const struct eco_table *table, uint32_t column, char decimal)
 {
 	const char *name = table->columns[column];
-	int sum = eco_column_points(role, name);
-	if (role == ECO_ROLE_SPECIES) {
-		int by_kind = points_by_kind(name);
-		sum = by_kind > sum ? by_kind : sum;
-		bool text = share(table, column, UINT32_MAX, is_number, decimal) < NUMERIC_LEAST;
-		return text ? sum + (int)lround(CONTENT_POINTS * plants_share(table, column)) : 0;
+	int by_name = eco_column_points(ECO_ROLE_SPECIES, name), by_kind = points_by_kind(name);
+	bool text = share(table, column, UINT32_MAX, is_number, decimal) < NUMERIC_LEAST;
+	double plants = text ? plants_share(table, column) : 0;
+	if (by_name > 0 && plants < NUMERIC_LEAST) {
+		double codes = codes_share(table, column);
+		plants = codes >= CODES_LEAST && codes > plants ? codes : plants;
 	}
+	if (!text && plants < CODES_LEAST)
+		return 0;
+	return (by_kind > by_name ? by_kind : by_name) + (int)lround(CONTENT_POINTS * plants);
+}
+
+static int points(const struct eco_table *table, enum eco_role role, uint32_t column, char decimal)
+{
+	if (role == ECO_ROLE_SPECIES)
+		return species_points(table, column, decimal);
+	int sum = eco_column_points(role, table->columns[column]);
 	if (sum <= 0 || role == ECO_ROLE_PLOT)
 		return sum;
 	bool place = role == ECO_ROLE_X || role == ECO_ROLE_Y;
@@ -218,17 +251,74 @@ static bool are_epithets(const struct eco_table *t, uint32_t column)
 	return share(t, column, UINT32_MAX, is_small_word, 0) > 0.8 && plants_share(t, column) < 0.5;
 }
 
-/* Epithets say nothing without the genus beside them. */
-static void prefer_genus(const struct eco_table *t, struct eco_columns *columns)
+static bool is_genus_alone(const char *text, char decimal)
 {
-	uint32_t *species = &columns->of[ECO_ROLE_SPECIES];
-	for (uint32_t i = 0; *species != ECO_NONE && i < t->column_count; i++) {
-		if (eco_words_any(t->columns[i], eco_words_set("genus"))
-				&& are_epithets(t, *species) && !are_epithets(t, i)) {
-			columns->rival[ECO_ROLE_SPECIES] = *species;
-			*species = i;
+	(void)decimal;
+	struct eco_flora flora = eco_flora_of(text, NULL);
+	return flora.genus && strncasecmp(text, flora.genus, strlen(flora.genus)) == 0;
+}
+
+#define JOINED_ROWS 256u
+
+/* The share of rows in which a second column's text names the genus's species, or a third's a cultivar that grows
+ * otherwise. */
+static double joined_share(const struct eco_table *t, const uint32_t *columns, uint32_t count)
+{
+	uint32_t filled = 0, good = 0;
+	for (uint32_t row = 0; row < t->row_count && row < JOINED_ROWS; row++) {
+		char text[ECO_WORDS_BYTES] = "";
+		for (uint32_t i = 0; i + 1 < count; i++)
+			eco_text_join(text, sizeof text, eco_table_field(t, row, columns[i]));
+		struct eco_flora before = eco_flora_of(text, NULL), flora;
+		eco_text_join(text, sizeof text, eco_table_field(t, row, columns[count - 1]));
+		flora = eco_flora_of(text, NULL);
+		filled += before.genus != NULL;
+		good += before.genus && flora.genus == before.genus && (count == 2
+			? before.epithet[0] == 0 && eco_flora_has_epithet(flora.genus, flora.epithet)
+			: flora.form != before.form);
+	}
+	return filled > 0 ? (double)good / filled : 0;
+}
+
+static uint32_t best_joined(const struct eco_table *t, uint32_t species, uint32_t epithet, double least)
+{
+	uint32_t best = ECO_NONE, columns[3] = { species, epithet, 0 };
+	uint32_t last = epithet == ECO_NONE ? 1 : 2;
+	for (uint32_t i = 0; i < t->column_count; i++) {
+		columns[last] = i;
+		double own = i == species || i == epithet ? 0 : joined_share(t, columns, last + 1);
+		if (own > least) {
+			best = i;
+			least = own;
 		}
 	}
+	return best;
+}
+
+/* Epithets say nothing without the genus beside them, and the genus alone says less than both. */
+static void join_species(const struct eco_table *t, struct eco_columns *columns)
+{
+	uint32_t *species = &columns->of[ECO_ROLE_SPECIES], *more = columns->species_more;
+	for (uint32_t i = 0; *species != ECO_NONE && are_epithets(t, *species) && i < t->column_count; i++)
+		if (eco_words_any(t->columns[i], eco_words_set("genus")) && !are_epithets(t, i)
+				&& plants_share(t, i) > 0.5) {
+			more[0] = *species;
+			*species = i;
+			break;
+		}
+	if (*species != ECO_NONE && more[0] == ECO_NONE && share(t, *species, 256, is_genus_alone, 0) > 0.5)
+		more[0] = best_joined(t, *species, ECO_NONE, 0.3);
+	if (*species == ECO_NONE)
+		return;
+	uint32_t cultivar = ECO_NONE;
+	for (uint32_t i = 0; i < t->column_count; i++)
+		if (eco_words_any(t->columns[i], eco_words_set("cultivar")) && i != *species && i != more[0])
+			cultivar = i;
+	uint32_t all[3] = { *species, more[0], cultivar };
+	if (more[0] == ECO_NONE)
+		all[1] = cultivar;
+	if (cultivar != ECO_NONE && joined_share(t, all, more[0] == ECO_NONE ? 2 : 3) > 0)
+		more[more[0] == ECO_NONE ? 0 : 1] = cultivar;
 }
 
 /* Two names that differ in the axis alone. */
@@ -379,14 +469,15 @@ void eco_table_columns(const struct eco_table *table, struct eco_columns *column
 		find_thousands(table, columns, said);
 	for (int role = ECO_ROLE_SPECIES; role < ECO_ROLE_COUNT; role++)
 		choose(table, columns, (enum eco_role)role);
+	columns->species_more[0] = columns->species_more[1] = ECO_NONE;
 	if (!species_said)
-		prefer_genus(table, columns);
+		join_species(table, columns);
 }
 
 static bool is_plant(const struct eco_table *table, uint32_t row, uint32_t species)
 {
 	return species == ECO_NONE
-		|| eco_flora_of(eco_table_field(table, row, species), false).form != ECO_FORM_NOTHING;
+		|| eco_flora_of(eco_table_field(table, row, species), NULL).form != ECO_FORM_NOTHING;
 }
 
 void eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
@@ -519,17 +610,12 @@ struct reader {
 	struct eco_table_values *values;
 	uint32_t capacity;
 	struct eco_string_pool texts;
+	char trimmed[ECO_WORDS_BYTES];
 };
 
-static void add_field(struct reader *r, const char *field, uint64_t line)
+static void add_field(struct reader *r, const char *text, uint64_t line)
 {
 	struct eco_table_values *v = r->values;
-	while (isspace((unsigned char)*field))
-		field++;
-	size_t length = strlen(field);
-	while (length > 0 && isspace((unsigned char)field[length - 1]))
-		length--;
-	char *text = eco_copy_part(field, length);
 	if (r->texts.count < ECO_TABLE_VALUES_MAX) {
 		uint32_t number = eco_string_number(&r->texts, text);
 		if (number == v->count) {
@@ -539,7 +625,6 @@ static void add_field(struct reader *r, const char *field, uint64_t line)
 		}
 		v->items[number].rows++;
 	}
-	free(text);
 }
 
 static int compare(const void *a, const void *b)
@@ -550,34 +635,38 @@ static int compare(const void *a, const void *b)
 	return p->first_line < q->first_line ? -1 : p->first_line > q->first_line;
 }
 
-static enum eco_code read_values(struct reader *r, struct eco_rows *rows, uint32_t column,
+static enum eco_code read_values(struct reader *r, struct eco_rows *rows, const uint32_t *columns, uint32_t count,
 	struct eco_error *error)
 {
 	for (;;) {
+		char text[ECO_WORDS_BYTES] = "";
 		bool more = false;
 		enum eco_code code = rows->next(rows, &more, error);
 		if (code || !more)
 			return code;
-		if (column < rows->field_count)
-			add_field(r, rows->fields[column], rows->line);
+		for (uint32_t i = 0; i < count && columns[i] < rows->field_count; i++)
+			eco_text_join(text, sizeof text, eco_text_trim(rows->fields[columns[i]], r->trimmed,
+				sizeof r->trimmed));
+		if (columns[0] < rows->field_count)
+			add_field(r, text, rows->line);
 	}
 }
 
 enum eco_code eco_table_values_read(struct eco_table_values *values, const struct eco_rows_source *source,
-	const char *column, struct eco_error *error)
+	const char *const *columns, uint32_t count, struct eco_error *error)
 {
 	struct eco_rows_source wanted = *source;
 	struct eco_rows *rows = NULL;
-	uint32_t at = 0;
+	uint32_t at[ECO_COLUMNS_JOINED] = { 0 };
 	*values = (struct eco_table_values){ .items = NULL };
-	wanted.wanted = &column;
-	wanted.wanted_count = 1;
+	wanted.wanted = columns;
+	wanted.wanted_count = count;
 	enum eco_code code = eco_rows_open(&rows, &wanted, error);
 	struct reader r = { .values = values };
+	for (uint32_t i = 0; i < count && !code; i++)
+		code = eco_rows_find_column(rows, source->path, columns[i], &at[i], error);
 	if (!code)
-		code = eco_rows_find_column(rows, source->path, column, &at, error);
-	if (!code)
-		code = read_values(&r, rows, at, error);
+		code = read_values(&r, rows, at, count, error);
 	eco_rows_close(rows);
 	eco_string_pool_free(&r.texts);
 	if (code)

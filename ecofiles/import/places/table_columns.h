@@ -42,6 +42,7 @@ extern const char *const eco_role_names[ECO_ROLE_COUNT];
 
 struct eco_columns {             /* ECO_NONE: no such column */
 	uint32_t of[ECO_ROLE_COUNT];
+	uint32_t species_more[2];            /* columns of epithets and cultivars beside that of the species */
 	uint32_t rival[ECO_ROLE_COUNT];      /* the next best, where it is nearly as good */
 	char decimal;                /* ',' if numbers have decimal commas, else '.' */
 	/* the sign between groups of x and y, where it also stands alone; else 0 */
@@ -68,6 +69,7 @@ void eco_table_spread(const struct eco_table *table, uint32_t column, const stru
 void eco_table_coordinates(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread);
 
+#define ECO_COLUMNS_JOINED 3u
 #define ECO_TABLE_VALUES_MAX 65536u      /* further values are not told apart */
 
 struct eco_table_value { char *text; uint64_t rows, first_line; };
@@ -76,9 +78,10 @@ struct eco_table_values {        /* owned; most rows first, of equals the earlie
 	uint32_t count;
 };
 
-/* Reads the whole file. Spaces around a text do not count. */
+/* The different texts of a column, or of several joined (eco_text_join). Reads the whole file. Spaces around a text do
+ * not count. */
 enum eco_code eco_table_values_read(struct eco_table_values *values, const struct eco_rows_source *source,
-	const char *column, struct eco_error *error);
+	const char *const *columns, uint32_t count, struct eco_error *error);
 void eco_table_values_free(struct eco_table_values *values);
 
 #endif

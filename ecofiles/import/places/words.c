@@ -1,22 +1,19 @@
 #include "ecofiles/import/places/words.h"
 
 #include <string.h>
-#include <stdio.h>
 
 #include "build/words/sets.table"
-#include "build/words/forms.table"
-#include "build/words/genera.table"
-#include "build/words/species.table"
 
 /* Letters from U+00C0 on without their marks. */
 static const char latin_1[] = "aaaaaaaceeeeiiiidnooooo ouuuuyts" "aaaaaaaceeeeiiiidnooooo ouuuuyty";
 static const char latin_a[] = "aaaaaaccccccccddddeeeeeeeeeegggggggghhhhiiiiiiiiiiiijjkkklllllllllln"
 	"nnnnnnnnoooooooorrrrrrsssssssstttttt" "uuuuuuuuuuuuwwyyyzzzzzzs";
 
-enum kind { GAP, LETTER, CAPITAL, DIGIT };
+/* OTHER: letters that begin no word within a name, "HöHE" */
+enum kind { GAP, LETTER, CAPITAL, DIGIT, OTHER, OTHER_CAPITAL };
 
 /* Cyrillic letters: small, and without the marks of two. */
-static enum kind take_cyrillic(unsigned point, char sign[3])
+static enum kind take_cyrillic(unsigned point, char sign[4])
 {
 	unsigned small = point >= 0x410 && point < 0x430 ? point + 0x20 : point < 0x410 ? point + 0x50
 		: point;
@@ -27,12 +24,48 @@ static enum kind take_cyrillic(unsigned point, char sign[3])
 	return kind;
 }
 
-/* The sign at *text as a letter of words, and its kind; *text moves on. Signs of other alphabets stay. */
-static enum kind take_sign(const unsigned char **text, char sign[3])
+/* Narrow katakana, as old systems write them; their sound marks are signs of their own and stand behind. */
+static unsigned wide_kana(unsigned point, unsigned mark)
 {
-	unsigned c = *(*text)++;
+	static const uint16_t wide[] = { 0x30f2, 0x30a1, 0x30a3, 0x30a5, 0x30a7, 0x30a9, 0x30e3, 0x30e5, 0x30e7,
+		0x30c3, 0x30fc, 0x30a2, 0x30a4, 0x30a6, 0x30a8, 0x30aa, 0x30ab, 0x30ad, 0x30af, 0x30b1, 0x30b3,
+		0x30b5, 0x30b7, 0x30b9, 0x30bb, 0x30bd, 0x30bf, 0x30c1, 0x30c4, 0x30c6, 0x30c8, 0x30ca, 0x30cb,
+		0x30cc, 0x30cd, 0x30ce, 0x30cf, 0x30d2, 0x30d5, 0x30d8, 0x30db, 0x30de, 0x30df, 0x30e0, 0x30e1,
+		0x30e2, 0x30e4, 0x30e6, 0x30e8, 0x30e9, 0x30ea, 0x30eb, 0x30ec, 0x30ed, 0x30ef, 0x30f3 };
+	return wide[point - 0xff66] + (mark == 0xff9e ? 1 : mark == 0xff9f ? 2 : 0);
+}
+
+static unsigned three_bytes(const unsigned char *at)
+{
+	bool three = at[0] >= 0xe0 && at[0] <= 0xef && (at[1] & 0xc0) == 0x80 && (at[2] & 0xc0) == 0x80;
+	return three ? (at[0] & 0xfu) << 12 | (at[1] & 0x3fu) << 6 | (at[2] & 0x3fu) : 0;
+}
+
+/* Kana of one kind, and no signs of writing: "（" and "。" part words. */
+static enum kind take_east(unsigned point, char sign[4])
+{
+	point += point >= 0x3041 && point <= 0x3096 ? 0x60 : 0;
+	sign[0] = (char)(0xe0 | point >> 12);
+	sign[1] = (char)(0x80 | (point >> 6 & 0x3f));
+	sign[2] = (char)(0x80 | (point & 0x3f));
+	bool gap = (point >= 0x2000 && point <= 0x206f) || (point >= 0x3000 && point <= 0x3020)
+		|| (point >= 0xff00 && point <= 0xff0f) || (point >= 0xff1a && point <= 0xff20);
+	return gap ? GAP : OTHER;
+}
+
+/* The bytes of a letter that was written as UTF-8 twice: "Ã¶" is "ö". */
+static unsigned written_twice(const unsigned char *text)
+{
+	return text[0] == 0xc3 && text[1] == 0x83 && text[2] == 0xc2 ? text[3] : 0;
+}
+
+/* The sign at *text as a letter of words, and its kind; *text moves on. Signs of other alphabets stay. */
+static enum kind take_sign(const unsigned char **text, char sign[4])
+{
+	const unsigned char *at = *text;
+	unsigned c = *(*text)++, second = at[1];
+	memset(sign, 0, 4);
 	sign[0] = (char)c;
-	sign[1] = sign[2] = 0;
 	if (c >= '0' && c <= '9')
 		return DIGIT;
 	if (c >= 'A' && c <= 'Z') {
@@ -41,21 +74,30 @@ static enum kind take_sign(const unsigned char **text, char sign[3])
 	}
 	if (c < 0x80)
 		return c >= 'a' && c <= 'z' ? LETTER : GAP;
+	unsigned east = three_bytes(at), mark = east ? three_bytes(at + 3) : 0;
+	if (east) {
+		bool narrow = east >= 0xff66 && east <= 0xff9d, marked = narrow && (mark == 0xff9e || mark == 0xff9f);
+		*text += marked ? 5 : 2;
+		return take_east(narrow ? wide_kana(east, mark) : east, sign);
+	}
 	bool latin = c >= 0xc3 && c <= 0xc5, cyrillic = c == 0xd0 || c == 0xd1;
-	if (!(latin || cyrillic) || (**text & 0xc0) != 0x80)
-		return c == 0xc2 && **text != 0 ? (++*text, GAP) : LETTER;
-	unsigned point = (c & 0x1f) << 6 | (*(*text)++ & 0x3fu);
+	if (!(latin || cyrillic) || (second & 0xc0) != 0x80)
+		return c == 0xc2 && second != 0 ? (++*text, GAP) : OTHER;
+	unsigned twice = written_twice(at);
+	*text += twice ? 3 : 1;
+	unsigned point = (c & 0x1f) << 6 | ((twice ? twice : second) & 0x3f);
 	if (cyrillic)
 		return take_cyrillic(point, sign);
 	sign[0] = point < 0x100 ? latin_1[point - 0xc0] : latin_a[point - 0x100];
 	if (sign[0] == ' ')
 		return GAP;
-	return point < 0xdf || (point >= 0x100 && point % 2 == 0) ? CAPITAL : LETTER;
+	return point < 0xdf || (point >= 0x100 && point % 2 == 0) ? OTHER_CAPITAL : OTHER;
 }
 
 static bool begins_word(enum kind before, enum kind now)
 {
-	return before != GAP && ((before == DIGIT) != (now == DIGIT) || (before == LETTER && now == CAPITAL));
+	bool capital = now == CAPITAL || now == OTHER_CAPITAL;
+	return before != GAP && ((before == DIGIT) != (now == DIGIT) || (before == LETTER && capital));
 }
 
 size_t eco_words_of(const char *text, char *words, size_t size)
@@ -64,7 +106,7 @@ size_t eco_words_of(const char *text, char *words, size_t size)
 	enum kind before = GAP;
 	size_t used = 0;
 	while (*at != 0 && used + 4 < size) {
-		char sign[3];
+		char sign[4];
 		enum kind now = take_sign(&at, sign);
 		if (now != GAP && used > 0 && (before == GAP || begins_word(before, now)))
 			words[used++] = ' ';
@@ -138,194 +180,4 @@ unsigned eco_words_distance(const char *a, const char *b, unsigned most)
 		now = free_row;
 	}
 	return last[m] > most ? most + 1 : last[m];
-}
-
-/* ---- Plants ---- */
-
-#define COUNT(table) (sizeof(table) / sizeof *(table))
-
-const char *const eco_form_names[ECO_FORM_COUNT] = { "plant", "broad-leaved tree", "conifer", "column",
-	"weeping tree", "palm", "shrub", "herb", "grass", "no plant" };
-
-struct eco_form_size eco_form_size(enum eco_form form)
-{
-	static const struct eco_form_size sizes[ECO_FORM_COUNT] = {
-		[ECO_FORM_UNKNOWN] = { 0.05, 60, 3 }, [ECO_FORM_BROAD] = { 2, 50, 12 },
-		[ECO_FORM_CONIFER] = { 2, 90, 18 }, [ECO_FORM_COLUMN] = { 1.5, 40, 10 },
-		[ECO_FORM_WEEPING] = { 2, 40, 10 }, [ECO_FORM_PALM] = { 1.5, 40, 9 },
-		[ECO_FORM_SHRUB] = { 0.3, 12, 2 }, [ECO_FORM_HERB] = { 0.03, 3, 0.5 },
-		[ECO_FORM_GRASS] = { 0.03, 5, 0.4 }, [ECO_FORM_NOTHING] = { 0, 1000, 1 } };
-	return sizes[form];
-}
-
-bool eco_form_is_tree(enum eco_form form)
-{
-	return form >= ECO_FORM_BROAD && form <= ECO_FORM_PALM;
-}
-
-static enum eco_form form_named(const char *name)
-{
-	int form = ECO_FORM_COUNT - 1;
-	while (form > 0 && strcmp(eco_form_names[form], name) != 0)
-		form--;
-	return (enum eco_form)form;
-}
-
-/* ---- Matching ---- */
-
-/* Letters of any alphabet. */
-static size_t letters(const char *word)
-{
-	size_t count = 0;
-	for (; *word != 0; word++)
-		count += ((unsigned char)*word & 0xc0) != 0x80;
-	return count;
-}
-
-/* Whether a list of words has `word`, or, where it is long, a word that it ends with: "stieleiche". */
-static bool listed(const char *list, const char *word, bool ends)
-{
-	char found[ECO_WORD_BYTES];
-	size_t length = strlen(word);
-	while (eco_words_next(&list, found)) {
-		size_t own = strlen(found);
-		bool same = strcmp(found, word) == 0;
-		bool plural = own + 1 == length && word[own] == 's' && strncmp(found, word, own) == 0;
-		if (same || plural ||
-			(ends && letters(found) >= 5 && length > own
-			&& strcmp(word + length - own, found) == 0))
-			return true;
-	}
-	return false;
-}
-
-static bool fits_genus(size_t i, const char *word)
-{
-	return strcmp(genera_rows[i].genus, word) == 0 || listed(genera_rows[i].names, word, true);
-}
-
-/* A word that lies within one letter, or two where it is long, of a genus or a name. */
-static const char *nearly(size_t i, const char *word)
-{
-	unsigned most = letters(word) >= 8 ? 2 : 1;
-	const char *list = genera_rows[i].names;
-	char name[ECO_WORD_BYTES];
-	if (eco_words_distance(genera_rows[i].genus, word, most) <= most)
-		return genera_rows[i].genus;
-	while (eco_words_next(&list, name))
-		if (letters(name) >= 5 && eco_words_distance(name, word, most) <= most)
-			return genera_rows[i].genus;
-	return NULL;
-}
-
-static bool find_genus(const char *words, struct eco_flora *flora)
-{
-	char word[ECO_WORD_BYTES];
-	/* a Latin name is surer than a common one: "plum pine (Podocarpus)", "Norway maple (Acer ...)" */
-	for (int latin = 1; latin >= 0; latin--)
-		for (const char *at = words; eco_words_next(&at, word);)
-			for (size_t i = 0; i < COUNT(genera_rows); i++) {
-				if (latin ? strcmp(genera_rows[i].genus, word) != 0 : !fits_genus(i, word))
-					continue;
-				flora->genus = genera_rows[i].genus;
-				flora->form = form_named(genera_rows[i].form);
-				return true;
-			}
-	return false;
-}
-
-/* The first species whose genus and epithet begin with the two halves of a word of four or six letters. */
-static bool find_coded(const char *word, struct eco_flora *flora)
-{
-	size_t half = strlen(word) / 2;
-	char epithet[ECO_WORD_BYTES];
-	if (strlen(word) != 4 && strlen(word) != 6)
-		return false;
-	for (size_t i = 0; i < COUNT(species_rows); i++) {
-		if (strncmp(species_rows[i].genus, word, half) != 0)
-			continue;
-		for (const char *at = species_rows[i].epithets; eco_words_next(&at, epithet);)
-			if (strncmp(epithet, word + half, half) == 0) {
-				find_genus(species_rows[i].genus, flora);
-				snprintf(flora->coded, sizeof flora->coded, "%s %s", species_rows[i].genus,
-					epithet);
-				return true;
-			}
-	}
-	return false;
-}
-
-static bool ends_in_one_of(const char *word, const char *endings)
-{
-	char ending[ECO_WORD_BYTES];
-	size_t length = strlen(word);
-	while (eco_words_next(&endings, ending)) {
-		size_t own = strlen(ending);
-		if (length > own + 1 && strcmp(word + length - own, ending) == 0)
-			return true;
-	}
-	return false;
-}
-
-/* A Latin genus and what follows it, "Terminalia catappa": by its endings, which names in other languages
- * rarely have both. */
-static bool is_binomial(const char *words)
-{
-	char genus[ECO_WORD_BYTES], epithet[ECO_WORD_BYTES];
-	return eco_words_next(&words, genus) && eco_words_next(&words, epithet)
-		&& ends_in_one_of(genus, "a us um is on os es as ix ys")
-		&& ends_in_one_of(epithet, "a us um is i ii ae ens ans oides or ior");
-}
-
-/* Only the first word of a Latin name may be a genus: "rosea" is no rose. */
-static void find_misspelt(const char *words, struct eco_flora *flora)
-{
-	char word[ECO_WORD_BYTES];
-	bool latin = is_binomial(words);
-	for (size_t k = 0; eco_words_next(&words, word) && !(latin && k > 0); k++)
-		for (size_t i = 0; letters(word) >= 5 && i < COUNT(genera_rows); i++) {
-			const char *meant = nearly(i, word);
-			if (!meant)
-				continue;
-			flora->genus = genera_rows[i].genus;
-			flora->form = form_named(genera_rows[i].form);
-			flora->meant = meant;
-			snprintf(flora->misspelt, sizeof flora->misspelt, "%s", word);
-			return;
-		}
-}
-
-static enum eco_form form_by_word(const char *words, bool after_genus)
-{
-	char word[ECO_WORD_BYTES];
-	for (size_t i = 0; i < COUNT(forms_rows); i++) {
-		if (after_genus && strcmp(forms_rows[i].where, "always") != 0)
-			continue;
-		for (const char *at = words; eco_words_next(&at, word);)
-			if (listed(forms_rows[i].words, word, true))
-				return form_named(forms_rows[i].form);
-	}
-	return ECO_FORM_UNKNOWN;
-}
-
-struct eco_flora eco_flora_of(const char *name, bool spelling)
-{
-	struct eco_flora flora = { .genus = NULL };
-	char words[ECO_WORDS_BYTES];
-	eco_words_of(name, words, sizeof words);
-	bool known = find_genus(words, &flora);
-	enum eco_form form = form_by_word(words, known);
-	if (form != ECO_FORM_UNKNOWN)
-		flora.form = form;
-	else if (!known && spelling && !find_coded(words, &flora))
-		find_misspelt(words, &flora);
-	return flora;
-}
-
-bool eco_flora_is_code(const char *name)
-{
-	struct eco_flora flora = { .genus = NULL };
-	char words[ECO_WORDS_BYTES];
-	eco_words_of(name, words, sizeof words);
-	return find_coded(words, &flora);
 }

@@ -1,0 +1,171 @@
+/* Names of plants: genera, common names, codes, forms, leaves. */
+#include <string.h>
+
+#include "ecofiles/import/places/flora.h"
+#include "tests/support/unit_test.h"
+
+static struct eco_flora spelt(const char *name)
+{
+	return eco_flora_of(name, &(struct eco_flora_hint){ .spelling = true });
+}
+
+static void check(const char *name, const struct eco_flora *flora, const char *wanted, enum eco_form form)
+{
+	const char *genus = flora->genus ? flora->genus : "?";
+	if (strcmp(genus, wanted ? wanted : "?") != 0 || flora->form != form)
+		fail_msg("%s is %s, %s, not %s, %s", name, genus, eco_form_names[flora->form], wanted,
+			eco_form_names[form]);
+}
+
+UNIT_TEST(genera_and_forms_are_known_in_several_languages)
+{
+	static const struct { const char *name, *genus; enum eco_form form;
+	} names[] = { { "Quercus robur", "quercus", ECO_FORM_BROAD },
+		{ "Stieleiche", "quercus", ECO_FORM_BROAD }, { "Stiel-Eiche", "quercus", ECO_FORM_BROAD },
+		{ "ch\u00eane p\u00e9doncul\u00e9", "quercus", ECO_FORM_BROAD },
+		{ "oak, pin (Quercus palustris)", "quercus", ECO_FORM_BROAD },
+		{ "d\u0105b szypu\u0142kowy", "quercus", ECO_FORM_BROAD },
+		{ "sosna zwyczajna", "pinus", ECO_FORM_CONIFER }, { "b\u0159\u00edza", "betula", ECO_FORM_BROAD },
+		{ "salgueiro", "salix", ECO_FORM_BROAD }, { "lind", "tilia", ECO_FORM_BROAD },
+		{ "Laburnum anagyroides", "laburnum", ECO_FORM_BROAD },  /* nearly Viburnum, and none */
+		{ "\u0411\u0435\u0440\u0451\u0437\u0430 \u043f\u043e\u0432\u0438\u0441\u043b\u0430\u044f", "betula",
+			ECO_FORM_BROAD },
+		{ "\u0421\u041b\u0418\u0412\u0410", "prunus", ECO_FORM_BROAD },       /* ends as a willow does */
+		{ "maples", "acer", ECO_FORM_BROAD }, { "Rotfichte", "picea", ECO_FORM_CONIFER },
+		{ "Populus nigra 'Italica'", "populus", ECO_FORM_COLUMN }, { "palmera canaria", "phoenix", ECO_FORM_PALM },
+		{ "palmera", NULL, ECO_FORM_PALM }, { "CommonTree_1", NULL, ECO_FORM_BROAD },
+		{ "Bush_1", NULL, ECO_FORM_SHRUB }, { "Rock_2", NULL, ECO_FORM_NOTHING },
+		{ "Vacant site small (vacant site small)", NULL, ECO_FORM_NOTHING },
+		{ "Planting site", NULL, ECO_FORM_NOTHING }, { "Proposed", NULL, ECO_FORM_NOTHING },
+		{ "Pinus pinea :: Italian Stone Pine", "pinus", ECO_FORM_CONIFER },
+		{ "Rock elm", "ulmus", ECO_FORM_BROAD }, { "Oak (removed)", "quercus", ECO_FORM_NOTHING },
+		{ "Tabebuia rosea", "tabebuia", ECO_FORM_BROAD },    /* nearly a rose, and none */
+		{ "Terminalia catappa L.", "terminalia", ECO_FORM_BROAD },
+		{ "Thespesia populnea (L.) Sol. ex Correa", "thespesia", ECO_FORM_BROAD },
+		{ "Roystonea regia", "roystonea", ECO_FORM_PALM }, { "Sabal palmetto", "sabal", ECO_FORM_PALM },
+		{ "\u30b1\u30e4\u30ad", "zelkova", ECO_FORM_BROAD }, { "\u3051\u3084\u304d", "zelkova", ECO_FORM_BROAD },
+		{ "\u30a4\u30c1\u30e7\u30a6", "ginkgo", ECO_FORM_BROAD },
+		{ "\u30bd\u30e1\u30a4\u30e8\u30b7\u30ce", "prunus", ECO_FORM_BROAD },
+		{ "\u30ab\u30e9\u30de\u30c4", "larix", ECO_FORM_CONIFER },   /* ends as a pine does */
+		{ "\u96ea\u677e", "cedrus", ECO_FORM_CONIFER }, { "\u6cb9\u677e", "pinus", ECO_FORM_CONIFER },
+		{ "\u843d\u53f6\u677e", "larix", ECO_FORM_CONIFER }, { "\uc18c\ub098\ubb34", "pinus", ECO_FORM_CONIFER },
+		{ "\uff79\uff94\uff77", "zelkova", ECO_FORM_BROAD },          /* narrow kana */
+		{ "\uff72\uff81\uff72", "taxus", ECO_FORM_CONIFER }, { "\uff76\uff7c\uff9c", "quercus", ECO_FORM_BROAD },
+		{ "\u94f6\u674f\u6811", "ginkgo", ECO_FORM_BROAD }, { "\u30b5\u30af\u30e9\u985e", "prunus", ECO_FORM_BROAD },
+		{ "Skogsl\u00f6nn", "acer", ECO_FORM_BROAD }, { "El Nogal", "juglans", ECO_FORM_BROAD },
+		{ "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN },
+		{ "", NULL, ECO_FORM_UNKNOWN } };
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		struct eco_flora flora = spelt(names[i].name);
+		check(names[i].name, &flora, names[i].genus, names[i].form);
+		assert_string_equal(flora.misspelt, "");
+	}
+}
+
+UNIT_TEST(the_noun_of_a_name_decides)
+{
+	static const char *const names[][2] = { { "Cedar Elm", "ulmus" }, { "Elm, cedar", "ulmus" },
+		{ "Weeping Yaupon Holly", "ilex" }, { "Holly, Yaupon", "ilex" }, { "Ash, Mountain", "sorbus" },
+		{ "Mountain ash", "sorbus" }, { "Tulip poplar", "liriodendron" }, { "pin oak", "quercus" },
+		{ "Pin noir d'Autriche", "pinus" }, { "Oak - Pin", "quercus" }, { "Apple, Crab", "malus" },
+		{ "Silver birch", "betula" }, { "Hedge maple", "acer" }, { "Cherry plum", "prunus" },
+		{ "Acacia negra", "gleditsia" }, { "Maple Norway", "acer" }, { "Norway Maple Acer platanoides", "acer" },
+		{ "Rosskastanie", "aesculus" }, { "Esskastanie", "castanea" }, { "Hainbuche", "carpinus" },
+		{ "Blutbuche", "fagus" }, { "Baumhasel", "corylus" }, { "Eberesche", "sorbus" },
+		{ "Gemeine Esche", "fraxinus" }, { "Sumpfzypresse", "taxodium" }, { "falso pimentero", "schinus" },
+		{ "Q. robur", "quercus" }, { "x Cupressocyparis leylandii", "cupressocyparis" } };
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		struct eco_flora flora = eco_flora_of(names[i][0], NULL);
+		if (!flora.genus || strcmp(flora.genus, names[i][1]) != 0)
+			fail_msg("%s is %s, not %s", names[i][0], flora.genus ? flora.genus : "?", names[i][1]);
+	}
+}
+
+UNIT_TEST(a_region_has_its_own_names)
+{
+	static const struct { const char *name; enum eco_region region; const char *genus; } names[] = {
+		{ "Sycamore", ECO_REGION_AMERICA, "platanus" }, { "Sycamore", ECO_REGION_EUROPE, "acer" },
+		{ "Cedar", ECO_REGION_AMERICA, "juniperus" }, { "Cedar", ECO_REGION_EUROPE, "cedrus" },
+		{ "Alpine ash", ECO_REGION_OCEANIA, "eucalyptus" }, { "Lime", ECO_REGION_EUROPE, "tilia" },
+		{ "Lime", ECO_REGION_AMERICA, "citrus" } };
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		struct eco_flora flora = eco_flora_of(names[i].name,
+			&(struct eco_flora_hint){ .region = names[i].region });
+		if (!flora.genus || strcmp(flora.genus, names[i].genus) != 0)
+			fail_msg("%s is %s, not %s", names[i].name, flora.genus ? flora.genus : "?", names[i].genus);
+	}
+	assert_int_equal(eco_region_of(-97.1, 33.2), ECO_REGION_AMERICA);
+	assert_int_equal(eco_region_of(16.4, 48.2), ECO_REGION_EUROPE);
+	assert_int_equal(eco_region_of(139.7, 35.7), ECO_REGION_ASIA);
+	assert_int_equal(eco_region_of(144.9, -37.8), ECO_REGION_OCEANIA);
+	assert_int_equal(eco_region_of(18.4, -33.9), ECO_REGION_AFRICA);
+}
+
+UNIT_TEST(species_and_cultivars_grow_in_their_own_way)
+{
+	static const struct { const char *name; enum eco_form form; enum eco_leaf leaf; } names[] = {
+		{ "Betula pendula", ECO_FORM_BROAD, ECO_LEAF_DECIDUOUS },
+		{ "Betula pendula 'Youngii'", ECO_FORM_WEEPING, ECO_LEAF_DECIDUOUS },
+		{ "Betula pendula 'Fastigiata'", ECO_FORM_COLUMN, ECO_LEAF_DECIDUOUS },
+		{ "Salix babylonica", ECO_FORM_WEEPING, ECO_LEAF_DECIDUOUS },
+		{ "Salix alba", ECO_FORM_BROAD, ECO_LEAF_DECIDUOUS },
+		{ "Salix alba 'Tristis'", ECO_FORM_WEEPING, ECO_LEAF_DECIDUOUS },
+		{ "Trauerweide", ECO_FORM_WEEPING, ECO_LEAF_DECIDUOUS },
+		{ "S\u00e4ulen-Hainbuche", ECO_FORM_COLUMN, ECO_LEAF_DECIDUOUS },
+		{ "Carpinus betulus Fastigiata", ECO_FORM_COLUMN, ECO_LEAF_DECIDUOUS },
+		{ "Acer palmatum", ECO_FORM_BROAD, ECO_LEAF_DECIDUOUS },
+		{ "Quercus ilex", ECO_FORM_BROAD, ECO_LEAF_EVERGREEN },
+		{ "Quercus robur", ECO_FORM_BROAD, ECO_LEAF_DECIDUOUS },
+		{ "Larix decidua", ECO_FORM_CONIFER, ECO_LEAF_DECIDUOUS },
+		{ "Pinus mugo", ECO_FORM_SHRUB, ECO_LEAF_EVERGREEN },
+		{ "Cupressus sempervirens", ECO_FORM_COLUMN, ECO_LEAF_EVERGREEN } };
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		struct eco_flora flora = eco_flora_of(names[i].name, NULL);
+		if (flora.form != names[i].form || flora.leaf != names[i].leaf)
+			fail_msg("%s is a %s, leaves %d", names[i].name, eco_form_names[flora.form], flora.leaf);
+		assert_true(flora.height_m > 0);
+	}
+}
+
+UNIT_TEST(codes_are_known_where_spelling_is_asked_for)
+{
+	static const char *const codes[][2] = { { "piab", "picea abies" }, { "FASY", "fagus sylvatica" },
+		{ "quru", "quercus rubra" }, { "QUEROB", "quercus robur" }, { "litu", "liriodendron tulipifera" } };
+	for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
+		struct eco_flora flora = spelt(codes[i][0]);
+		assert_string_equal(flora.coded, codes[i][1]);
+		assert_true(flora.genus && strncmp(flora.genus, codes[i][1], strlen(flora.genus)) == 0);
+		assert_true(eco_form_is_tree(flora.form));
+		assert_null(eco_flora_of(codes[i][0], NULL).genus);
+	}
+	assert_string_equal(spelt("pine").coded, "");     /* a word, though pinus nes... */
+	assert_null(spelt("quxy").genus);
+}
+
+UNIT_TEST(systems_of_codes_are_read_where_a_column_uses_them)
+{
+	static const char *const codes[][3] = { { "cz", "SM", "picea" }, { "cz", "DBZ", "quercus" },
+		{ "de", "RBu", "fagus" }, { "ch", "Fi", "picea" }, { "at", "L\u00e4", "larix" },
+		{ "fr", "P.S", "pinus" }, { "fr number", "09", "fagus" }, { "de number", "20", "pinus" },
+		{ "plants", "ACSA3", "acer" }, { "plants", "QUMA2", "quercus" }, { "fia", "316", "acer" } };
+	for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
+		struct eco_flora flora = eco_flora_of(codes[i][1], &(struct eco_flora_hint){ .codes = codes[i][0] });
+		if (!flora.genus || strcmp(flora.genus, codes[i][2]) != 0)
+			fail_msg("%s %s is %s", codes[i][0], codes[i][1], flora.genus ? flora.genus : "?");
+		assert_true(eco_flora_has_code(codes[i][0], codes[i][1]));
+	}
+	assert_false(eco_flora_has_code("cz", "XYZ"));
+}
+
+UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
+{
+	struct eco_flora flora = spelt("Qercus robur");
+	assert_string_equal(flora.genus, "quercus");
+	assert_string_equal(flora.misspelt, "qercus");
+	assert_null(eco_flora_of("Qercus robur", NULL).genus);
+	assert_null(spelt("Xyzzy plugh").genus);
+	assert_string_equal(spelt("Pseudotsgua menziesii").genus, "pseudotsuga");
+	assert_string_equal(spelt("Norway mapel").genus, "acer");
+	assert_null(spelt("Pirus alba").genus);           /* Pinus has no such species, nor has Pyrus */
+	assert_string_equal(spelt("Pinus sp.").genus, "pinus");
+}
