@@ -94,7 +94,7 @@ static uint32_t fitting_variant(const struct make *m, uint32_t source, const str
 {
 	uint32_t best = row->plant;
 	double least = INFINITY;
-	if (isnan(row->height_m) || isnan(row->crown_radius_m))
+	if (isnan(row->height_m) || isnan(row->crown_radius_m) || row->crown_is_guess)
 		return m->plant_of[source][row->plant];
 	for (uint32_t i = 0; i < row->variant_count; i++) {
 		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
@@ -309,8 +309,34 @@ static void doubt_plant(const struct make *m, uint32_t id, struct eco_spread *he
 		doubt_height(m, id, eco_spread_quantile(heights, 0.5), heights->seen);
 }
 
+#define SMALLEST 0.5             /* of a model's size: beyond these its leaves are too small or too large */
+#define LARGEST 2.0
+
+/* Plants that are drawn far from their model's size. */
+static void doubt_scales(const struct make *m)
+{
+	for (uint32_t id = 0; id < m->plant_count; id++) {
+		uint64_t all = 0, small = 0, large = 0;
+		char texts[3][32];
+		for (uint32_t s = 0; s < m->sources.count; s++)
+			for (uint32_t i = 0; i < m->ecos[s].place_count; i++) {
+				const struct make_place *place = &m->ecos[s].places[i];
+				all += place->plant == id;
+				small += place->plant == id && place->scale < SMALLEST;
+				large += place->plant == id && place->scale > LARGEST;
+			}
+		if (small + large > 0)
+			main_note("%s: of its %s plants %s are drawn at less than %g and %s at more than %g of its model's "
+				"size, %.3g m; models of other sizes as variants keep leaves and bark in proportion",
+				m->plants[id].name, eco_phrase_count(all, texts[0]), eco_phrase_count(small, texts[1]),
+				SMALLEST, eco_phrase_count(large, texts[2]), LARGEST,
+				(double)m->plants[id].built.plant.height_m);
+	}
+}
+
 static void doubt_plants(const struct make *m)
 {
+	doubt_scales(m);
 	struct eco_spread *heights = eco_alloc(m->plant_count, sizeof *heights);
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		for (uint32_t i = 0; i < m->ecos[s].place_count; i++) {

@@ -214,7 +214,7 @@ static void point_of(void *ctx, uint64_t index, struct eco_point *out)
 	const double *origin = m->sources.items[0].origin;
 	*out = (struct eco_point){ { origin[0] + (double)p->x, origin[1] + (double)p->y },
 		m->species.items[p->species], m->kinds[p->kind].name, p->row ? m->files[p->file] : "",
-		(double)p->height_m, p->row, p->line };
+		(double)p->height_m, (double)p->crown_m, p->row, p->line };
 }
 
 /* Writes all plants that were gathered as a table with points (gis_files.h). */

@@ -80,7 +80,7 @@ static void find_kinds(struct map *m)
 }
 
 /* height_m: NAN where the plant's own counts; scale multiplies it. species NULL: as the plant is named. */
-struct stand { const double *at; double height_m, scale; const char *species; uint32_t file, row, line; };
+struct stand { const double *at; double height_m, scale; const char *species; uint32_t file, row, line; double crown_m; };
 
 static void add_plant(struct map *m, uint32_t source, uint32_t plant, const struct stand *stand)
 {
@@ -88,7 +88,7 @@ static void add_plant(struct map *m, uint32_t source, uint32_t plant, const stru
 	double height = isnan(stand->height_m) ? m->sources.items[source].plants[plant].height_m
 		: stand->height_m;
 	struct map_point point = { (float)at[0], (float)at[1],
-		height > 0 ? (float)(height * stand->scale) : 0, m->kind_of[source][plant], 0, stand->file,
+		height > 0 ? (float)(height * stand->scale) : 0, (float)stand->crown_m, m->kind_of[source][plant], 0, stand->file,
 		stand->row, stand->line };
 	point.species = eco_string_number(&m->species, stand->species ? stand->species
 		: m->kinds[point.kind].name);
@@ -186,7 +186,8 @@ static void add_rows(struct map *m, uint32_t source, const struct eco_positions_
 			break;
 		add_plant(m, source, row.plant, &(struct stand){ row.at, row.height_m, row.scale,
 			row.species, file, row.row <= UINT32_MAX ? (uint32_t)row.row : 0,
-			row.line <= UINT32_MAX && eco_positions_has_lines(reader) ? (uint32_t)row.line : 0 });
+			row.line <= UINT32_MAX && eco_positions_has_lines(reader) ? (uint32_t)row.line : 0,
+			isnan(row.crown_radius_m) ? 0 : 2 * row.crown_radius_m * row.scale });
 	}
 	eco_positions_report(reader, main_note_text, NULL);
 	say_rows(m, reader, spec);
@@ -317,6 +318,7 @@ static void expand(struct map *m, uint32_t source, const struct eco_placement *t
 		point.x = (float)at[0];
 		point.y = (float)at[1];
 		point.height_m *= (float)t->scale;
+		point.crown_m *= (float)t->scale;
 		add_point(&m->points, &point);
 	}
 	for (uint32_t i = 0; i < s->child_count; i++) {

@@ -37,8 +37,8 @@ static const struct eco_field quadrat_fields[] = {
 	FIELD("size_m", NUMBER | ECO_IS_REQUIRED, 0.1, 1000, quadrat.size_m), ECO_FIELDS_END
 };
 static const struct eco_field crown_fields[] = {
-	FIELD("column", COLUMN | ECO_IS_REQUIRED, 0, 0, crown.column), FIELD("unit", UNIT, 0, 0, crown.unit_m),
-	{ "is", ECO_IS_OTHER | ECO_IS_REQUIRED, 0, 0, 0, 0 }, ECO_FIELDS_END
+	ECO_OTHER("column"), FIELD("unit", UNIT, 0, 0, crown.unit_m), ECO_OTHER("is"), ECO_OTHER("otherwise"),
+	FIELD("spread", NUMBER, 0, 0.9, crown.spread), ECO_FIELDS_END
 };
 #define RULE(record, member) ECO_FIELD("max", NUMBER, 1.3, 1000, record, member max_m), \
 	ECO_FIELD("rate", NUMBER, 1e-9, 1e3, record, member rate), \
@@ -50,10 +50,11 @@ struct eco_height { struct eco_size size; struct eco_allometry rule; uint32_t le
 static const struct eco_field height_fields[] = {
 	ECO_FIELD("unit", UNIT, 0, 0, height, size.unit_m),
 	ECO_FIELD("value", NUMBER, 0.001, 1000, height, size.value_m), RULE(height, rule.), ECO_OTHER("per_plant"),
-	ECO_FIELD("levels", WHOLE, 1, 1024, height, levels),
+	ECO_FIELD("levels", WHOLE, 1, 1024, height, levels), ECO_OTHER("by"),
+	ECO_FIELD("now", NUMBER, 1500, 3000, height, size.now), ECO_FIELD("spread", NUMBER, 0, 0.9, height, size.spread),
 	/* at last, so that none is lost where another field stops */
 	SOURCE("column"), SOURCE("from_dbh"), SOURCE("from_girth"), SOURCE("from_dbh_mm"), SOURCE("from_dbh_cm"),
-	SOURCE("from_dbh_in"), ECO_FIELDS_END
+	SOURCE("from_dbh_in"), SOURCE("from_age"), SOURCE("from_year"), ECO_FIELDS_END
 };
 
 /* ---- "only" and "skip": the rows wanted ---- */
@@ -256,9 +257,9 @@ static void parse_allometry(const struct eco_source *source, const struct eco_js
 	size->rules[size->rule_count] = *others;
 	size->rule_count += rule_is_there(at, others);
 	qsort(size->rules, size->rule_count, sizeof *size->rules, compare_rules);
-	if (size->rule_count == 0)
+	if (size->rule_count == 0 && !size->by_species)
 		eco_scene_fail(at, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), here or "
-			"\"per_plant\": h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
+			"\"per_plant\", or \"by\": \"species\": h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
 }
 
 /* A height's object: one member names its source. */
@@ -270,7 +271,10 @@ static void parse_height_object(const struct eco_source *source, const struct ec
 		{ "column", 1, ECO_SIZE_COLUMN, 1 }, { "from_dbh", 0, ECO_SIZE_DBH, 1 },
 			{ "from_girth", 0, ECO_SIZE_DBH, 1 / M_PI },
 		{ "from_dbh_mm", 0.001, ECO_SIZE_DBH, 1 }, { "from_dbh_cm", 0.01, ECO_SIZE_DBH, 1 },
-		{ "from_dbh_in", 0.0254, ECO_SIZE_DBH, 1 } };
+		{ "from_dbh_in", 0.0254, ECO_SIZE_DBH, 1 },
+		{ "from_age", 1, ECO_SIZE_AGE, 1 }, { "from_year", 1, ECO_SIZE_YEAR, 1 } };
+	static const char *const by[] = { "species", NULL };
+	unsigned species = ECO_NONE;
 	enum { SOURCES = sizeof from / sizeof *from };
 	struct eco_height height = { .rule = { .plant = ECO_NONE, .shape = 1 }, .levels = *levels };
 	struct eco_json unit = eco_json_member(at, "unit");
@@ -278,24 +282,28 @@ static void parse_height_object(const struct eco_source *source, const struct ec
 	eco_scene_fields(source, at, height_fields, &height);
 	*size = height.size;
 	*levels = height.levels;
+	eco_scene_choice(at, "by", by, "\"species\"", &species);
+	size->by_species = species != ECO_NONE;
 	for (unsigned i = 0; i < SOURCES; i++)
 		if (json_object_get(at->value, from[i].key)) {
 			kinds++;
 			which = i;
 		}
 	if (kinds != 1)
-		eco_scene_fail(at, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, from_dbh_in");
+		eco_scene_fail(at, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, from_dbh_in, from_age, from_year");
 	size->kind = which < SOURCES ? from[which].kind : ECO_SIZE_NUMBER;
 	if (size->kind == ECO_SIZE_NUMBER)
 		return;
-	if (size->kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value)
+	if (size->kind == ECO_SIZE_YEAR && size->now == 0)
+		eco_scene_fail(at, "\"now\" is missing: the year in which the plants are seen");
+	if (size->kind != ECO_SIZE_COLUMN && from[which].unit_m > 0 && unit.value)
 		eco_scene_fail(&unit, "\"%s\" says the unit: leave out \"unit\", or write \"from_dbh\"",
 			from[which].key);
 	size->factor = from[which].factor;
 	size->unit_m = unit.value ? size->unit_m : from[which].unit_m;
 	if (size->unit_m == 0)
 		eco_scene_fail(at, "\"unit\" is missing: one of " ECO_UNITS);
-	if (size->kind == ECO_SIZE_DBH)
+	if (size->kind != ECO_SIZE_COLUMN)
 		parse_allometry(source, at, size, &height.rule);
 }
 
@@ -336,19 +344,31 @@ static void parse_height(const struct eco_source *source, const struct eco_json 
 	}
 }
 
+/* A column, or several whose mean counts, such as the radii in four directions; polygons; or a guess. */
 static void parse_crown(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
-	static const char *const kinds[] = { "radius", "diameter", NULL };
-	struct eco_json crown = eco_json_member(at, "crown_m");
-	unsigned diameter = 0;
+	static const char *const kinds[] = { "radius", "diameter", "polygon", NULL }, *const others[] = { "species", NULL };
+	struct eco_json crown = eco_json_member(at, "crown_m"), column = eco_json_member(&crown, "column");
+	unsigned is = ECO_NONE, otherwise = ECO_NONE;
 	if (!crown.value)
 		return;
-	spec->crown.kind = ECO_SIZE_COLUMN;
 	spec->crown.unit_m = 1;
 	eco_scene_fields(source, &crown, crown_fields, spec);
-	eco_scene_choice(&crown, "is", kinds, "\"radius\" or \"diameter\"", &diameter);
-	spec->crown.factor = diameter ? 0.5 : 1;
+	eco_scene_choice(&crown, "is", kinds, "\"radius\", \"diameter\" or \"polygon\"", &is);
+	eco_scene_choice(&crown, "otherwise", others, "\"species\"", &otherwise);
+	eco_scene_need(!column.value || !json_is_array(column.value) || eco_json_array(&column, ECO_CROWN_COLUMNS));
+	size_t count = column.value ? eco_scene_several(&column) : 0;
+	if ((count > 0) != (is == 0 || is == 1) || (is == ECO_NONE && otherwise == ECO_NONE))
+		eco_scene_fail(&crown, "a crown is {\"column\": NAME, \"is\": \"radius\" or \"diameter\"}, {\"is\": "
+			"\"polygon\"} or {\"otherwise\": \"species\"}");
+	for (size_t i = 0; i < count; i++) {
+		struct eco_json item = eco_scene_one(&column, i);
+		eco_scene_copy(&item, ECO_COLUMN_BYTES, &spec->crown.columns[i]);
+	}
+	spec->crown.factor = is == 1 ? 0.5 : 1;
+	spec->crown.of_geometry = is == 2;
+	spec->crown.by_species = otherwise == 0;
 }
 
 /* ---- The entry ---- */
@@ -440,7 +460,8 @@ void eco_positions_spec_free(struct eco_positions_spec *spec)
 		free(spec->map[i].name);
 	for (uint32_t i = 0; i < spec->height_count; i++)
 		free_size(&spec->heights[i]);
-	free_size(&spec->crown);
+	for (uint32_t i = 0; i < ECO_CROWN_COLUMNS; i++)
+		free(spec->crown.columns[i]);
 	free(spec->map);
 	free(spec->heights);
 	eco_filters_free(spec->filters, spec->filter_count);

@@ -46,7 +46,7 @@ awk 'BEGIN { printf "\357\273\277Baum-Nr;Baumart (botanisch);H\303\266he (m);Sta
 start 0 'decimal commas' de.csv
 is '[.crs, .origin]' '["EPSG:25832",[691630,5334730]]'
 is '.instances[0] | [.x, .y, .crs, .decimal, .species]' '["Ostwert_25832","Nordwert_25832","EPSG:25832",",","Baumart (botanisch)"]'
-is '.instances[0].height_m' '[{"column":"Höhe (m)","unit":"m"},{"from_girth":"Stammumfang [cm]","unit":"cm","max":25,"rate":0.002},13.5]'
+is '.instances[0].height_m' '[{"column":"Höhe (m)","unit":"m"},{"by":"species","from_girth":"Stammumfang [cm]","unit":"cm","spread":0.15,"max":25,"rate":0.002},13.5]'
 is '.instances[0].map' '{"Quercus robur":"stieleiche","Tilia cordata":"linden","*":"stieleiche"}'
 is '.plants.linden.variants | length' 2
 camera 0 0

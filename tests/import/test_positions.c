@@ -329,16 +329,24 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 	{ NULL, "", crowns_a_csv, "'crown_m':{'column':'k'}", NULL, "\"is\"" },
 	{ "implausible_sizes_are_said", "", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n",
 		"'height_m':[{'column':'h'},{'from_dbh_cm':'d','max':35,'rate':0.004}]",
-		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "2  kept at a size that no plant reaches: a "
-		"height > 116 m, a trunk > 12 m or a crown > 60 m; is \"unit\" another? (first in line 2: "
-		"\"200\")|1  kept at another size: a height below 0.01 or "
-		"above 300 m, or a crown above 100 m, is not used; is \"unit\" another? (first in line 4: "
-		"\"900\")|1  kept at their plant's own height: the "
-		"row says no usable one (first in line 4: \"900\")" },
+		"oak 1 1 h200 / oak 2 2 / oak 3 3", "1  kept at a size that no plant reaches: a "
+		"height > 116 m or a crown > 60 m; is \"unit\" another? (first in line 2: "
+		"\"200\")|2  kept at another size: a height below 0.01 or "
+		"above 300 m, a trunk above 12 m or a crown above 100 m is not used; is \"unit\" another? (first in line 3: "
+		"\"50000\")|2  kept at their plant's own height: the "
+		"row says no usable one" },
+	{ "ages_and_species_give_sizes", "", "s,x,y,a,p,r,q\noak,1,1,30,,2,4\noak,2,2,,1996-04-01,,\noak,3,3,,,,6\n",
+		"'species':'s','height_m':[{'from_age':'a','max':20,'rate':0.02},"
+		"{'from_year':'p','now':2026,'by':'species'}],'crown_m':{'column':['r','q'],'is':'radius',"
+		"'otherwise':'species'}", "oak 1 1 h9.847 c3 / oak 2 2 h15.261 c4.091 / oak 3 3 c6",
+		"heights: 2 by age, 1 as the model; crowns: 2 measured, 1 by the species" },
+	{ "several_stems_are_one_trunk", "", "x,y,d\n1,1,12;15;9\n2,2,20+18 cm\n3,3,3x10\n4,4,21.213\n",
+		"'height_m':{'from_dbh_cm':'d','max':35,'rate':0.004}",
+		"oak 1 1 h20.575 / oak 2 2 h23.513 / oak 3 3 h18.144 / oak 4 4 h20.575", "3  kept: several stems in a field" },
 	{ NULL, "", "x,y,h,d\n1,1,12,\n2,2,510.0,20\n3,3,510,\n4,4,.001,\n",
 		"'height_m':[{'column':'h'},{'from_dbh_cm':'d','max':35,'rate':0.004},11]",
 		"oak 1 1 h12 / oak 2 2 h19.858 / oak 3 3 h11 / oak 4 4 h11", "3  kept at another size: a "
-		"height below 0.01 or above 300 m, or a crown above 100 m, is not used; is \"unit\" "
+		"height below 0.01 or above 300 m, a trunk above 12 m or a crown above 100 m is not used; is \"unit\" "
 		"another? (first in line 3: \"510.0\")" },
 	{ NULL, "", "x,y,h,k\n1,1,N/A,900\n2,2,old,8\n", "'crown_m':{'column':'k','is':'radius'},"
 		"'height_m':[{'column':'h'}]", "oak 1 1 / oak 2 2 c8", "(first in line 2: \"900\")|1  kept: a size "

@@ -77,9 +77,11 @@ static void start_free(struct start *s)
 	free(s->models);
 	free(s->matches);
 	free(s->guesses);
-	free(s->dem.extent);
-	free(s->image.extent);
+	start_raster_free(&s->dem);
+	start_raster_free(&s->image);
 	free(s->scene);
+	json_decref(s->skip);
+	json_decref(s->other);
 }
 
 /* ---- The folder ---- */
@@ -105,6 +107,8 @@ static void make_folder(const struct start_options *o, bool *made, struct eco_er
 
 /* ---- The command ---- */
 
+static struct start_options asked;
+static bool made;                        /* the folder */
 static struct { struct eco_inputs inputs; struct start_options options; char folder[4096]; } given;
 
 static void read_options(struct start_options *o)
@@ -130,6 +134,21 @@ static void read_options(struct start_options *o)
 		eco_stop(ECO_BAD_USAGE, "--decimal is . or ,");
 }
 
+/* The CRS of another scene is this one's; start_scene takes its origin, start_write its camera. */
+void start_same_place(struct start *s)
+{
+	json_error_t why;
+	const char *path = s->options->same_place;
+	if (!path)
+		return;
+	s->other = json_load_file(path, 0, &why);
+	const char *crs = json_string_value(json_object_get(s->other, "crs"));
+	if (!s->other || !json_is_array(json_object_get(s->other, "origin")))
+		eco_stop(ECO_BAD_INPUT, "--same-place-as %.300s: no scene with an \"origin\"%s%.100s", path,
+			s->other ? "" : ": ", s->other ? "" : why.text);
+	asked.scene_crs = asked.scene_crs ? asked.scene_crs : crs;
+}
+
 static void print_next(const char *folder)
 {
 	char name[64];
@@ -143,14 +162,12 @@ static void print_next(const char *folder)
 		"--vertices 1000000 -o %s/picture\n", name, folder, folder);
 }
 
-static struct start_options asked;
-static bool made;                        /* the folder */
-
 static void run_steps(void *start)
 {
 	struct start *s = start;
 	read_options(&asked);
 	start_check_order(given.inputs.names);
+	start_same_place(s);
 	make_folder(&asked, &made, s->error);
 	start_rasters(s);
 	enum eco_code code = eco_try(start_look, s, s->error);
@@ -181,7 +198,7 @@ static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 
 static const struct eco_option options[] = {
 	{ "the table and the folder of models", 0, ECO_OPTION_INPUTS, "TREES MODELS [RASTER...]", &given.inputs,
-		.high = 4, .is_required = true },
+		.high = 1026, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
 		.help = "the folder for scene.json, map.png and camera.json, which appear together or not "
 			"at all" },
@@ -210,6 +227,8 @@ static const struct eco_option options[] = {
 		.help = "picture of the ground, or its classes in colours" },
 	{ "image-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.image_crs,
 		.help = "CRS of the picture, if its file has none" },
+	{ "same-place-as", 0, ECO_OPTION_TEXT, "SCENE", &given.options.same_place,
+		.help = "takes origin, CRS and camera from another scene.json, so that views of both agree" },
 	{ "layer", 0, ECO_OPTION_TEXT, "NAME", &given.options.layer,
 		.help = "layer, in a file with several" },
 	{ "separator", 0, ECO_OPTION_TEXT, "S", &given.options.separator,

@@ -14,6 +14,7 @@
 #ifndef ECO_MAIN_START_H
 #define ECO_MAIN_START_H
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -22,6 +23,7 @@
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/place_guess.h"
+#include "ecofiles/import/places/positions.h"
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"
 
@@ -29,7 +31,7 @@ struct start_options {           /* NULL: not given */
 	const char *table, *models, *dem, *image, *image_crs, *folder;
 	char **rasters; uint32_t raster_count;       /* of which it is not said what they are */
 	const char *crs, *scene_crs, *x, *y, *species, *height, *dbh, *layer, *plant;
-	const char *height_unit, *dbh_unit, *separator, *decimal;
+	const char *height_unit, *dbh_unit, *separator, *decimal, *same_place;
 	bool force;
 };
 
@@ -55,8 +57,13 @@ struct start_match {
 	struct eco_flora flora;
 }; /* model ECO_NONE: left out */
 
-/* path NULL: none; crs NULL: the file's own */
-struct start_raster { const char *path; struct eco_raster_extent *extent; const char *crs; };
+/* Rasters that lie beside each other are one. path: of the first tile, NULL: none; extent: of all; crs NULL: the file's
+ * own */
+struct start_tile { const char *path; struct eco_raster_extent *extent; };
+struct start_raster {
+	const char *path; struct eco_raster_extent *extent; const char *crs;
+	struct start_tile *tiles; uint32_t tile_count, tile_capacity;
+};
 struct start_size { uint32_t column; struct eco_unit_guess unit; double median, share; };  /* of rows that say it */
 
 struct start {
@@ -69,13 +76,19 @@ struct start {
 	struct eco_place_guess place;
 	/* column ECO_NONE: none; `trunk` is a diameter, or a girth */
 	struct start_size height, trunk;
-	bool trunk_is_girth;
+	bool trunk_is_girth, height_is_z;
+	struct start_size crown;             /* a diameter, or a radius */
+	bool crown_is_radius, has_radii;
+	uint32_t radii[ECO_CROWN_COLUMNS];   /* north, east, south, west */
+	int now;                             /* the year from which ages are counted */
+	json_t *skip;                        /* of rows without a plant: column to values */
 	struct start_model *models; uint32_t model_count, model_capacity;
 	struct eco_table_values species;
 	struct start_match *matches;         /* per value of species */
 	struct eco_flora_hint hint;          /* for their names */
 	uint32_t fallback;                   /* the model of all other species */
 	double height_m;                     /* of plants of which no size is known */
+	json_t *other;                       /* the scene of --same-place-as; NULL: none */
 	struct start_guess *guesses; uint32_t guess_count, guess_capacity;
 	char *scene;                         /* the text */
 };
@@ -86,11 +99,15 @@ struct start {
 void start_check_order(char **names);
 #define START_FORMATS ".glb, .gltf, .obj, .fbx, .dae, .ply, .3ds, .3mf or .stl"
 bool start_is_model(const char *path); /* by its ending */
+/* Reads the scene of --same-place-as, if there is one. */
+void start_same_place(struct start *s);
 void start_rasters(struct start *s);
+void start_raster_free(struct start_raster *raster);
 /* Fails with `code`, which says why the table was not read, or says that it is a raster. */
 _Noreturn void start_told_raster(struct start *s, enum eco_code code);
 void start_image_crs(struct start *s);       /* once the place is known */
 void start_look(void *start);
+void start_sizes(struct start *s);           /* start_sizes.c */
 void start_models_find(struct start *s);
 void start_match_species(struct start *s);
 void start_models_see(struct start *s);

@@ -110,72 +110,6 @@ static void say_columns(struct start *s)
 	}
 }
 
-/* ---- Sizes ---- */
-
-/* Leaves the unit NULL where it has to be asked for. */
-static void measure(struct start *s, struct start_size *size, enum eco_quantity quantity,
-	const char *given, const char *beside)
-{
-	const char *name = start_column(s, size->column);
-	struct eco_spread spread = { 0 };
-	double own_unit = 0;
-	eco_table_spread(&s->table, size->column, &s->columns, &spread, &own_unit);
-	struct eco_size_numbers numbers = { eco_spread_quantile(&spread, 0.5),
-		eco_spread_quantile(&spread, 0.98) };
-	bool any = spread.count > 0;
-	size->share = (double)spread.seen / s->table.row_count;
-	eco_spread_free(&spread);
-	size->median = numbers.middle;
-	if (!any)
-		size->column = ECO_NONE;         /* nothing in it */
-	else if (given)
-		size->unit = (struct eco_unit_guess){ .unit = given, .why = "as you say" };
-	else if (own_unit > 0.5)
-		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which counts" };
-	else
-		size->unit = eco_unit_guess(quantity, name, beside, &numbers);
-}
-
-static void ask_unit(const struct start *s, const struct start_size *size, const char *option)
-{
-	if (size->column != ECO_NONE && !size->unit.unit)
-		eco_stop(ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one of " ECO_UNITS ")",
-			s->options->table, start_column(s, size->column), size->unit.why, option);
-}
-
-static void say_size(struct start *s, const struct start_size *size, enum eco_role role,
-	const char *column, const char *unit)
-{
-	char took[120], change[64];
-	if (size->column == ECO_NONE)
-		return;
-	snprintf(took, sizeof took, "\"%.60s\" in %s", start_column(s, size->column), size->unit.unit);
-	snprintf(change, sizeof change, "%s, %s", column, unit);
-	start_guess(s, eco_role_names[role], took, change, "%s", size->unit.why);
-}
-
-/* Whether trunks are needed: where heights are missing. */
-static void find_sizes(struct start *s)
-{
-	const struct start_options *o = s->options;
-	s->height.column = s->columns.of[ECO_ROLE_HEIGHT];
-	s->trunk_is_girth = s->columns.of[ECO_ROLE_DBH] == ECO_NONE;
-	s->trunk.column = s->columns.of[s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH];
-	enum eco_quantity trunk = s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH;
-	if (s->height.column != ECO_NONE)
-		measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, o->dbh_unit ? o->dbh_unit
-			: eco_unit_of_name(start_column(s, s->trunk.column)));
-	if (s->trunk.column != ECO_NONE)
-		measure(s, &s->trunk, trunk, o->dbh_unit, s->height.column != ECO_NONE
-			? s->height.unit.unit : NULL);
-	if (s->height.column != ECO_NONE && !s->height.unit.unit && s->trunk.column != ECO_NONE)
-		measure(s, &s->height, ECO_QUANTITY_HEIGHT, NULL, s->trunk.unit.unit);
-	ask_unit(s, &s->height, "--height-unit");
-	ask_unit(s, &s->trunk, "--dbh-unit");
-	say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
-	say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH, "--dbh-column", "--dbh-unit");
-}
-
 /* ---- Places ---- */
 
 static void find_place(struct start *s)
@@ -216,8 +150,7 @@ void start_look(void *start)
 	const struct start_options *o = s->options;
 	char rows[32];
 	s->source = (struct eco_rows_source){ .path = o->table, .layer = o->layer,
-		.separator = o->separator ? o->separator[0] : 0 };
-	s->height.column = s->trunk.column = ECO_NONE;
+		.separator = o->separator ? o->separator[0] : 0, .crowns = true };
 	check_units(s);
 	eco_check(eco_table_read(&s->table, &s->source, s->error));
 	start_say("%s: %s row%s, %u column%s\n", o->table, eco_phrase_count(s->table.rows, rows),
@@ -228,7 +161,7 @@ void start_look(void *start)
 	find_place(s);
 	say_columns(s);
 	say_place(s);
-	find_sizes(s);
+	start_sizes(s);
 }
 
 /* ---- Rasters ---- */
@@ -242,6 +175,53 @@ static struct eco_raster_extent *read_extent(const struct start *s, const char *
 	return extent;
 }
 
+#define OVERLAP_MOST 0.02        /* of a tile: tiles may share a border of pixels */
+
+static bool overlap(const struct eco_raster_extent *a, const struct eco_raster_extent *b)
+{
+	double share = 1;
+	for (int k = 0; k < 2; k++) {
+		double low = a->low[k] > b->low[k] ? a->low[k] : b->low[k],
+		       high = a->high[k] < b->high[k] ? a->high[k] : b->high[k];
+		share *= high > low ? (high - low) / (b->high[k] - b->low[k]) : 0;
+	}
+	return share > OVERLAP_MOST;
+}
+
+/* Whether a raster lies beside all tiles, in their CRS. */
+static bool is_tile(const struct start_raster *raster, const struct eco_raster_extent *extent)
+{
+	bool beside = strcmp(raster->extent->crs, extent->crs) == 0;
+	for (uint32_t i = 0; i < raster->tile_count; i++)
+		beside = beside && !overlap(raster->tiles[i].extent, extent);
+	return beside;
+}
+
+static void add_tile(struct start_raster *raster, const char *path, struct eco_raster_extent *extent)
+{
+	eco_grow(&raster->tiles, &raster->tile_capacity, raster->tile_count, sizeof *raster->tiles);
+	raster->tiles[raster->tile_count++] = (struct start_tile){ path, extent };
+	if (raster->tile_count == 1) {
+		raster->path = path;
+		raster->extent = eco_alloc(1, sizeof *extent);
+		*raster->extent = *extent;
+	}
+	for (int k = 0; k < 2; k++) {
+		if (extent->low[k] < raster->extent->low[k])
+			raster->extent->low[k] = extent->low[k];
+		if (extent->high[k] > raster->extent->high[k])
+			raster->extent->high[k] = extent->high[k];
+	}
+}
+
+void start_raster_free(struct start_raster *raster)
+{
+	for (uint32_t i = 0; i < raster->tile_count; i++)
+		free(raster->tiles[i].extent);
+	free(raster->tiles);
+	free(raster->extent);
+}
+
 /* A raster without an option is sorted by its bands. */
 static void sort_raster(struct start *s, const char *path)
 {
@@ -251,21 +231,22 @@ static void sort_raster(struct start *s, const char *path)
 	if (extent->kind == ECO_RASTER_DOUBTFUL)
 		eco_stop(ECO_BAD_INPUT, "%.200s: heights, or a picture of the ground? %s; say --dem %.200s or --image "
 			"%.200s", path, extent->bands, path, path);
-	if (raster->path)
-		eco_stop(ECO_BAD_INPUT, "%.200s and %.200s: both are rasters of %s; name one, or several as an array in the "
-			"scene (%s FILE says what a file is)", raster->path, path, heights ? "heights" : "colours",
+	if (raster->path && !is_tile(raster, extent))
+		eco_stop(ECO_BAD_INPUT, "%.200s and %.200s: both are rasters of %s, and they overlap, or differ in CRS; name one, or several as an "
+			"array in the scene (%s FILE says what a file is)", raster->path, path, heights ? "heights" : "colours",
 			heights ? "--dem" : "--image");
-	*raster = (struct start_raster){ path, extent, NULL };
-	start_guess(s, heights ? "terrain" : "picture", path, "--dem, --image", "%s", extent->bands);
+	add_tile(raster, path, extent);
+	start_guess(s, heights ? "terrain" : "picture", path, "--dem, --image", "%s%s", extent->bands,
+		raster->tile_count > 1 ? ", and lies beside the others: one ground" : "");
 }
 
 void start_rasters(struct start *s)
 {
 	const struct start_options *o = s->options;
 	if (o->dem)
-		s->dem = (struct start_raster){ o->dem, read_extent(s, o->dem), NULL };
+		add_tile(&s->dem, o->dem, read_extent(s, o->dem));
 	if (o->image)
-		s->image = (struct start_raster){ o->image, read_extent(s, o->image), NULL };
+		add_tile(&s->image, o->image, read_extent(s, o->image));
 	for (uint32_t i = 0; i < o->raster_count; i++)
 		sort_raster(s, o->rasters[i]);
 }

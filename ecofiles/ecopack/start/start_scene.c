@@ -23,6 +23,8 @@
  * of that at a diameter of 0.3 m. */
 #define TALLEST_M 25.0
 #define RATE_PER_MM 0.002
+#define RATE_PER_YEAR 0.02       /* as words/heights.tsv has it for a broad-leaved tree */
+#define SPREAD 0.15              /* of guessed sizes: trees of one trunk or age differ so */
 /* The share of rows below which known heights are those of odd plants: volunteers' maps have a height where a tree
  * was planted lately, or is a monument. */
 #define FEW_HEIGHTS 0.1
@@ -124,7 +126,7 @@ static void say_heights(struct start *s)
 {
 	char took[120];
 	if (s->trunk.column != ECO_NONE) {
-		snprintf(took, sizeof took, "from the trunk: 1.3 + (%g - 1.3) (1 - exp(-%g mm))", TALLEST_M,
+		snprintf(took, sizeof took, "from the trunk, by species; else 1.3 + (%g - 1.3) (1 - exp(-%g mm))", TALLEST_M,
 			RATE_PER_MM);
 		start_guess(s, s->height.column == ECO_NONE ? "heights" : "other heights", took,
 			"\"height_m\" in the scene", "a usual curve of city trees, %g m at most, shrubs and "
@@ -141,7 +143,8 @@ static void say_heights(struct start *s)
 		else
 			start_guess(s, "without a size", took, "\"height_m\" in the scene", "the middle of the heights "
 				"that are known");
-	} else if (s->trunk.column == ECO_NONE)
+	} else if (s->trunk.column == ECO_NONE && s->columns.of[ECO_ROLE_AGE] == ECO_NONE
+			&& s->columns.of[ECO_ROLE_PLANTED] == ECO_NONE)
 		start_guess(s, "heights", "the models' own", "--height-column, --dbh-column", "no "
 			"column of heights or trunks was found");
 }
@@ -170,22 +173,55 @@ static json_t *heights_json(const struct start *s)
 			"s:s}", "column", start_column(s, s->height.column),
 			"unit", s->height.unit.unit));
 	if (s->trunk.column != ECO_NONE)
-		json_array_append_new(heights, json_pack("{s:s, s:s, s:f, s:f, s:o*}",
+		json_array_append_new(heights, json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:o*}", "by", "species",
 			s->trunk_is_girth ? "from_girth" : "from_dbh", start_column(s, s->trunk.column),
-			"unit", s->trunk.unit.unit, "max", TALLEST_M, "rate", RATE_PER_MM,
+			"unit", s->trunk.unit.unit, "spread", SPREAD, "max", TALLEST_M, "rate", RATE_PER_MM,
 			"per_plant", low_plants_json(s)));
+	if (s->columns.of[ECO_ROLE_AGE] != ECO_NONE)
+		json_array_append_new(heights, json_pack("{s:s, s:s, s:f, s:f, s:f}", "from_age",
+			start_column(s, s->columns.of[ECO_ROLE_AGE]), "by", "species", "spread", SPREAD, "max", 0.8 * TALLEST_M,
+			"rate", RATE_PER_YEAR));
+	if (s->columns.of[ECO_ROLE_PLANTED] != ECO_NONE)
+		json_array_append_new(heights, json_pack("{s:s, s:i, s:s, s:f, s:f, s:f}", "from_year",
+			start_column(s, s->columns.of[ECO_ROLE_PLANTED]), "now", s->now, "by", "species", "spread", SPREAD,
+			"max", 0.8 * TALLEST_M, "rate", RATE_PER_YEAR));
 	if (s->height_m > 0)
 		json_array_append_new(heights, json_real(round_to(s->height_m, 0.1)));
 	return heights;
 }
-
-/* ---- The entry ---- */
 
 static void set_text(json_t *object, const char *key, const char *text)
 {
 	if (text && text[0] != 0)
 		json_object_set_new(object, key, json_string(text));
 }
+
+
+/* Measured crowns; a guess by species where any size of a plant is known. */
+static json_t *crown_json(const struct start *s)
+{
+	bool sized = s->height.column != ECO_NONE || s->trunk.column != ECO_NONE
+		|| s->columns.of[ECO_ROLE_AGE] != ECO_NONE || s->columns.of[ECO_ROLE_PLANTED] != ECO_NONE;
+	json_t *crown = json_object(), *columns = json_array();
+	for (uint32_t i = 0; i < ECO_CROWN_COLUMNS && s->crown.column != ECO_NONE; i++)
+		if (i == 0 || s->has_radii)
+			json_array_append_new(columns, json_string(start_column(s, i == 0 ? s->crown.column : s->radii[i])));
+	if (s->table.crown_m > 0)
+		set_text(crown, "is", "polygon");
+	else if (json_array_size(columns) > 0) {
+		json_object_set(crown, "column", s->has_radii ? columns : json_array_get(columns, 0));
+		set_text(crown, "is", s->crown_is_radius ? "radius" : "diameter");
+		set_text(crown, "unit", s->crown.unit.unit);
+	}
+	if (sized) {
+		set_text(crown, "otherwise", "species");
+		json_object_set_new(crown, "spread", json_real(SPREAD));
+	}
+	json_decref(columns);
+	return crown;
+}
+
+/* ---- The entry ---- */
 
 static json_t *species_json(const struct start *s)
 {
@@ -234,21 +270,46 @@ static json_t *entry_json(const struct start *s)
 	if (json_array_size(heights) > 0)
 		json_object_set(entry, "height_m", heights);
 	json_decref(heights);
+	json_t *crown = crown_json(s);
+	if (json_object_size(crown) > 0)
+		json_object_set(entry, "crown_m", crown);
+	json_decref(crown);
+	if (json_object_size(s->skip) > 0)
+		json_object_set(entry, "skip", s->skip);
+	for (size_t i = 0; i < 2; i++) {         /* a file's own turn and scale, as a plan's blocks have them */
+		const char *own = i ? "scale" : "yaw_deg";
+		for (uint32_t k = 0; k < s->table.column_count; k++)
+			if (strcmp(s->table.columns[k], own) == 0)
+				set_text(entry, own, own);
+	}
 	return entry;
+}
+
+/* A path, or an array of the tiles'. */
+static json_t *tiles_json(const struct start *s, const struct start_raster *raster)
+{
+	json_t *paths = json_array();
+	if (raster->tile_count == 1) {
+		json_decref(paths);
+		return path_json(s, raster->path);
+	}
+	for (uint32_t i = 0; i < raster->tile_count; i++)
+		json_array_append_new(paths, path_json(s, raster->tiles[i].path));
+	return paths;
 }
 
 static json_t *ground_json(const struct start *s)
 {
 	json_t *ground = json_object();
 	if (s->dem.path) {
-		json_object_set_new(ground, "heights", path_json(s, s->dem.path));
+		json_object_set_new(ground, "heights", tiles_json(s, &s->dem));
 		set_text(ground, "crs", s->place.dem_crs);
 	}
 	if (s->image.path && s->image.crs)
-		json_object_set_new(ground, "image", json_pack("{s:o, s:s}", "file", path_json(s, s->image.path), "crs",
+		json_object_set_new(ground, "image", json_pack("{s:o, s:s}", "file", tiles_json(s, &s->image), "crs",
 			s->image.crs));
 	else if (s->image.path)
-		json_object_set_new(ground, "image", path_json(s, s->image.path));
+		json_object_set_new(ground, "image", tiles_json(s, &s->image));
 	return ground;
 }
 
@@ -275,7 +336,10 @@ void start_scene(struct start *s)
 	set_text(scene, "name", name);
 	json_object_set_new(scene, "notes", notes_json(s));
 	set_text(scene, "crs", s->place.scene_crs);
-	json_object_set_new(scene, "origin", json_pack("[f,f]", s->place.origin[0], s->place.origin[1]));
+	if (s->other)
+		json_object_set(scene, "origin", json_object_get(s->other, "origin"));
+	else
+		json_object_set_new(scene, "origin", json_pack("[f,f]", s->place.origin[0], s->place.origin[1]));
 	if (s->dem.path || s->image.path)
 		json_object_set_new(scene, "ground", ground_json(s));
 	json_object_set_new(scene, "plants", plants_json(s));
@@ -473,6 +537,20 @@ static char *start_camera(const struct map *map)
 
 /* ---- Content ---- */
 
+/* The camera beside the scene of --same-place-as, malloc'ed. */
+static char *other_camera(const struct start *s)
+{
+	const char *scene = s->options->same_place, *last = eco_path_last(scene);
+	char *path = start_text("%.*scamera.json", (int)(last - scene), scene);
+	json_t *camera = json_load_file(path, 0, NULL);
+	if (!camera)
+		eco_stop(ECO_BAD_INPUT, "%.300s: no camera is beside the scene of --same-place-as: copy one there", path);
+	char *text = json_dumps(camera, JSON_INDENT(1) | JSON_REAL_PRECISION(12));
+	json_decref(camera);
+	free(path);
+	return text;
+}
+
 /* The scene is read back as make reads it: what is wrong with it shows now. */
 static void write_all(void *writing)
 {
@@ -483,7 +561,7 @@ static void write_all(void *writing)
 	eco_check(map_gather(&w->map, w->beside[SCENE]));
 	if (w->map.total == 0)
 		eco_stop(ECO_BAD_INPUT, "%.200s: no row became a plant", s->options->table);
-	char *camera = start_camera(&w->map);
+	char *camera = s->other ? other_camera(s) : start_camera(&w->map);
 	eco_check(eco_file_write(w->beside[CAMERA], camera, strlen(camera), s->error));
 	free(camera);
 	eco_check(map_write(&w->map, w->beside[MAP], MAP_PIXELS));

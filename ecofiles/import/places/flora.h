@@ -24,7 +24,7 @@ enum eco_leaf { ECO_LEAF_UNKNOWN, ECO_LEAF_EVERGREEN, ECO_LEAF_DECIDUOUS };
 /* A common name may mean one plant here and another there: a sycamore is a plane in America, a maple in Europe. */
 enum eco_region { ECO_REGION_UNKNOWN, ECO_REGION_AMERICA, ECO_REGION_EUROPE, ECO_REGION_AFRICA, ECO_REGION_ASIA,
 	ECO_REGION_OCEANIA };
-/* Of a place in degrees; NaN: unknown. */
+/* The region of a place in degrees; NaN: unknown. */
 enum eco_region eco_region_of(double longitude, double latitude);
 
 struct eco_flora {

@@ -96,11 +96,11 @@ static enum eco_code raster_extent(const char *path, struct eco_raster_extent *e
 	return code;
 }
 
-enum field { SPECIES, PLANT, HEIGHT, SOURCE_FILE, SOURCE_ROW, SOURCE_LINE, FIELD_COUNT };
+enum field { SPECIES, PLANT, HEIGHT, CROWN, SOURCE_FILE, SOURCE_ROW, SOURCE_LINE, FIELD_COUNT };
 
 static const struct { const char *name; OGRFieldType type; } fields[FIELD_COUNT] = {
 	[SPECIES] = { "species", OFTString }, [PLANT] = { "plant", OFTString },
-	[HEIGHT] = { "height_m", OFTReal }, [SOURCE_FILE] = { "file", OFTString },
+	[HEIGHT] = { "height_m", OFTReal }, [CROWN] = { "crown_m", OFTReal }, [SOURCE_FILE] = { "file", OFTString },
 	[SOURCE_ROW] = { "row", OFTInteger64 }, [SOURCE_LINE] = { "line", OFTInteger64 } };
 
 static enum eco_code failed(const char *path, struct eco_error *error)
@@ -136,6 +136,14 @@ static void set_count(OGRFeatureH feature, enum field field, uint64_t count)
 		OGR_F_SetFieldNull(feature, (int)field);
 }
 
+static void set_size(OGRFeatureH feature, enum field field, double metres)
+{
+	if (metres > 0)
+		OGR_F_SetFieldDouble(feature, (int)field, metres);
+	else
+		OGR_F_SetFieldNull(feature, (int)field);
+}
+
 static bool add_point(OGRLayerH layer, const struct eco_point *point)
 {
 	OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
@@ -144,10 +152,8 @@ static bool add_point(OGRLayerH layer, const struct eco_point *point)
 	OGR_F_SetGeometryDirectly(feature, at);
 	set_text(feature, SPECIES, point->species);
 	set_text(feature, PLANT, point->plant);
-	if (point->height_m > 0)
-		OGR_F_SetFieldDouble(feature, HEIGHT, point->height_m);
-	else
-		OGR_F_SetFieldNull(feature, HEIGHT);
+	set_size(feature, HEIGHT, point->height_m);
+	set_size(feature, CROWN, point->crown_m);
 	set_text(feature, SOURCE_FILE, point->row ? point->file : "");
 	set_count(feature, SOURCE_ROW, point->row);
 	set_count(feature, SOURCE_LINE, point->row ? point->line : 0);

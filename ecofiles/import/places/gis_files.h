@@ -30,7 +30,7 @@ struct eco_point {
 	double at[2];                /* in the table's CRS, easting first */
 	/* species: "": none is stated; plant: as the scene names what is shown; file: "": the scene itself */
 	const char *species, *plant, *file;
-	double height_m;             /* 0: not known */
+	double height_m, crown_m;    /* crown: its diameter; 0: not known */
 	uint64_t row, line;          /* of the file, from 1; 0: none */
 };
 

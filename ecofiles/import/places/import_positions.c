@@ -15,6 +15,7 @@
 #include "ecofiles/base/text.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs.h"
+#include "ecofiles/import/places/growth.h"
 #include "ecofiles/import/places/positions_parts.h"
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"
@@ -171,44 +172,97 @@ static bool refuse_size(const struct eco_positions *p, const char *text, struct 
 
 static enum verdict check_sizes(struct eco_positions *p, struct eco_error *error)
 {
-	bool refused = refuse_size(p, eco_row_field(p, ECO_COLUMN_CROWN), error);
+	bool refused = false;
+	for (uint32_t i = 0; i < ECO_CROWN_COLUMNS && !refused; i++)
+		refused = refuse_size(p, eco_row_field(p, ECO_COLUMN_CROWN + i), error);
 	for (uint32_t i = 0; i < p->spec->height_count && !refused; i++)
 		refused = refuse_size(p, eco_row_field(p, ECO_COLUMN_HEIGHTS + i), error);
 	return refused ? FAILED : GOOD;
 }
 
-static double read_size(struct eco_positions *p, const struct eco_size *size, uint32_t column, uint32_t plant,
-	double most_m, double plausible_m)
+static double read_size(struct eco_positions *p, const struct eco_size *size, uint32_t column,
+	const struct eco_size_row *row, double most_m, double plausible_m)
 {
 	uint32_t remarks = 0;
 	const char *text = eco_row_field(p, column);
-	double metres = eco_size_read(size, text, eco_row_decimal(p), plant, SIZE_MIN_M, most_m, &remarks);
+	double metres = eco_size_read(size, text, eco_row_decimal(p), row, SIZE_MIN_M, most_m, &remarks);
 	count_remarks(p, remarks | (uint32_t)(metres > plausible_m) << ECO_KEPT_IMPLAUSIBLE, text);
 	p->sized |= !isnan(metres);
 	return metres;
 }
 
-static double read_crown(struct eco_positions *p)
+/* The mean of the columns that say a crown's radius, else half the width of the row's polygon. */
+static double read_crown(struct eco_positions *p, const struct eco_size_row *row)
 {
-	return p->spec->crown.kind == ECO_SIZE_NONE ? NAN : read_size(p, &p->spec->crown, ECO_COLUMN_CROWN,
-		ECO_NONE,
-		CROWN_MAX_M, CROWN_PLAUSIBLE_M);
+	const struct eco_crown *crown = &p->spec->crown;
+	const struct eco_size size = { .kind = ECO_SIZE_COLUMN, .unit_m = crown->unit_m, .factor = crown->factor };
+	double sum = 0;
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < ECO_CROWN_COLUMNS && crown->columns[i]; i++) {
+		double radius = read_size(p, &size, ECO_COLUMN_CROWN + i, row, CROWN_MAX_M, CROWN_PLAUSIBLE_M);
+		sum += isnan(radius) ? 0 : radius;
+		count += !isnan(radius);
+	}
+	if (count > 0)
+		return sum / count;
+	return crown->of_geometry && p->rows->place.width > 0 ? p->rows->place.width / 2 : NAN;
 }
 
-static double read_height(struct eco_positions *p, uint32_t plant, double crown_radius_m)
+/* A guess of a radius from the height and the trunk, by species. */
+static double guess_crown(struct eco_positions *p, const struct eco_size_row *row, double height_m)
 {
+	double dbh_m = NAN;
+	for (uint32_t i = 0; i < p->spec->height_count && isnan(dbh_m); i++)
+		dbh_m = eco_size_trunk(&p->spec->heights[i], eco_row_field(p, ECO_COLUMN_HEIGHTS + i),
+			eco_row_decimal(p));
+	struct eco_size_row other = { .seed = row->seed + 1, .row = row->row };
+	double width = eco_growth_crown(row->flora, height_m, dbh_m) * eco_size_spread(&other, p->spec->crown.spread);
+	return round(500 * width) / 1000;
+}
+
+static double read_height(struct eco_positions *p, const struct eco_size_row *row, double crown_radius_m)
+{
+	static const enum eco_sized sized[] = { [ECO_SIZE_NUMBER] = ECO_SIZED_NUMBER,
+		[ECO_SIZE_COLUMN] = ECO_SIZED_MEASURED, [ECO_SIZE_DBH] = ECO_SIZED_TRUNK, [ECO_SIZE_AGE] = ECO_SIZED_AGE,
+		[ECO_SIZE_YEAR] = ECO_SIZED_AGE };
 	const struct eco_positions_spec *s = p->spec;
 	char buffer[48];
 	for (uint32_t i = 0; i < s->height_count; i++) {
-		double height = read_size(p, &s->heights[i], ECO_COLUMN_HEIGHTS + i, plant, HEIGHT_MAX_M,
+		double height = read_size(p, &s->heights[i], ECO_COLUMN_HEIGHTS + i, row, HEIGHT_MAX_M,
 			HEIGHT_PLAUSIBLE_M);
-		if (!isnan(height))
-			return height;
+		if (isnan(height))
+			continue;
+		p->sizes[sized[s->heights[i].kind]]++;
+		return height;
 	}
+	p->sizes[ECO_SIZED_NOT]++;
 	if (s->height_count > 0)
 		eco_row_skip(p, isnan(crown_radius_m) ? ECO_KEPT_NO_HEIGHT : ECO_KEPT_BY_CROWN,
 			eco_row_shown(eco_row_field(p, ECO_COLUMN_HEIGHTS), buffer, sizeof buffer));
 	return NAN;
+}
+
+static bool needs_flora(const struct eco_positions_spec *s)
+{
+	bool needs = s->crown.by_species;
+	for (uint32_t i = 0; i < s->height_count; i++)
+		needs |= s->heights[i].by_species;
+	return needs;
+}
+
+static void read_sizes(struct eco_positions *p, struct eco_position *record)
+{
+	struct eco_size_row row = { .plant = record->plant, .seed = p->spec->seed, .row = p->rows->row,
+		.flora = needs_flora(p->spec) ? eco_species_flora(p->species, p->said) : NULL };
+	record->crown_radius_m = read_crown(p, &row);
+	record->height_m = read_height(p, &row, record->crown_radius_m);
+	if (!isnan(record->crown_radius_m)) {
+		p->sizes[ECO_SIZED_CROWN]++;
+	} else if (p->spec->crown.by_species && row.flora && !isnan(record->height_m)) {
+		record->crown_radius_m = guess_crown(p, &row, record->height_m);
+		record->crown_is_guess = true;
+		p->sizes[ECO_SIZED_CROWN_GUESS]++;
+	}
 }
 
 static double read_yaw(struct eco_positions *p)
@@ -241,8 +295,7 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 		verdict = check_sizes(p, error);
 	if (verdict != GOOD)
 		return verdict;
-	record->crown_radius_m = read_crown(p);
-	record->height_m = read_height(p, record->plant, record->crown_radius_m);
+	read_sizes(p, record);
 	record->yaw_deg = read_yaw(p);
 	record->scale = read_scale(p);
 	record->row = p->rows->row;
@@ -315,8 +368,8 @@ static enum eco_code check_unit(const struct eco_positions_spec *s, struct eco_e
 static void name_columns(const struct eco_positions_spec *s, const char *names[ECO_COLUMN_COUNT])
 {
 	const char *const fixed[ECO_COLUMN_HEIGHTS] = { s->x, s->y, s->z, s->species[0], s->species[1],
-		s->species[2], s->yaw_deg, s->scale,
-		s->crown.column, s->quadrat.column, s->polar.azimuth, s->polar.distance };
+		s->species[2], s->yaw_deg, s->scale, s->crown.columns[0], s->crown.columns[1], s->crown.columns[2],
+		s->crown.columns[3], s->quadrat.column, s->polar.azimuth, s->polar.distance };
 	memset(names, 0, ECO_COLUMN_COUNT * sizeof *names);
 	memcpy(names, fixed, sizeof fixed);
 	for (uint32_t i = 0; i < s->height_count; i++)
@@ -377,7 +430,7 @@ static enum eco_code start(struct eco_positions *p, struct eco_error *error)
 {
 	const char *names[ECO_COLUMN_COUNT], *wanted[ECO_COLUMN_COUNT];
 	struct eco_rows_source source = { .path = p->spec->path, .layer = p->spec->layer,
-		.separator = p->spec->separator, .wanted = wanted };
+		.separator = p->spec->separator, .wanted = wanted, .crowns = p->spec->crown.of_geometry };
 	close_parts(p);
 	*p = (struct eco_positions){ .spec = p->spec, .frame = p->frame, .levels = p->levels,
 		.levelled = p->levelled, .low = { INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY },

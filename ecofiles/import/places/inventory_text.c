@@ -175,16 +175,18 @@ static int take_hemisphere(const char **text)
 /* Minutes, seconds and a hemisphere behind the sign of degrees, each if it is there. */
 static bool add_sixtieths(const char *text, char decimal, int sign, double *number)
 {
-	static const char *const minute[] = { "'", "\u2032", "\u2019" }, *const second[] = { "''", "\"",
-		"\u2033", "\u201d" };
+	static const char *const minute[] = { "'", "\u2032", "\u2019", "\u00b4", "`" }, *const second[] = { "''",
+		"\"", "\u2033", "\u201d", "\u2019\u2019", "\u00b4\u00b4", "``", "\u2032\u2032" };
 	double parts[2] = { 0, 0 };
 	size_t bytes = number_at(text, decimal, &parts[0]);
 	const char *rest = eco_text_skip_spaces(text + bytes);
-	if (bytes > 0 && (!take_mark(&rest, minute, 3) || !(parts[0] >= 0 && parts[0] < 60)))
+	/* the sign of minutes may be missing: "75°45 38''" */
+	bool bare = rest > text + bytes && *rest >= '0' && *rest <= '9';
+	if (bytes > 0 && ((!take_mark(&rest, minute, 5) && !bare) || !(parts[0] >= 0 && parts[0] < 60)))
 		return false;
 	bytes = bytes > 0 ? number_at(rest, decimal, &parts[1]) : 0;
 	rest = eco_text_skip_spaces(rest + bytes);
-	if (bytes > 0 && (!take_mark(&rest, second, 4) || !(parts[1] >= 0 && parts[1] < 60)))
+	if (bytes > 0 && (!take_mark(&rest, second, 8) || !(parts[1] >= 0 && parts[1] < 60)))
 		return false;
 	int letter = take_hemisphere(&rest);
 	double size = fabs(*number) + parts[0] / 60 + parts[1] / 3600;
@@ -302,6 +304,38 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 	return *eco_text_skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
 }
 
+/* The diameter of one trunk with the area of several stems: "12;15;9", "20+18", "14/12", "3x10". The square root of the
+ * sum of squares (Magarik et al. 2020, "How should we measure the DBH of multi-stemmed urban trees?"). */
+static enum eco_size_form stems_at(const char *at, char decimal, double *number, double *unit_m)
+{
+	double sum = 0, stem, own = 0;
+	unsigned stems = 0;
+	for (;; at++) {
+		double times = 1;
+		if (!take_number(&at, decimal, &stem))
+			return ECO_FORM_NONE;
+		at = eco_text_skip_spaces(at);
+		if ((*at == 'x' || *at == '*') && stem >= 1 && stem <= 50 && stem == floor(stem)) {
+			times = stem;
+			at++;
+			if (!take_number(&at, decimal, &stem))
+				return ECO_FORM_NONE;
+		}
+		double unit = take_unit(&at);
+		own = unit != 0 ? unit : own;
+		sum += times * stem * stem;
+		stems += (unsigned)times;
+		at = eco_text_skip_spaces(at);
+		if (*at == 0 || !strchr(";/+,&|", *at))
+			break;
+	}
+	if (*at != 0 || stems < 2)
+		return ECO_FORM_NONE;
+	*number = sqrt(sum);
+	*unit_m = own;
+	return ECO_FORM_STEMS;
+}
+
 /* The text behind a class's name, as in "a. up to 6 m", "2: 5-10 m", "small (< 10 ft)"; NULL: no such
  * name. */
 static const char *behind_class(const char *folded)
@@ -323,6 +357,8 @@ enum eco_size_form eco_text_size(const char *text, char decimal, double *number,
 	if (eco_text_fold(text, folded, sizeof folded) + 1 >= sizeof folded)
 		return ECO_FORM_NONE;
 	enum eco_size_form form = size_at(folded, decimal, number, unit_m);
+	if (form == ECO_FORM_NONE)
+		form = stems_at(folded, decimal, number, unit_m);
 	const char *behind = form == ECO_FORM_NONE ? behind_class(folded) : NULL;
 	return behind ? size_at(behind, decimal, number, unit_m) : form;
 }

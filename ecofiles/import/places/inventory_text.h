@@ -33,7 +33,8 @@ enum eco_size_form {
 	ECO_FORM_NONE,               /* no size */
 	ECO_FORM_EXACT,
 	ECO_FORM_RANGE,              /* "21 to 30", "<10": the middle; the lower end is 0 if not given */
-	ECO_FORM_OPEN                /* "> 101", "101+": the bound */
+	ECO_FORM_OPEN,               /* "> 101", "101+": the bound */
+	ECO_FORM_STEMS               /* "12;15;9", "20+18", "3x10": one trunk of the same area */
 };
 
 /* A size: a number, a range, or a bound, possibly with units ("12.5 m", "40'", "5 ft 6 in"). *unit_m is

@@ -33,7 +33,12 @@ struct eco_allometry {
 	double max_m, rate, shape;
 };
 
-enum eco_size_kind { ECO_SIZE_NONE, ECO_SIZE_NUMBER, ECO_SIZE_COLUMN, ECO_SIZE_DBH };
+enum eco_size_kind { ECO_SIZE_NONE, ECO_SIZE_NUMBER, ECO_SIZE_COLUMN, ECO_SIZE_DBH,
+	ECO_SIZE_AGE,                /* of years; h = 1.5 + (max_m - 1.5) (1 - exp(-rate * age))^shape */
+	ECO_SIZE_YEAR                /* of planting: `now` less it is the age */
+};
+
+#define ECO_CROWN_COLUMNS 4u
 
 struct eco_size {                /* one source of a height or of a crown's radius */
 	enum eco_size_kind kind;
@@ -44,6 +49,18 @@ struct eco_size {                /* one source of a height or of a crown's radiu
 	double factor;
 	struct eco_allometry *rules; /* ECO_SIZE_DBH, ascending by plant */
 	uint32_t rule_count;
+	/* curves of the row's species, genus and form (growth.h) before the rules */
+	bool by_species;
+	double now;                  /* ECO_SIZE_YEAR */
+	double spread;               /* heights from trunks and ages: evenly within 1 - spread to 1 + spread */
+};
+
+struct eco_crown {               /* of crowns' widths; all zero: not given */
+	char *columns[ECO_CROWN_COLUMNS];    /* their mean counts; NULL: no more */
+	double unit_m, factor;       /* 0.5 from a diameter to its radius */
+	bool of_geometry;            /* also by the area of a row's polygon */
+	bool by_species;             /* where no column says it */
+	double spread;
 };
 
 struct eco_polar {               /* a place by its bearing from x and y; azimuth NULL: it is x and y */
@@ -79,7 +96,7 @@ struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: n
 	struct eco_filter *filters;  uint32_t filter_count;
 	/* the first that gives one counts; none: the plant's */
 	struct eco_size *heights;    uint32_t height_count;
-	struct eco_size crown;       /* kind ECO_SIZE_NONE: not given */
+	struct eco_crown crown;
 	/* 0: as they are; else heights of a plant are brought to at most so many values */
 	uint32_t levels;
 	char *yaw_deg;               /* 0: unlimited; else at most so many heights per plant */
@@ -106,6 +123,7 @@ struct eco_position {
 	double yaw_deg;              /* counter-clockwise */
 	double height_m;             /* NaN: the plant's own, or by crown_radius_m */
 	double crown_radius_m;       /* NaN: not known */
+	bool crown_is_guess;         /* by the species */
 	double scale;                /* factor of the size; 1: not given */
 	uint64_t row, line;          /* data row from 1; line where it begins, or feature */
 };
@@ -127,11 +145,12 @@ enum eco_skip {
 	ECO_KEPT_BY_CROWN,           /* no usable height: the crown's radius decides */
 	ECO_KEPT_RANGE,              /* a height, dbh or crown as a range: its middle */
 	ECO_KEPT_OPEN,               /* "> 101": its bound */
+	ECO_KEPT_STEMS,              /* several stems: one of the same area */
 	ECO_KEPT_OTHER_UNIT,         /* a value with its own unit, which counts */
 	ECO_KEPT_UNREAD,             /* no size in the text: the next source, else the plant's own */
 	ECO_KEPT_UNUSED,
-		            /* height beyond 0.01 to 300 m, crown radius beyond 0.01 to 100 m: as UNREAD */
-	ECO_KEPT_IMPLAUSIBLE,        /* height > 116 m, dbh > 12 m, crown radius > 60 m */
+		            /* height beyond 0.01 to 300 m, dbh > 12 m, crown radius beyond 0.01 to 100 m: as UNREAD */
+	ECO_KEPT_IMPLAUSIBLE,        /* height > 116 m, crown radius > 60 m */
 	ECO_KEPT_DUPLICATE,          /* at the place of an earlier plant */
 	ECO_SKIP_COUNT
 };
@@ -141,6 +160,10 @@ struct eco_skipped {
 	uint64_t count, first_line;
 	char first_text[48];         /* the value there, shortened */
 };
+
+/* How the sizes of the plants became known. */
+enum eco_sized { ECO_SIZED_MEASURED, ECO_SIZED_TRUNK, ECO_SIZED_AGE, ECO_SIZED_NUMBER, ECO_SIZED_NOT, ECO_SIZED_CROWN,
+	ECO_SIZED_CROWN_GUESS, ECO_SIZED_COUNT };
 
 #define ECO_UNKNOWN_MOST 5u      /* unknown species named */
 

@@ -6,6 +6,7 @@
 
 #include "ecofiles/import/places/positions.h"
 #include "ecofiles/import/places/crs.h"
+#include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/rows/rows.h"
 
 /* ---- Species (positions_species.c): the map's keys, and the key of each text met ---- */
@@ -15,6 +16,8 @@ struct eco_species_table *eco_species_open(const struct eco_positions_spec *spec
 /* The map's key for a text, which it counts: exact keys before wildcards, of these the one with most
  * literal characters, of equals the first; spec->map_count: none, so the fallback. */
 uint32_t eco_species_find(struct eco_species_table *table, const char *text, uint64_t line);
+/* The plant that a text names, remembered. Valid until the next call. */
+const struct eco_flora *eco_species_flora(struct eco_species_table *table, const char *text);
 void eco_species_counted(const struct eco_species_table *table, struct eco_positions_counts *counts);
 void eco_species_close(struct eco_species_table *table);
 
@@ -37,10 +40,20 @@ void eco_levels_free(struct eco_levels *levels);
 
 /* ---- Sizes (positions_species.c) ---- */
 
+struct eco_size_row {            /* the row that a size is read for */
+	uint32_t plant;
+	const struct eco_flora *flora;       /* of its species; NULL: not known */
+	uint64_t seed, row;          /* of the spread */
+};
+
 /* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none, or below low_m, or
  * above high_m. *remarks gets a bit for each enum eco_skip that the text shows. */
-double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
-	double low_m, double high_m, uint32_t *remarks);
+double eco_size_read(const struct eco_size *size, const char *text, char decimal,
+	const struct eco_size_row *row, double low_m, double high_m, uint32_t *remarks);
+/* A factor between 1 - spread and 1 + spread, by the row. */
+double eco_size_spread(const struct eco_size_row *row, double spread);
+/* The trunk's diameter in metres; NaN: none. */
+double eco_size_trunk(const struct eco_size *size, const char *text, char decimal);
 
 /* ---- The reader ---- */
 
@@ -49,7 +62,7 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 /* Columns by their use; then those of filters. */
 enum { ECO_COLUMN_X, ECO_COLUMN_Y, ECO_COLUMN_Z, ECO_COLUMN_SPECIES,
 	ECO_COLUMN_YAW = ECO_COLUMN_SPECIES + ECO_SPECIES_COLUMNS, ECO_COLUMN_SCALE,
-	ECO_COLUMN_CROWN, ECO_COLUMN_QUADRAT, ECO_COLUMN_AZIMUTH, ECO_COLUMN_DISTANCE, ECO_COLUMN_HEIGHTS,
+	ECO_COLUMN_CROWN, ECO_COLUMN_QUADRAT = ECO_COLUMN_CROWN + ECO_CROWN_COLUMNS, ECO_COLUMN_AZIMUTH, ECO_COLUMN_DISTANCE, ECO_COLUMN_HEIGHTS,
 	ECO_COLUMN_FILTERS = ECO_COLUMN_HEIGHTS + ECO_HEIGHT_SOURCES_MAX,
 	ECO_COLUMN_COUNT = ECO_COLUMN_FILTERS + ECO_FILTERS_MAX };
 
@@ -73,6 +86,7 @@ struct eco_positions {
 	double first[3];             /* the first place, in the file's coordinates */
 	struct eco_crs_span span;    /* of all places, in the file's coordinates */
 	bool sized;                  /* a size was understood */
+	uint64_t sizes[ECO_SIZED_COUNT];
 	char said[ECO_SPECIES_BYTES + 1];    /* species of the row being read */
 	bool ended;
 };

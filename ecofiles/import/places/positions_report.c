@@ -28,6 +28,7 @@ const char *const eco_skip_names[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_BY_CROWN] = "no usable height but a crown",
 	[ECO_KEPT_RANGE] = "a size as a range",
 	[ECO_KEPT_OPEN] = "a size as a bound",
+	[ECO_KEPT_STEMS] = "several stems in a field",
 	[ECO_KEPT_OTHER_UNIT] = "a size with a unit of its own",
 	[ECO_KEPT_UNREAD] = "a size that is not understood",
 	[ECO_KEPT_UNUSED] = "a size beyond the limits",
@@ -49,14 +50,15 @@ static const char *const lines[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_BY_CROWN] = "kept, scaled to their crown: no usable height",
 	[ECO_KEPT_RANGE] = "kept: a size as a range, its middle is taken",
 	[ECO_KEPT_OPEN] = "kept: a size as a bound, the bound is taken",
+	[ECO_KEPT_STEMS] = "kept: several stems in a field, one trunk of the same area is taken",
 	[ECO_KEPT_OTHER_UNIT] = "kept: a size with a unit of its own, which counts",
 	[ECO_KEPT_UNREAD] = "kept: a size that is not understood, the next source or the plant's own is "
 			    "taken",
 	[ECO_KEPT_UNUSED] =
-		"kept at another size: a height below 0.01 or above 300 m, or a crown above 100 m, is not used; "
+		"kept at another size: a height below 0.01 or above 300 m, a trunk above 12 m or a crown above 100 m is not used; "
 		"is \"unit\" another?",
 	[ECO_KEPT_IMPLAUSIBLE] =
-		"kept at a size that no plant reaches: a height > 116 m, a trunk > 12 m or a crown > 60 m; "
+		"kept at a size that no plant reaches: a height > 116 m or a crown > 60 m; "
 		"is \"unit\" another?",
 	[ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier "
 			       "plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
@@ -158,6 +160,24 @@ static void unknown_lines(const struct report *r, const struct eco_positions_cou
 				eco_phrase_count(c->unknown[i].count, number), c->unknown[i].first_text);
 }
 
+/* How many heights and crowns were measured, and how many guessed. */
+static void size_lines(const struct report *r)
+{
+	static const char *const names[ECO_SIZED_COUNT] = { "measured", "by the trunk", "by age", "as the scene says",
+		"as the model", "measured", "by the species" };
+	char texts[2][200] = { "", "" }, one[64], number[32];
+	for (int i = 0; i < ECO_SIZED_COUNT; i++) {
+		bool crown = i >= ECO_SIZED_CROWN;
+		snprintf(one, sizeof one, "%s %s", eco_phrase_count(r->reader->sizes[i], number), names[i]);
+		if (r->reader->sizes[i] > 0)
+			eco_phrase_add(texts[crown], sizeof texts[crown], one);
+	}
+	if (r->reader->spec->height_count > 0)
+		line(r, "%12s  heights: %s%s%s", "", texts[0], texts[1][0] ? "; crowns: " : "", texts[1]);
+	else if (texts[1][0] != 0)
+		line(r, "%12s  crowns: %s", "", texts[1]);
+}
+
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),
 	void *ctx)
 {
@@ -171,6 +191,7 @@ void eco_positions_report(const struct eco_positions *reader, void (*say)(void *
 		return;
 	}
 	head_line(&r, &c);
+	size_lines(&r);
 	for (int i = 0; i < ECO_SKIP_COUNT; i++) {
 		if (lines[i])
 			count_line(&r, &c.skipped[i], c.where, "%s", lines[i]);

@@ -8,13 +8,15 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
+#include "ecofiles/import/places/growth.h"
 #include "ecofiles/import/places/positions_parts.h"
 
 #define KNOWN_MAX 65536u             /* texts remembered */
 #define TEXT_BYTES 256u              /* longest species, folded; longer ones are cut */
 
-struct known { const char *text; uint32_t key; uint64_t count, first_line; };
+struct known { const char *text; uint32_t key; uint64_t count, first_line; struct eco_flora *flora; };
 
 struct pattern { char *text; uint32_t key; size_t literal; };        /* literal: SIZE_MAX without "*" */
 
@@ -70,8 +72,8 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 		uint32_t before = table->texts.count, number = eco_string_number(&table->texts, text);
 		if (table->texts.count > before) {
 			eco_grow(&table->known, &table->room, before, sizeof *table->known);
-			table->known[number] = (struct known){ table->texts.items[number], match(table, text),
-				0, 0 };
+			table->known[number] = (struct known){ .text = table->texts.items[number],
+				.key = match(table, text) };
 		}
 		struct known *known = &table->known[number];
 		if (known->count++ == 0)
@@ -86,6 +88,22 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 		strncpy(counter->first_text, text, sizeof counter->first_text - 1);
 	}
 	return key;
+}
+
+/* Only names that say a genus or a form grow by the tables. */
+const struct eco_flora *eco_species_flora(struct eco_species_table *table, const char *text)
+{
+	const struct eco_flora_hint hint = { .spelling = true };
+	uint32_t number = table->texts.count < KNOWN_MAX ? eco_string_number(&table->texts, text) : KNOWN_MAX;
+	if (number >= table->texts.count || !table->known || table->known[number].text != table->texts.items[number])
+		return NULL;
+	struct known *known = &table->known[number];
+	if (!known->flora) {
+		known->flora = eco_alloc(1, sizeof *known->flora);
+		*known->flora = eco_flora_of(text, &hint);
+	}
+	return known->flora->form != ECO_FORM_UNKNOWN && known->flora->form != ECO_FORM_NOTHING ? known->flora
+		: NULL;
 }
 
 static int compare_known(const void *a, const void *b)
@@ -121,6 +139,8 @@ void eco_species_close(struct eco_species_table *table)
 		return;
 	for (uint32_t i = 0; i < table->spec->map_count; i++)
 		free(table->patterns[i].text);
+	for (uint32_t i = 0; i < table->texts.count && table->known; i++)
+		free(table->known[i].flora);
 	eco_string_pool_free(&table->texts);
 	free(table->known);
 	free(table->patterns);
@@ -147,10 +167,75 @@ static const struct eco_allometry *rule_of(const struct eco_size *size, uint32_t
 	return NULL;
 }
 
-static double by_allometry(const struct eco_allometry *rule, double dbh_m)
+/* By a trunk's diameter in mm, or an age in years. */
+static double by_rule(const struct eco_allometry *rule, double from_m, double by)
 {
-	double grown = 1 - exp(-rule->rate * dbh_m * 1000);
-	return 1.3 + (rule->max_m - 1.3) * (rule->shape == 1 ? grown : pow(grown, rule->shape));
+	double grown = 1 - exp(-rule->rate * by);
+	return from_m + (rule->max_m - from_m) * (rule->shape == 1 ? grown : pow(grown, rule->shape));
+}
+
+static double by_trunk(const struct eco_size *size, const struct eco_size_row *row, double dbh_m)
+{
+	const struct eco_allometry *rule = rule_of(size, row->plant);
+	if (size->by_species && row->flora)
+		return eco_growth_height(row->flora, dbh_m);
+	return rule ? by_rule(rule, 1.3, 1000 * dbh_m) : NAN;
+}
+
+static double by_age(const struct eco_size *size, const struct eco_size_row *row, double years)
+{
+	const struct eco_allometry *rule = rule_of(size, row->plant);
+	if (size->by_species && row->flora)
+		return eco_growth_height_at(row->flora, years);
+	return rule ? by_rule(rule, 1.5, years) : NAN;
+}
+
+/* Even between 1 - spread and 1 + spread, by the row's number. */
+double eco_size_spread(const struct eco_size_row *row, double spread)
+{
+	double even = (double)(eco_random(row->seed ^ 0x5eedu, row->row) >> 40) / (double)(1u << 24);
+	return 1 + spread * (2 * even - 1);
+}
+
+#define AGE_MOST 2000.0
+
+/* "1987", "1987-04-12", "12.04.1987": the year. */
+static double read_year(const char *text)
+{
+	for (const char *at = text; *at != 0; at++) {
+		size_t digits = strspn(at, "0123456789");
+		if (digits == 4 && at[0] >= '1' && at[0] <= '2')
+			return strtod((char[5]){ at[0], at[1], at[2], at[3], 0 }, NULL);
+		at += digits > 0 ? digits - 1 : 0;
+	}
+	return NAN;
+}
+
+static double read_age(const struct eco_size *size, const char *text, char decimal)
+{
+	double number, unit_m;
+	if (size->kind == ECO_SIZE_YEAR)
+		return size->now - read_year(text);
+	return eco_text_size(text, decimal, &number, &unit_m) != ECO_FORM_NONE && unit_m == 0 ? number : NAN;
+}
+
+/* The height of a plant of that age; NaN: none. */
+static double read_aged(const struct eco_size *size, const char *text, char decimal,
+	const struct eco_size_row *row, uint32_t *remarks)
+{
+	double years = read_age(size, text, decimal);
+	bool good = years >= 0 && years <= AGE_MOST;
+	*remarks |= (uint32_t)(!good && !eco_text_is_missing(text)) << ECO_KEPT_UNREAD;
+	return good ? to_millimetres(by_age(size, row, years) * eco_size_spread(row, size->spread)) : NAN;
+}
+
+double eco_size_trunk(const struct eco_size *size, const char *text, char decimal)
+{
+	double number, unit_m;
+	if (size->kind != ECO_SIZE_DBH || eco_text_size(text, decimal, &number, &unit_m) == ECO_FORM_NONE
+			|| !(number > 0))
+		return NAN;
+	return number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;
 }
 
 static void remark(uint32_t *remarks, enum eco_skip kind, bool there)
@@ -158,29 +243,34 @@ static void remark(uint32_t *remarks, enum eco_skip kind, bool there)
 	*remarks |= (uint32_t)there << kind;
 }
 
-double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
-	double low_m, double high_m, uint32_t *remarks)
+double eco_size_read(const struct eco_size *size, const char *text, char decimal,
+	const struct eco_size_row *row, double low_m, double high_m, uint32_t *remarks)
 {
-	const struct eco_allometry *rule = NULL;
 	double number, unit_m, metres;
+	bool trunk = size->kind == ECO_SIZE_DBH;
 	if (size->kind == ECO_SIZE_NUMBER)
 		return size->value_m;
-	if (size->kind == ECO_SIZE_DBH && !(rule = rule_of(size, plant)))
+	if (size->kind == ECO_SIZE_AGE || size->kind == ECO_SIZE_YEAR)
+		return read_aged(size, text, decimal, row, remarks);
+	if (trunk && isnan(by_trunk(size, row, 0.1)))
 		return NAN;
 	enum eco_size_form form = eco_text_size(text, decimal, &number, &unit_m);
 	remark(remarks, ECO_KEPT_UNREAD, form == ECO_FORM_NONE && !eco_text_is_missing(text));
-	if (form == ECO_FORM_NONE || !(number > 0))
+	if (form == ECO_FORM_NONE || !(number > 0) || (form == ECO_FORM_STEMS && !trunk))
 		return NAN;
 	metres = number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;
-	bool trunk_too_thick = rule && metres > DBH_PLAUSIBLE_M;
-	if (rule)
-		metres = by_allometry(rule, metres);
+	if (trunk && metres > DBH_PLAUSIBLE_M) {
+		remark(remarks, ECO_KEPT_UNUSED, true);
+		return NAN;
+	}
+	if (trunk)
+		metres = by_trunk(size, row, metres) * eco_size_spread(row, size->spread);
 	metres = to_millimetres(metres);
 	if (!(metres >= low_m && metres <= high_m)) {
 		remark(remarks, ECO_KEPT_UNUSED, true);
 		return NAN;
 	}
-	remark(remarks, ECO_KEPT_IMPLAUSIBLE, trunk_too_thick);
+	remark(remarks, ECO_KEPT_STEMS, form == ECO_FORM_STEMS);
 	remark(remarks, ECO_KEPT_RANGE, form == ECO_FORM_RANGE);
 	remark(remarks, ECO_KEPT_OPEN, form == ECO_FORM_OPEN);
 	remark(remarks, ECO_KEPT_OTHER_UNIT, unit_m != 0 && unit_m != size->unit_m);

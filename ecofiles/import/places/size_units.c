@@ -20,7 +20,8 @@
 
 static const struct { double middle_m, high_m; const char *says; } typical[] = {
 	[ECO_QUANTITY_HEIGHT] = { 10, 22, "height" }, [ECO_QUANTITY_DBH] = { 0.22, 0.75, "trunk diameter" },
-	[ECO_QUANTITY_GIRTH] = { 0.7, 2.4, "trunk girth" } };
+	[ECO_QUANTITY_GIRTH] = { 0.7, 2.4, "trunk girth" },
+	[ECO_QUANTITY_CROWN] = { 6, 15, "crown" } };
 
 /* A wood is high and even, its tallest are half as tall again as its middle; it could be taken for a street
  * in feet only where it is measured in metres. */

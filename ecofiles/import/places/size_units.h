@@ -6,7 +6,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum eco_quantity { ECO_QUANTITY_HEIGHT, ECO_QUANTITY_DBH, ECO_QUANTITY_GIRTH };
+enum eco_quantity { ECO_QUANTITY_HEIGHT, ECO_QUANTITY_DBH, ECO_QUANTITY_GIRTH,
+	ECO_QUANTITY_CROWN           /* a diameter */
+};
 
 struct eco_size_numbers { double middle, high; };        /* median and 98th percentile, above 0 */
 

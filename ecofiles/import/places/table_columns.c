@@ -1,6 +1,6 @@
 /* A column's role by the words of its name, in points, and by its content: a place or a size is made of
  * numbers, a species is a text, best one that names plants. An even selection of a table's rows shows the
- * content. */
+ * content. More than 600 lines: choice, joined species, signs of numbers and rows share the table. */
 #include "ecofiles/import/places/table_columns.h"
 
 #include <math.h>
@@ -8,58 +8,18 @@
 #include <string.h>
 #include <strings.h>
 
-#include "build/words/columns.table"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/inventory_text.h"
 
-const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "height", "trunk diameter",
-	"trunk girth", "plot", "azimuth", "distance", "quadrat" };
-
 #define NEAR_POINTS 10           /* a rival is at most so much worse */
 #define CONTENT_POINTS 60
 #define NUMERIC_LEAST 0.5
 #define CODES_LEAST 0.9          /* texts of a column that a system of codes explains */
 
-/* A word of five letters (bytes) and more counts within a longer one, too, "kronendurchmesser", one of four
- * at its end, "baumhohe". */
-static bool means(const char *word, const char *list)
-{
-	char own[ECO_WORD_BYTES];
-	size_t length = strlen(word);
-	while (eco_words_next(&list, own)) {
-		size_t bytes = strlen(own);
-		if (strcmp(own, word) == 0 || (bytes >= 5 && strstr(word, own)))
-			return true;
-		if (bytes == 4 && length > bytes && strcmp(word + length - bytes, own) == 0)
-			return true;
-	}
-	return false;
-}
-
-/* The best of the words that speak for a role, and all that speak against it. */
-static int points_by_name(enum eco_role role, const char *name)
-{
-	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
-	int best = 0, against = 0;
-	eco_words_of(name, words, sizeof words);
-	for (size_t i = 0; i < sizeof columns_rows / sizeof *columns_rows; i++) {
-		int points = (int)columns_rows[i].points;
-		if (strcmp(columns_rows[i].role, eco_role_names[role]) != 0)
-			continue;
-		for (const char *at = words; eco_words_next(&at, word);) {
-			if (!means(word, columns_rows[i].words))
-				continue;
-			if (points < 0)
-				against = points;
-			else if (points > best)
-				best = points;
-		}
-	}
-	return best > 0 ? best + against : 0;
-}
+/* ---- Content ---- */
 
 /* "tree_type", "nom de l'arbre": a plant's word and one for its kind. */
 static int points_by_kind(const char *name)
@@ -68,41 +28,6 @@ static int points_by_kind(const char *name)
 		: 0;
 }
 
-/* "x", "coord_x", "utm17n_e": one letter at an end of the name. */
-static int points_by_letter(enum eco_role role, const char *name)
-{
-	static const char *const letters[][2] = { [ECO_ROLE_X] = { "x", "e" }, [ECO_ROLE_Y] = { "y", "n" } };
-	char words[ECO_WORDS_BYTES], first[ECO_WORD_BYTES] = "", last[ECO_WORD_BYTES] = "",
-				     word[ECO_WORD_BYTES];
-	if (role != ECO_ROLE_X && role != ECO_ROLE_Y)
-		return 0;
-	eco_words_of(name, words, sizeof words);
-	for (const char *at = words; eco_words_next(&at, word);) {
-		if (first[0] == 0)
-			memcpy(first, word, sizeof first);
-		memcpy(last, word, sizeof last);
-	}
-	/* a unit may follow: "x_m", "gx (m)" */
-	if (strcmp(last, "m") == 0 || strcmp(last, "ft") == 0)
-		memcpy(last, first, sizeof last);
-	for (int i = 0; i < 2; i++)
-		if (strcmp(last, letters[role][i]) == 0 || strcmp(first, letters[role][i]) == 0)
-			return 70;
-	return 0;
-}
-
-int eco_column_points(enum eco_role role, const char *name)
-{
-	int by_name = points_by_name(role, name), by_letter = points_by_letter(role, name);
-	return by_name > by_letter ? by_name : by_letter;
-}
-
-bool eco_column_says_degrees(const char *name)
-{
-	return points_by_name(ECO_ROLE_X, name) + points_by_name(ECO_ROLE_Y, name) >= 100;
-}
-
-/* ---- Content ---- */
 
 /* The share of a column's filled texts, of the first rows, that are such. */
 static double share(const struct eco_table *table, uint32_t column, uint32_t rows, bool (*is)(const char *,
@@ -132,6 +57,19 @@ static bool is_size(const char *text, char decimal)
 {
 	double number, unit_m;
 	return eco_text_size(text, decimal, &number, &unit_m) != ECO_FORM_NONE;
+}
+
+/* A year of planting, or a date of one. */
+static bool is_year(const char *text, char decimal)
+{
+	(void)decimal;
+	for (const char *at = text; *at != 0; at++) {
+		size_t digits = strspn(at, "0123456789");
+		if (digits == 4 && (strncmp(at, "1", 1) == 0 || strncmp(at, "20", 2) == 0))
+			return at[0] == '2' || at[1] >= '5';
+		at += digits > 0 ? digits - 1 : 0;
+	}
+	return false;
 }
 
 static bool is_of_plants(const char *text, char decimal)
@@ -189,6 +127,8 @@ static int points(const struct eco_table *table, enum eco_role role, uint32_t co
 	if (sum <= 0 || role == ECO_ROLE_PLOT)
 		return sum;
 	bool place = role == ECO_ROLE_X || role == ECO_ROLE_Y;
+	if (role == ECO_ROLE_PLANTED)
+		return share(table, column, UINT32_MAX, is_year, decimal) >= NUMERIC_LEAST ? sum : 0;
 	return share(table, column, UINT32_MAX, place ? is_number : is_size, place ? 0
 		: decimal) >= NUMERIC_LEAST ? sum : 0;
 }
@@ -492,7 +432,8 @@ void eco_table_spread(const struct eco_table *table, uint32_t column, const stru
 			continue;
 		sizes++;
 		with_unit += unit_m != 0;
-		eco_spread_add(spread, number);
+		if (unit_m == 0)                 /* a value with its own unit says nothing about the others */
+			eco_spread_add(spread, number);
 	}
 	*own_unit = sizes > 0 ? (double)with_unit / (double)sizes : 0;
 }
@@ -539,6 +480,8 @@ static void keep_row(struct eco_table *t, const struct eco_rows *rows)
 		fields[i] = eco_copy_text(i < rows->field_count ? rows->fields[i] : "");
 	for (int k = 0; k < 2; k++)
 		t->places[t->row_count][k] = rows->place.kind == ECO_PLACE_POINT ? rows->place.at[k] : NAN;
+	if (rows->place.width > 0)
+		eco_spread_add(&t->crowns, rows->place.width);
 	t->row_count++;
 }
 
@@ -579,6 +522,7 @@ enum eco_code eco_table_read(struct eco_table *table, const struct eco_rows_sour
 	if (!code) {
 		begin(table, rows);
 		code = read_rows(table, rows, error);
+		table->crown_m = table->crowns.seen > 0 ? eco_spread_quantile(&table->crowns, 0.5) : 0;
 	}
 	if (!code && table->rows == 0)
 		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no rows", source->path);
@@ -598,6 +542,7 @@ void eco_table_free(struct eco_table *table)
 		free(table->columns[i]);
 	for (uint32_t i = 0; i < table->note_count; i++)
 		free(table->notes[i]);
+	eco_spread_free(&table->crowns);
 	free(table->columns);
 	free(table->fields);
 	free(table->places);

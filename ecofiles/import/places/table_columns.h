@@ -19,6 +19,8 @@ struct eco_table {               /* owns everything */
 	char **columns; uint32_t column_count;
 	char **fields;               /* [row_count * column_count]; "" where a row is short */
 	double (*places)[2];         /* per row; NaN: no point */
+	struct eco_spread crowns;
+	double crown_m;              /* the middle of the widths of polygons that are plants; 0: points */
 	uint32_t row_count;
 	uint64_t rows;               /* in the file */
 	bool has_geometry, degrees_doubted;
@@ -37,6 +39,7 @@ static inline const char *eco_table_field(const struct eco_table *table, uint32_
 }
 
 enum eco_role { ECO_ROLE_X, ECO_ROLE_Y, ECO_ROLE_SPECIES, ECO_ROLE_HEIGHT, ECO_ROLE_DBH, ECO_ROLE_GIRTH,
+	ECO_ROLE_CROWN, ECO_ROLE_AGE, ECO_ROLE_PLANTED,
 	ECO_ROLE_PLOT, ECO_ROLE_AZIMUTH, ECO_ROLE_DISTANCE, ECO_ROLE_QUADRAT, ECO_ROLE_COUNT };
 extern const char *const eco_role_names[ECO_ROLE_COUNT];
 
@@ -55,6 +58,8 @@ struct eco_columns {             /* ECO_NONE: no such column */
 #define ECO_COLUMN_ENOUGH 50
 /* How surely a column's name tells that role; ECO_COLUMN_ENOUGH makes it that. */
 int eco_column_points(enum eco_role role, const char *name);
+/* Whether a column of crowns says radii, not diameters, by its name. */
+bool eco_column_says_radius(const char *name);
 /* Whether a column is one of longitudes or latitudes by its name. */
 bool eco_column_says_degrees(const char *name);
 /* Columns that `columns` names already (not ECO_NONE) are left as they are. */

@@ -1,6 +1,7 @@
 /* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs
  * in the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
- * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. */
+ * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. More than 600 lines: what
+ * one reader does for a dozen formats shares its struct. */
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <cpl_conv.h>
@@ -23,9 +24,12 @@
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/ground/gdal_module.h"
 #include "ecofiles/import/model/import_file.h"
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/table_columns.h"
 
 #define LOOKED_AT 64                 /* features looked at to judge the coordinates */
 #define AREA_BYTES_MAX (1u << 28)
+#define HTML_MOST 256                /* columns of a table in a field */
 
 struct ogr_rows {
 	struct eco_rows rows;
@@ -35,7 +39,13 @@ struct ogr_rows {
 	OGRGeometryH points;         /* a multipoint of the feature, owned by it; NULL: none */
 	int point;
 	bool areas, partial;
+	bool crowns;                 /* polygons are plants */
+	double metre_per_unit;       /* of the CRS; 0: degrees */
 	bool trees;                  /* of a city model */
+	bool sheet;                  /* of a workbook: no geometry, perhaps titles above the names */
+	int passed, titles;          /* passed: rows read; titles: rows above the first row of data, that of the names among them */
+	uint32_t html_columns;       /* the last columns, from tables in that field */
+	int html;                    /* the field that holds a table of HTML, -1: none */
 	char *path;
 	char broken[200]; /* the first error by which GDAL says that the file does not hold together */
 	uint8_t *wkb; size_t wkb_capacity;
@@ -59,6 +69,7 @@ static void quiet(struct ogr_rows *r)
 	CPLSetConfigOption("OGR_GEOJSON_MAX_OBJ_SIZE", "512");
 	CPLSetConfigOption("OGR_XLSX_HEADERS", "FORCE");
 	CPLSetConfigOption("OGR_ODS_HEADERS", "FORCE");
+	CPLSetConfigOption("DXF_INLINE_BLOCKS", "FALSE");    /* a plan's trees are inserted blocks */
 	GDALAllRegister();
 }
 
@@ -131,7 +142,96 @@ static bool find_trees(struct ogr_rows *r)
 	return r->trees;
 }
 
-/* Chooses the layer asked for, or the only one, or the only one whose geometries fit. */
+static bool is_of(const struct ogr_rows *r, const char *format)
+{
+	GDALDriverH driver = GDALGetDatasetDriver(r->data);
+	return driver && strcmp(GDALGetDriverShortName(driver), format) == 0;
+}
+
+/* ---- Titles above the names of a workbook ---- */
+
+#define TITLES_MOST 20               /* rows above the names */
+#define NAMES_LEAST 3                /* columns that have names */
+
+static bool is_name(OGRFeatureH row, int field)
+{
+	const char *text = OGR_F_IsFieldSetAndNotNull(row, field) ? OGR_F_GetFieldAsString(row, field) : "";
+	double number;
+	return text[strspn(text, " ")] != 0 && !eco_text_number(text, '.', &number);
+}
+
+/* Whether a row's texts are names of columns, two of which say a place. */
+static bool are_names(OGRFeatureH row, int count)
+{
+	int names = 0, places = 0;
+	for (int i = 0; i < count; i++) {
+		const char *text = is_name(row, i) ? OGR_F_GetFieldAsString(row, i) : "";
+		names += *text != 0;
+		places += eco_column_points(ECO_ROLE_X, text) >= ECO_COLUMN_ENOUGH
+			|| eco_column_points(ECO_ROLE_Y, text) >= ECO_COLUMN_ENOUGH;
+	}
+	return names >= NAMES_LEAST && places >= 2;
+}
+
+/* The number of rows up to that of the names; 0: the names stand above all. *row: NULL, or gets that row. */
+static int find_names(struct ogr_rows *r, OGRFeatureH *row)
+{
+	int count = OGR_FD_GetFieldCount(OGR_L_GetLayerDefn(r->layer)), found = 0;
+	OGR_L_ResetReading(r->layer);
+	for (int i = 0; i < TITLES_MOST && !found; i++) {
+		OGRFeatureH feature = OGR_L_GetNextFeature(r->layer);
+		if (!feature)
+			break;
+		found = are_names(feature, count) ? i + 1 : 0;
+		if (found && row)
+			*row = feature;
+		else
+			OGR_F_Destroy(feature);
+	}
+	OGR_L_ResetReading(r->layer);
+	return found;
+}
+
+/* The names of a layer's columns that say a place. */
+static int place_columns(OGRLayerH layer)
+{
+	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
+	int places = 0;
+	for (int i = 0; i < OGR_FD_GetFieldCount(definition); i++) {
+		const char *name = OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i));
+		places += eco_column_points(ECO_ROLE_X, name) >= ECO_COLUMN_ENOUGH
+			|| eco_column_points(ECO_ROLE_Y, name) >= ECO_COLUMN_ENOUGH;
+	}
+	return places;
+}
+
+/* The only layer whose columns say a place, of layers without one, such as a workbook's sheets; -1: none, or several. */
+static int find_sheet(struct ogr_rows *r)
+{
+	int found = -1;
+	for (int i = 0; i < GDALDatasetGetLayerCount(r->data); i++) {
+		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
+		r->layer = layer;
+		if (OGR_L_GetGeomType(layer) != wkbNone)
+			return -1;
+		if (place_columns(layer) < 2 && !find_names(r, NULL))
+			continue;
+		if (found >= 0)
+			return -1;
+		found = i;
+	}
+	return found;
+}
+
+static enum eco_code take_sheet(struct ogr_rows *r, int sheet)
+{
+	r->layer = GDALDatasetGetLayer(r->data, sheet);
+	eco_rows_note(&r->rows, "it has several sheets; \"%.60s\" is taken, the only one whose columns say a place; "
+		"\"layer\" names another", OGR_L_GetName(r->layer));
+	return ECO_OK;
+}
+
+/* Chooses the layer asked for, or the only one, or the only one with rows whose geometries fit. */
 static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
 {
 	int count = GDALDatasetGetLayerCount(r->data), fitting = 0, unknown = 0, found = 0;
@@ -143,10 +243,18 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 	}
 	if (find_trees(r))
 		return ECO_OK;
+	int sheet = count > 1 && !r->areas ? find_sheet(r) : -1;
+	if (sheet >= 0)
+		return take_sheet(r, sheet);
 	for (int i = 0; i < count; i++) {
-		OGRwkbGeometryType type = OGR_L_GetGeomType(GDALDatasetGetLayer(r->data, i));
-		bool fits = r->areas ? is_surface(type) : is_point(type);
-		unknown += wkbFlatten(type) == wkbUnknown;
+		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
+		OGRwkbGeometryType type = OGR_L_GetGeomType(layer);
+		/* a GPX has five layers, a plan its blocks' drawings beside what it shows */
+		if (count > 1 && (OGR_L_GetFeatureCount(layer, TRUE) == 0
+				|| (is_of(r, "DXF") && strcmp(OGR_L_GetName(layer), "entities") != 0)))
+			continue;
+		bool fits = r->areas ? is_surface(type) : is_point(type) || (r->crowns && is_surface(type)) || is_of(r, "DXF");
+		unknown += wkbFlatten(type) == wkbUnknown && !is_of(r, "DXF");
 		if (fits && fitting++ == 0)
 			found = i;
 	}
@@ -178,12 +286,6 @@ static bool lacks_part(const char *path, const char *extension)
 
 /* ---- CRS ---- */
 
-static bool is_of(const struct ogr_rows *r, const char *format)
-{
-	GDALDriverH driver = GDALGetDatasetDriver(r->data);
-	return driver && strcmp(GDALGetDriverShortName(driver), format) == 0;
-}
-
 /* "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH" of German surveys, which PROJ does not know. */
 static void take_german_crs(struct ogr_rows *r)
 {
@@ -203,6 +305,7 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 		? OSRGetAuthorityCode(crs, NULL) : NULL;
 	const char *options[] = { "FORMAT=WKT2_2019", NULL };
 	char *wkt = NULL, text[64];
+	r->metre_per_unit = !crs ? 1 : OSRIsGeographic(crs) ? 0 : OSRGetLinearUnits(crs, NULL);
 	if (!crs) {
 		if (r->trees)
 			take_german_crs(r);
@@ -258,20 +361,132 @@ static void look_at_some(struct ogr_rows *r)
 	r->rows.degrees_doubted = crs && OSRIsGeographic(crs) && beyond > within;
 }
 
+/* ---- A table of HTML in a field, as KML has it in its description ---- */
+
+static bool is_markup(const struct ogr_rows *r)
+{
+	return is_of(r, "KML") || is_of(r, "LIBKML") || is_of(r, "GPX") || is_of(r, "GeoJSON");
+}
+
+/* The text of the next cell, "<td>oak</td>", without tags; NULL: none. *at moves behind it. */
+static char *next_cell(const char **at)
+{
+	const char *cell = *at;
+	while ((cell = strchr(cell, '<')) && !(strncasecmp(cell, "<td", 3) == 0 || strncasecmp(cell, "<th", 3) == 0))
+		cell++;
+	cell = cell ? strchr(cell, '>') : NULL;
+	const char *end = cell ? strcasestr(cell, "</t") : NULL;
+	if (!end)
+		return NULL;
+	char *text = eco_alloc((size_t)(end - cell) + 1, 1);
+	size_t used = 0;
+	bool tag = false;
+	for (cell++; cell < end; cell++) {
+		tag = tag ? *cell != '>' : *cell == '<';
+		if (!tag && *cell != '>' && !(used == 0 && isspace((unsigned char)*cell)))
+			text[used++] = *cell;
+	}
+	while (used > 0 && isspace((unsigned char)text[used - 1]))
+		used--;
+	text[used] = 0;
+	*at = end;
+	return text;
+}
+
+/* Calls `take` with each name and value of a table of two columns. */
+static void each_pair(struct ogr_rows *r, const char *html,
+	void (*take)(struct ogr_rows *r, const char *name, const char *value))
+{
+	for (char *name, *value; (name = next_cell(&html)) != NULL; free(name), free(value)) {
+		value = next_cell(&html);
+		if (value && *name)
+			take(r, name, value);
+	}
+}
+
+static uint32_t column_named(const struct ogr_rows *r, const char *name, uint32_t from)
+{
+	uint32_t i = from;
+	while (i < r->rows.column_count && strcmp(r->rows.columns[i], name) != 0)
+		i++;
+	return i;
+}
+
+static void add_column(struct ogr_rows *r, const char *name, const char *value)
+{
+	(void)value;
+	if (r->html_columns < HTML_MOST && column_named(r, name, 0) == r->rows.column_count) {
+		r->rows.columns[r->rows.column_count++] = eco_copy_text(name);
+		r->html_columns++;
+	}
+}
+
+static void set_field(struct ogr_rows *r, const char *name, const char *value)
+{
+	uint32_t i = column_named(r, name, r->rows.column_count - r->html_columns);
+	if (i == r->rows.column_count)
+		return;
+	free(r->copies[i]);
+	r->rows.fields[i] = r->copies[i] = eco_copy_text(value);
+}
+
+/* Columns of the tables in the first rows. */
+static void find_html(struct ogr_rows *r, int count)
+{
+	r->html = -1;
+	OGR_L_ResetReading(r->layer);
+	for (int k = 0; k < LOOKED_AT && is_markup(r); k++) {
+		OGRFeatureH feature = OGR_L_GetNextFeature(r->layer);
+		for (int i = 0; feature && i < count; i++) {
+			const char *text = OGR_F_GetFieldAsString(feature, i);
+			if (!strcasestr(text, "<table") || !strcasestr(text, "<td") || (r->html >= 0 && r->html != i))
+				continue;
+			r->html = i;
+			each_pair(r, text, add_column);
+		}
+		if (!feature)
+			break;
+		OGR_F_Destroy(feature);
+	}
+	OGR_L_ResetReading(r->layer);
+	if (r->html >= 0)
+		eco_rows_note(&r->rows, "\"%.60s\" holds a table of HTML: its %u rows are columns",
+			r->rows.columns[r->html], r->html_columns);
+}
+
 /* ---- Columns ---- */
+
+/* The names of columns, in a workbook those below its titles. */
+static void name_columns(struct ogr_rows *r, int count)
+{
+	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(r->layer);
+	OGRFeatureH row = NULL;
+	r->sheet = OGR_L_GetGeomType(r->layer) == wkbNone && (is_of(r, "XLSX") || is_of(r, "ODS"));
+	r->titles = r->sheet && place_columns(r->layer) < 2 ? find_names(r, &row) : 0;
+	for (int i = 0; i < count; i++) {
+		const char *own = OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i));
+		if (is_of(r, "DXF"))             /* the turn and the scale of an inserted block */
+			own = strcmp(own, "BlockAngle") == 0 ? "yaw_deg" : strcmp(own, "BlockScale") == 0 ? "scale" : own;
+		r->rows.columns[r->rows.column_count++] = eco_copy_text(row && is_name(row, i)
+			? OGR_F_GetFieldAsString(row, i) : own);
+	}
+	if (row)
+		OGR_F_Destroy(row);
+	if (r->titles)
+		eco_rows_note(&r->rows, "%d row%s of titles above the names of columns %s skipped", r->titles,
+			r->titles == 1 ? "" : "s", r->titles == 1 ? "is" : "are");
+}
 
 static enum eco_code take_columns(struct ogr_rows *r, struct eco_error *error)
 {
-	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(r->layer);
-	int count = OGR_FD_GetFieldCount(definition);
-	if (count > (int)ECO_COLUMNS_MAX)
+	int count = OGR_FD_GetFieldCount(OGR_L_GetLayerDefn(r->layer));
+	if (count + HTML_MOST > (int)ECO_COLUMNS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %d columns, at most %u are possible", r->path,
-			count, ECO_COLUMNS_MAX);
-	r->rows.columns = eco_alloc((size_t)count + 1, sizeof *r->rows.columns);
-	r->rows.fields = eco_alloc((size_t)count + 1, sizeof *r->rows.fields);
-	for (int i = 0; i < count; i++)
-		r->rows.columns[r->rows.column_count++] =
-			eco_copy_text(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i)));
+			count, ECO_COLUMNS_MAX - HTML_MOST);
+	r->rows.columns = eco_alloc((size_t)count + HTML_MOST + 1, sizeof *r->rows.columns);
+	r->rows.fields = eco_alloc((size_t)count + HTML_MOST + 1, sizeof *r->rows.fields);
+	name_columns(r, count);
+	find_html(r, count);
 	return ECO_OK;
 }
 
@@ -309,6 +524,22 @@ static void take_foot(struct eco_rows_place *place, OGRGeometryH tree)
 	widen(&foot, tree, whole.MinZ + fmax(FOOT_SHARE * (whole.MaxZ - whole.MinZ), FOOT_LEAST_M));
 	*place = (struct eco_rows_place){ .kind = ECO_PLACE_POINT, .at = { (foot.MinX + foot.MaxX) / 2,
 		(foot.MinY + foot.MaxY) / 2, OGR_G_Is3D(tree) ? whole.MinZ : NAN } };
+}
+
+#define DEGREE_M 111195.0            /* of a great circle */
+
+/* The middle of a crown and the width of the disc of its area. */
+static void take_crown(const struct ogr_rows *r, struct eco_rows_place *place, OGRGeometryH crown)
+{
+	OGRGeometryH middle = OGR_G_CreateGeometry(wkbPoint);
+	if (OGR_G_Centroid(crown, middle) == OGRERR_NONE && !OGR_G_IsEmpty(middle)) {
+		take_point(place, middle);
+		place->at[2] = NAN;
+		double metre = r->metre_per_unit > 0 ? r->metre_per_unit : DEGREE_M,
+		       across = r->metre_per_unit > 0 ? metre : metre * cos(place->at[1] * M_PI / 180);
+		place->width = 2 * sqrt(fabs(OGR_G_Area(crown)) * metre * across / M_PI);
+	}
+	OGR_G_DestroyGeometry(middle);
 }
 
 /* Straight edges in two dimensions, as well-known binary. */
@@ -365,6 +596,8 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 		next_point(r);
 	} else if (r->trees) {
 		take_foot(place, geometry);
+	} else if (r->crowns && is_surface(type)) {
+		take_crown(r, place, geometry);
 	} else {
 		place->kind = ECO_PLACE_OTHER;
 		snprintf(place->what, sizeof place->what, "%.15s", OGRGeometryTypeToName(type));
@@ -372,17 +605,32 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	return ECO_OK;
 }
 
+/* The first number of a list, "(3:2,2,2)". */
+static const char *first_of_list(const char *text)
+{
+	char *start = strchr(text, ':') + 1;
+	start[strcspn(start, ",)")] = 0;
+	return start;
+}
+
 /* OGR formats every number into one buffer, which the next one overwrites: so numbers are copied. */
 static void take_fields(struct ogr_rows *r)
 {
-	for (int i = 0; i < (int)r->rows.column_count; i++) {
+	const uint32_t own = r->rows.column_count - r->html_columns;
+	for (int i = 0; i < (int)own; i++) {
 		bool there = OGR_F_IsFieldSetAndNotNull(r->feature, i);
 		const char *text = there ? OGR_F_GetFieldAsString(r->feature, i) : "";
+		if (there && is_of(r, "DXF") && strcmp(r->rows.columns[i], "scale") == 0 && strchr(text, ':'))
+			text = first_of_list(text);
 		free(r->copies[i]);
 		r->copies[i] = there && OGR_Fld_GetType(OGR_F_GetFieldDefnRef(r->feature, i)) != OFTString
 			? eco_copy_text(text) : NULL;
 		r->rows.fields[i] = r->copies[i] ? r->copies[i] : text;
 	}
+	for (uint32_t i = own; i < r->rows.column_count; i++)
+		r->rows.fields[i] = "";
+	if (r->html >= 0 && own < r->rows.column_count)
+		each_pair(r, OGR_F_GetFieldAsString(r->feature, r->html), set_field);
 	r->rows.field_count = r->rows.column_count;
 }
 
@@ -394,11 +642,13 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 		rows->row++;
 		return ECO_OK;
 	}
-	if (r->feature)
-		OGR_F_Destroy(r->feature);
 	r->points = NULL;
 	CPLErrorReset();
-	r->feature = OGR_L_GetNextFeature(r->layer);
+	do {
+		if (r->feature)
+			OGR_F_Destroy(r->feature);
+		r->feature = OGR_L_GetNextFeature(r->layer);
+	} while (r->feature && r->passed++ < r->titles);
 	if (!r->feature) {
 		*more = false;
 		/* a track is of use up to where its recorder stopped */
@@ -430,6 +680,7 @@ static void find_points(struct ogr_rows *r)
 		OGR_F_Destroy(r->feature);
 	}
 	r->feature = NULL;
+	r->passed = 0;
 	OGR_L_ResetReading(r->layer);
 	if (r->text_point.found)
 		eco_rows_point_state(&r->rows, &r->text_point);
@@ -523,6 +774,7 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 	r->rows.where = "feature";
 	r->areas = source->areas;
 	r->partial = source->partial;
+	r->crowns = source->crowns;
 	enum eco_code code = open_data(r, source, error);
 	if (!code)
 		code = find_layer(r, source->layer, error);

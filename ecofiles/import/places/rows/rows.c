@@ -287,20 +287,53 @@ static int degree_pair(const char *text, double at[3])
 	return second >= 0 && *text == 0 && fabs(at[1]) <= 90 && fabs(at[0]) <= 180 ? first + second : -1;
 }
 
-static bool read_point(const char *text, bool is_pair, double at[3])
+/* The number behind a key of a text in JSON, or in Python's form of it; NaN: none. */
+static double json_number(const char *text, const char *key)
 {
-	return is_pair ? degree_pair(text, at) >= 0 : read_wkt_point(text, at);
+	const char *at = strstr(text, key);
+	if (!at)
+		return NAN;
+	at += strlen(key);
+	at += strspn(at, "\"': [");
+	char *end;
+	double number = strtod(at, &end);
+	return end > at ? number : NAN;
+}
+
+/* {"type": "Point", "coordinates": [11.5, 48.1]}, {"lon": 11.5, "lat": 48.1}. False if it is another geometry. */
+static bool read_json_point(const char *text, double at[3])
+{
+	at[2] = NAN;
+	text += strspn(text, " \"");
+	if (*text != '{')
+		return false;
+	const char *list = strstr(text, "coordinates");
+	if (list && strcasestr(text, "point")) {
+		at[0] = json_number(list, "coordinates");
+		const char *comma = strchr(list, '[') ? strchr(strchr(list, '['), ',') : NULL;
+		at[1] = comma ? json_number(comma, ",") : NAN;
+	} else {
+		at[0] = json_number(text, "lon");
+		at[1] = json_number(text, "lat");
+	}
+	return !isnan(at[0]) && !isnan(at[1]);
+}
+
+static bool read_point(const char *text, enum eco_point_form form, double at[3])
+{
+	return form == ECO_POINT_PAIR ? degree_pair(text, at) >= 0 : form == ECO_POINT_JSON
+		? read_json_point(text, at) : read_wkt_point(text, at);
 }
 
 bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point)
 {
 	double at[3];
-	for (int pair = 0; pair < 2; pair++)
+	for (int form = ECO_POINT_WKT; form <= ECO_POINT_PAIR; form++)
 		for (uint32_t i = 0; i < rows->field_count && i < rows->column_count; i++)
 			/* DEGREE_DIGITS tell a place from other pairs of numbers */
-			if (pair ? degree_pair(rows->fields[i], at) >= DEGREE_DIGITS
-				: read_wkt_point(rows->fields[i], at)) {
-				*point = (struct eco_rows_point){ i, true, pair };
+			if (form == ECO_POINT_PAIR ? degree_pair(rows->fields[i], at) >= DEGREE_DIGITS
+				: read_point(rows->fields[i], (enum eco_point_form)form, at)) {
+				*point = (struct eco_rows_point){ i, true, (enum eco_point_form)form };
 				rows->has_geometry = true;
 				rows->has_z = !isnan(at[2]);
 				return true;
@@ -310,11 +343,11 @@ bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point)
 
 void eco_rows_point_state(struct eco_rows *rows, const struct eco_rows_point *point)
 {
-	if (!point->is_pair)
+	if (point->form == ECO_POINT_WKT)
 		return;
 	rows->crs = eco_copy_text("EPSG:4326");
-	eco_rows_note(rows, "\"%.60s\" has latitude and longitude in one field",
-		rows->columns[point->column]);
+	eco_rows_note(rows, "\"%.60s\" has %s", rows->columns[point->column], point->form == ECO_POINT_JSON
+		? "points as GeoJSON" : "latitude and longitude in one field");
 }
 
 void eco_rows_point_take(struct eco_rows *rows, const struct eco_rows_point *point)
@@ -324,7 +357,7 @@ void eco_rows_point_take(struct eco_rows *rows, const struct eco_rows_point *poi
 	text += strspn(text, " ");
 	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY")) {
 		place->kind = ECO_PLACE_EMPTY;
-	} else if (read_point(text, point->is_pair, place->at)) {
+	} else if (read_point(text, point->form, place->at)) {
 		place->kind = ECO_PLACE_POINT;
 		rows->has_z |= !isnan(place->at[2]);
 	} else {

@@ -31,6 +31,7 @@ struct eco_rows_place {          /* the geometry of a row */
 	enum eco_place_kind kind;
 	double at[3];                /* easting or longitude first */
 	char what[16];
+	double width;                /* metres, of a polygon that is a plant: the disc of its area; 0: a point */
 	/* ECO_PLACE_AREA: well-known binary, two dimensions; valid until the next row */
 	const uint8_t *wkb;
 	uint32_t wkb_bytes;
@@ -62,6 +63,7 @@ struct eco_rows_source {
 	const char *const *wanted;   /* columns needed; others may come empty; NULL: all */
 	uint32_t wanted_count;
 	bool areas;                  /* geometries whole; files without any are refused */
+	bool crowns;                 /* a polygon is a plant: its centroid, and its width as the crown's */
 	bool partial;                /* a file that breaks off is read until there */
 };
 
@@ -100,8 +102,8 @@ void eco_rows_free_texts(struct eco_rows *rows);
 
 #define ECO_ROWS_POINT_LOOK 64u          /* rows in which a column with points is looked for */
 
-struct eco_rows_point { uint32_t column; bool found,
-	is_pair; };       /* is_pair: of degrees; else well-known text */
+enum eco_point_form { ECO_POINT_WKT, ECO_POINT_JSON, ECO_POINT_PAIR };       /* PAIR: latitude, longitude */
+struct eco_rows_point { uint32_t column; bool found; enum eco_point_form form; };
 
 /* The first column with a point in the row at hand, well-known text before pairs of degrees; sets
  * has_geometry and has_z. False: none has. */

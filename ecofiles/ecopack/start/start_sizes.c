@@ -1,0 +1,361 @@
+/* The sizes of a table's plants: which columns say them, in which units, and which rows have no plant. */
+#include "ecofiles/ecopack/start/start.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <time.h>
+
+#include "ecofiles/base/memory.h"
+#include "ecofiles/base/text.h"
+#include "ecofiles/import/places/inventory_text.h"
+
+/* ---- Units ---- */
+
+#define GAP 8.0                  /* between usual values and those of another unit */
+
+/* Leaves the unit NULL where it has to be asked for. A few values in another unit do not hide the right one. */
+static void guess_unit(struct start_size *size, enum eco_quantity quantity, const char *name, const char *beside,
+	struct eco_spread *spread)
+{
+	struct eco_size_numbers numbers = { eco_spread_quantile(spread, 0.5), eco_spread_quantile(spread, 0.98) },
+		most = { numbers.middle, eco_spread_quantile(spread, 0.9) };
+	size->unit = eco_unit_guess(quantity, name, beside, &numbers);
+	if (size->unit.unit || size->unit.by_name)
+		return;
+	/* a gap between them shows two units, as metres and centimetres: those that one table mixes */
+	bool gap = numbers.high > GAP * most.high;
+	struct eco_unit_guess again = eco_unit_guess(quantity, name, beside || !gap ? beside : "m", &most);
+	char own[sizeof again.why];
+	if (!again.unit)
+		return;
+	snprintf(own, sizeof own, "half of them are above %.4g, nine of ten below %.4g; some are up to %.4g, which is no %s "
+		"in %s", most.middle, most.high, numbers.high,
+		quantity == ECO_QUANTITY_HEIGHT ? "height" : quantity == ECO_QUANTITY_CROWN ? "crown" : "trunk",
+		again.unit);
+	size->unit = again;
+	memcpy(size->unit.why, own, sizeof own);
+}
+
+static void measure(struct start *s, struct start_size *size, enum eco_quantity quantity,
+	const char *given, const char *beside)
+{
+	const char *name = start_column(s, size->column);
+	struct eco_spread spread = { 0 };
+	double own_unit = 0;
+	eco_table_spread(&s->table, size->column, &s->columns, &spread, &own_unit);
+	bool any = spread.count > 0;
+	size->share = (double)spread.seen / s->table.row_count;
+	size->median = any ? eco_spread_quantile(&spread, 0.5) : 0;
+	if (!any && own_unit == 0)
+		size->column = ECO_NONE;         /* nothing in it */
+	else if (given)
+		size->unit = (struct eco_unit_guess){ .unit = given, .why = "as you say" };
+	else if (own_unit > 0.5)
+		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which counts" };
+	else
+		guess_unit(size, quantity, name, beside, &spread);
+	eco_spread_free(&spread);
+}
+
+static void ask_unit(const struct start *s, const struct start_size *size, const char *option)
+{
+	if (size->column != ECO_NONE && !size->unit.unit)
+		eco_stop(ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one of " ECO_UNITS ")",
+			s->options->table, start_column(s, size->column), size->unit.why, option);
+}
+
+static void say_size(struct start *s, const struct start_size *size, enum eco_role role,
+	const char *column, const char *unit)
+{
+	char took[120], change[64];
+	if (size->column == ECO_NONE)
+		return;
+	snprintf(took, sizeof took, "\"%.60s\" in %s", start_column(s, size->column), size->unit.unit);
+	snprintf(change, sizeof change, "%s, %s", column, unit);
+	start_guess(s, eco_role_names[role], took, change, "%s", size->unit.why);
+}
+
+/* ---- Numbers of size classes ---- */
+
+#define CLASSES_MOST 16u
+#define CLASSES_LEAST_ROWS 8u
+
+/* Whether each whole number of a column of few has one text beside it that is a size, "11-15 m". */
+static bool are_classes(const struct start *s, uint32_t codes, uint32_t texts)
+{
+	uint32_t first[CLASSES_MOST], count = 0, sizes = 0, filled = 0;
+	for (uint32_t row = 0; row < s->table.row_count; row++) {
+		const char *code = eco_table_field(&s->table, row, codes), *text = eco_table_field(&s->table, row, texts);
+		double number, unit_m;
+		if (eco_text_is_missing(code) || eco_text_is_missing(text))
+			continue;
+		if (strspn(code, "0123456789") != strlen(code))
+			return false;
+		uint32_t i = 0;
+		while (i < count && strcmp(eco_table_field(&s->table, first[i], codes), code) != 0)
+			i++;
+		if (i == CLASSES_MOST || (i < count && strcmp(eco_table_field(&s->table, first[i], texts), text) != 0))
+			return false;
+		if (i == count)
+			first[count++] = row;
+		enum eco_size_form form = eco_text_size(text, s->columns.decimal, &number, &unit_m);
+		sizes += form == ECO_FORM_RANGE || form == ECO_FORM_OPEN;
+		filled++;
+	}
+	return filled >= CLASSES_LEAST_ROWS && 2 * count <= filled && 10 * sizes >= 8 * filled;
+}
+
+/* Takes the texts of a column that holds numbers of classes. */
+static void pass_codes(struct start *s, enum eco_role role)
+{
+	uint32_t *column = &s->columns.of[role];
+	char took[120];
+	for (uint32_t i = 0; *column != ECO_NONE && i < s->table.column_count; i++) {
+		if (i == *column || !are_classes(s, *column, i))
+			continue;
+		snprintf(took, sizeof took, "\"%.60s\" holds numbers of classes", start_column(s, *column));
+		start_guess(s, eco_role_names[role], took, "", "each has one text in \"%.60s\", which is taken",
+			s->table.columns[i]);
+		*column = i;
+		return;
+	}
+}
+
+/* ---- Treetops of laser scans ---- */
+
+#define TREETOP_LEAST_M 1.3
+#define TREETOP_MOST_M 90.0
+
+/* Z of a table that says no species and no other size: heights above the ground, unless they are elevations. */
+static void take_treetops(struct start *s)
+{
+	uint32_t z = 0, others = s->columns.of[ECO_ROLE_HEIGHT] & s->columns.of[ECO_ROLE_DBH]
+		& s->columns.of[ECO_ROLE_GIRTH] & s->columns.of[ECO_ROLE_SPECIES] & s->columns.of[ECO_ROLE_AGE];
+	struct eco_spread spread = { 0 };
+	double own_unit;
+	while (z < s->table.column_count && strcasecmp(s->table.columns[z], "z") != 0)
+		z++;
+	if (others != ECO_NONE || z == s->table.column_count)
+		return;
+	eco_table_spread(&s->table, z, &s->columns, &spread, &own_unit);
+	double low = eco_spread_quantile(&spread, 0.02), high = eco_spread_quantile(&spread, 0.98);
+	bool any = spread.count > 0;
+	eco_spread_free(&spread);
+	if (!any)
+		return;
+	if (!(low >= TREETOP_LEAST_M && high <= TREETOP_MOST_M))
+		eco_stop(ECO_BAD_INPUT, "%.150s: \"%.20s\" is between %.4g and %.4g: heights of trees, or elevations of "
+			"treetops above the sea? Give --height-column %.20s and --height-unit if they are heights; else "
+			"normalise the cloud, or remove the column", s->options->table, s->table.columns[z], low, high,
+			s->table.columns[z]);
+	s->columns.of[ECO_ROLE_HEIGHT] = z;
+	s->height_is_z = true;
+}
+
+/* ---- Crowns ---- */
+
+/* The column whose name differs from another's in the last word alone, "n" there; ECO_NONE: none. */
+static uint32_t direction_of(const struct start *s, const char *stem, size_t bytes, const char *directions)
+{
+	for (uint32_t i = 0; i < s->table.column_count; i++) {
+		char words[ECO_WORDS_BYTES];
+		eco_words_of(s->table.columns[i], words, sizeof words);
+		if (strlen(words) > bytes + 1 && strncmp(words, stem, bytes) == 0 && words[bytes] == ' '
+				&& eco_words_have(directions, words + bytes + 1))
+			return i;
+	}
+	return ECO_NONE;
+}
+
+/* Radii in four directions: "crown_n", "crown_e", "crown_s", "crown_w". */
+static bool find_radii(struct start *s)
+{
+	static const char *const directions[ECO_CROWN_COLUMNS] = { "n north nord norte noord", "e o east ost est este oost",
+		"s south sud sur zuid", "w o west ouest oeste ovest" };
+	for (uint32_t i = 0; i < s->table.column_count; i++) {
+		char words[ECO_WORDS_BYTES];
+		uint32_t found = 0;
+		eco_words_of(s->table.columns[i], words, sizeof words);
+		const char *last = strrchr(words, ' ');
+		size_t bytes = last ? (size_t)(last - words) : 0;
+		if (!last || !eco_words_have(directions[0], last + 1))
+			continue;
+		words[bytes] = 0;
+		if (!eco_column_says_radius(words) && !eco_words_any(words, "r cr")
+				&& eco_column_points(ECO_ROLE_CROWN, words) < ECO_COLUMN_ENOUGH)
+			continue;
+		for (uint32_t k = 0; k < ECO_CROWN_COLUMNS; k++) {
+			s->radii[k] = direction_of(s, words, bytes, directions[k]);
+			found += s->radii[k] != ECO_NONE;
+		}
+		if (found == ECO_CROWN_COLUMNS && s->radii[1] != s->radii[3])
+			return true;
+	}
+	return false;
+}
+
+#define CROWN_AREA_M 60.0        /* wider polygons are stands, for a scatter */
+
+static void find_crowns(struct start *s)
+{
+	const char *beside = s->height.column != ECO_NONE ? s->height.unit.unit
+		: s->trunk.column != ECO_NONE ? s->trunk.unit.unit : NULL;
+	char took[160];
+	s->has_radii = find_radii(s);
+	s->crown.column = s->has_radii ? s->radii[0] : s->columns.of[ECO_ROLE_CROWN];
+	if (s->table.crown_m > CROWN_AREA_M)
+		eco_stop(ECO_BAD_INPUT, "%.150s: its rows are areas, half of them more than %.0f m wide: no crowns. A "
+			"\"scatter\" of a scene fills areas with plants", s->options->table, s->table.crown_m);
+	if (s->table.crown_m > 0) {
+		snprintf(took, sizeof took, "polygons: half are more than %.3g m wide", s->table.crown_m);
+		start_guess(s, "crowns", took, "\"crown_m\" in the scene", "each is taken for the crown of a plant in its "
+			"middle");
+	}
+	if (s->crown.column == ECO_NONE)
+		return;
+	const char *name = start_column(s, s->crown.column);
+	s->crown_is_radius = s->has_radii || eco_column_says_radius(name);
+	measure(s, &s->crown, ECO_QUANTITY_CROWN, NULL, beside);
+	if (s->crown.column == ECO_NONE)
+		return;
+	if (!s->crown.unit.unit)         /* a crown is no reason to stop */
+		s->crown.unit = (struct eco_unit_guess){ .unit = beside && strcmp(beside, "in") != 0
+			&& strcmp(beside, "ft") != 0 ? "m" : beside ? "ft" : "m", .why = "as other sizes" };
+	snprintf(took, sizeof took, "\"%.60s\"%s, %s in %s", name, s->has_radii ? " and three other directions" : "",
+		s->crown_is_radius ? "a radius" : "a diameter", s->crown.unit.unit);
+	start_guess(s, "crown", took, "\"crown_m\" in the scene", "%s", s->crown.unit.why);
+}
+
+/* ---- Ages ---- */
+
+static void find_ages(struct start *s)
+{
+	const struct { enum eco_role role; const char *why; } ages[] = { { ECO_ROLE_AGE, "years" },
+		{ ECO_ROLE_PLANTED, "the age is counted from it" } };
+	time_t now = time(NULL);
+	struct tm date;
+	s->now = localtime_r(&now, &date) ? date.tm_year + 1900 : 2026;
+	for (size_t i = 0; i < 2; i++) {
+		char took[80];
+		if (s->columns.of[ages[i].role] == ECO_NONE)
+			continue;
+		snprintf(took, sizeof took, "\"%.70s\"", start_column(s, s->columns.of[ages[i].role]));
+		start_guess(s, eco_role_names[ages[i].role], took, "\"height_m\" in the scene", "%s; heights of plants that "
+			"have no other size follow from it", ages[i].why);
+	}
+}
+
+/* ---- Rows without a plant ---- */
+
+#define GONE_MOST 0.9            /* a column that leaves out more rows says something else */
+#define GONE_WORDS 5u            /* longer texts are remarks */
+
+static unsigned word_count(const char *text)
+{
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	unsigned count = 0;
+	eco_words_of(text, words, sizeof words);
+	for (const char *at = words; eco_words_next(&at, word);)
+		count++;
+	return count;
+}
+
+static bool says_no(const char *text)
+{
+	char words[ECO_WORDS_BYTES];
+	eco_words_of(text, words, sizeof words);
+	return words[0] != 0 && (eco_words_have(eco_words_set("no"), words) || strcmp(words, "0") == 0);
+}
+
+enum gone { STAYS, BY_STATUS, BY_PRESENCE, BY_DATE };
+
+static enum gone kind_of(const char *name)
+{
+	return eco_words_any(name, eco_words_set("removal")) ? BY_DATE : eco_words_any(name, eco_words_set("present"))
+		? BY_PRESENCE : eco_words_any(name, eco_words_set("status")) ? BY_STATUS : STAYS;
+}
+
+static bool is_gone(enum gone kind, const char *text)
+{
+	if (eco_text_is_missing(text))
+		return false;
+	if (kind == BY_PRESENCE)
+		return says_no(text);
+	if (kind == BY_DATE)
+		return strspn(text, "0123456789") >= 1 && strpbrk(text, "-./") != NULL;
+	return word_count(text) <= GONE_WORDS && eco_flora_of(text, NULL).form == ECO_FORM_NOTHING;
+}
+
+/* Adds the values of a column that say that no plant stands there. */
+static void add_gone(struct start *s, uint32_t column, enum gone kind)
+{
+	struct eco_table_values values;
+	const char *name = s->table.columns[column];
+	char names[160] = "", took[200], number[32];
+	uint64_t rows = 0, all = 0;
+	eco_check(eco_table_values_read(&values, &s->source, &name, 1, s->error));
+	json_t *gone = json_array();
+	for (uint32_t i = 0; i < values.count; i++) {
+		all += values.items[i].rows;
+		if (!is_gone(kind, values.items[i].text))
+			continue;
+		rows += values.items[i].rows;
+		eco_phrase_add(names, sizeof names, values.items[i].text);
+		if (strlen(values.items[i].text) <= 200 && json_array_size(gone) < 4096)
+			json_array_append_new(gone, json_string(values.items[i].text));
+	}
+	if (rows > 0 && (double)rows <= GONE_MOST * (double)all) {
+		json_object_set(s->skip, name, gone);
+		snprintf(took, sizeof took, "%s row%s where \"%.60s\" is %.80s", eco_phrase_count(rows, number),
+			rows == 1 ? "" : "s", name, kind == BY_DATE ? "a date" : names);
+		start_guess(s, "left out", took, "\"skip\" in the scene", "no plant stands there");
+	}
+	json_decref(gone);
+	eco_table_values_free(&values);
+}
+
+static void find_gone(struct start *s)
+{
+	s->skip = json_object();
+	for (uint32_t i = 0; i < s->table.column_count; i++) {
+		enum gone kind = kind_of(s->table.columns[i]);
+		if (kind != STAYS && i != s->columns.of[ECO_ROLE_SPECIES])
+			add_gone(s, i, kind);
+	}
+}
+
+/* ---- All ---- */
+
+/* Whether trunks are needed: where heights are missing. */
+void start_sizes(struct start *s)
+{
+	const struct start_options *o = s->options;
+	s->height.column = s->trunk.column = s->crown.column = ECO_NONE;
+	take_treetops(s);
+	for (int role = ECO_ROLE_HEIGHT; role <= ECO_ROLE_CROWN; role++)
+		pass_codes(s, (enum eco_role)role);
+	s->height.column = s->columns.of[ECO_ROLE_HEIGHT];
+	s->trunk_is_girth = s->columns.of[ECO_ROLE_DBH] == ECO_NONE;
+	s->trunk.column = s->columns.of[s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH];
+	enum eco_quantity trunk = s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH;
+	if (s->height_is_z)
+		s->height.unit = (struct eco_unit_guess){ .unit = "m", .why = "the table has no other size; Z of 1 to 90 "
+			"is taken for the height above the ground, as of a normalised cloud" };
+	else if (s->height.column != ECO_NONE)
+		measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, o->dbh_unit ? o->dbh_unit
+			: eco_unit_of_name(start_column(s, s->trunk.column)));
+	if (s->trunk.column != ECO_NONE)
+		measure(s, &s->trunk, trunk, o->dbh_unit, s->height.column != ECO_NONE
+			? s->height.unit.unit : NULL);
+	if (s->height.column != ECO_NONE && !s->height.unit.unit && s->trunk.column != ECO_NONE)
+		measure(s, &s->height, ECO_QUANTITY_HEIGHT, NULL, s->trunk.unit.unit);
+	ask_unit(s, &s->height, "--height-unit");
+	ask_unit(s, &s->trunk, "--dbh-unit");
+	say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
+	say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH, "--dbh-column", "--dbh-unit");
+	find_crowns(s);
+	find_ages(s);
+	find_gone(s);
+}
