@@ -197,7 +197,8 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 	struct srv_most most;
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
-	if (resource != SRV_PLANTS && srv_query_none(&exchange->target, &error)) {
+	/* networks append parameters of their own to links: the page takes any */
+	if (resource != SRV_PLANTS && resource != SRV_INDEX && srv_query_none(&exchange->target, &error)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "%s", error.text);
 		return;
 	}

@@ -39,6 +39,7 @@ struct eco_source_plant {
 	double height_m;                     /* height to which the model is scaled; 0: by its unit */
 	double unit_m;                       /* metres per unit of the files; 0: theirs, else guessed */
 	enum eco_up up;
+	bool keep_origin;                    /* the file's zero is the plant's foot */
 	bool grade;                          /* foliage is darkened to what leaves reflect */
 	struct eco_part_rule *parts; uint32_t part_count;    /* owned by the first variant, shared by all */
 	float importance[ECO_ORGAN_COUNT];   /* organs not given: 1; all 0: none given, chosen by colours */

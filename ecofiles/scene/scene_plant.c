@@ -20,7 +20,7 @@ static const struct eco_field plant_fields[] = {
 	ECO_OTHER("model"), ECO_OTHER("variants"),
 	ECO_FIELD("height_m", NUMBER, 0.001, HEIGHT_MAX_M, source_plant, height_m),
 	ECO_FIELD("unit", UNIT, 0, 0, source_plant, unit_m),
-	ECO_OTHER("up"), ECO_OTHER("grade"), ECO_OTHER("parts"), ECO_OTHER("importance"), ECO_FIELDS_END
+	ECO_OTHER("up"), ECO_OTHER("grade"), ECO_OTHER("foot"), ECO_OTHER("parts"), ECO_OTHER("importance"), ECO_FIELDS_END
 };
 static const struct eco_field importance_fields[] = {
 	IMPORTANCE("wood", source_plant, importance[ECO_ORGAN_WOOD]),
@@ -129,6 +129,15 @@ static void parse_grade(const struct eco_json *at, bool *grade)
 	*grade = json_is_true(node.value);
 }
 
+/* Buildings and groups stand where they were drawn. */
+static void parse_foot(const struct eco_json *at, bool *keep)
+{
+	static const char *const feet[] = { "found", "origin", NULL };
+	unsigned foot = 0;
+	eco_scene_choice(at, "foot", feet, "\"found\" (where the stems stand) or \"origin\" (the file's zero)", &foot);
+	*keep = foot == 1;
+}
+
 static void parse_importance(const struct eco_source *source, const struct eco_json *at,
 	struct eco_source_plant *plant)
 {
@@ -188,6 +197,7 @@ static void parse_plant(struct eco_source *source, const struct eco_json *at)
 	eco_scene_fields(source, at, plant_fields, plant);
 	parse_up(at, &plant->up);
 	parse_grade(at, &plant->grade);
+	parse_foot(at, &plant->keep_origin);
 	parse_importance(source, at, plant);
 	parse_rules(source, at, plant);
 	parse_variants(source, at, plant);

@@ -184,6 +184,8 @@ static const struct { const char *name, *rest, *wanted; enum eco_code code; uint
 		.code = ECO_OK },
 	{ NULL, ONE_MESH("'POSITION':1", "") ",'extensionsRequired':['KHR_materials_anything']",
 		"triangles=1", .code = ECO_OK },
+	{ "coarser_levels_of_msft_lod_are_left_out", ",'nodes':[{'mesh':0,'extensions':{'MSFT_lod':{'ids':[1,2]}}},"
+		"{'mesh':0},{'children':[3]},{'mesh':0}]" MESH, "triangles=1", .code = ECO_OK },
 	{ "references_to_nothing_are_refused", ",'nodes':[{'mesh':4}]", "mesh 4", .code = ECO_DAMAGED },
 	{ NULL, ONE_MESH("'POSITION':99", ""), "accessor 99", .code = ECO_DAMAGED },
 	{ NULL, ONE_MESH("'POSITION':1", ",'indices':88"), "accessor 88", .code = ECO_DAMAGED },

@@ -53,6 +53,7 @@ static const struct { const char *name; uint32_t width, height; uint8_t rgba[16]
 	{ "half.png", 2, 1, { 255, 128, 0, 255, 188, 188, 255, 255 } },
 	{ "moss.png", 2, 1, { 90, 120, 40, 255, 90, 120, 40, 255 } },
 	{ "cut.png", 3, 1, { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 } },
+	{ "soft.png", 3, 1, { 9, 9, 9, 100, 8, 8, 8, 60, 7, 7, 7, 0 } },
 	{ "uncut.png", 2, 1, { 9, 9, 9, 255, 8, 8, 8, 240 } } };
 
 static const struct model_case models[] = {
@@ -120,6 +121,17 @@ static const struct model_case models[] = {
 		.wanted = "images=1|cut0=0|texels0=188,0,0,255,0,255,0,255" },
 	{ NULL, "a.gltf", ALPHA("'alphaMode':'MASK','alphaCutoff':0,"),
 		.wanted = "images=1|cut0=0|texels0=188,0,0,255,0,255,0,255" },
+	/* a soft picture, of which 0.5 would leave nothing, is cut at half of its largest alpha */
+	{ "soft_blends_keep_what_shows_most", "s.gltf", GLTF(",'materials':[{'alphaMode':'BLEND','pbrMetallicRoughness':{"
+		TEXTURE "}}],'textures':[{'source':0}],'images':[{'uri':'soft.png'}]"),
+		.wanted = "images=1|cut0=1|texels0=9,9,9,255,8,8,8,153,7,7,7,0" },
+	{ "what_is_emitted_alone_is_the_colour", "e.gltf", GLTF(",'materials':[{'pbrMetallicRoughness':{'baseColorFactor':"
+		"[0,0,0,1]},'emissiveFactor':[0.2140411,1,0]}]"), .wanted = "images=0|rgb0=127,255,0" },
+	{ NULL, "e.gltf", GLTF(",'materials':[{'pbrMetallicRoughness':{'baseColorFactor':[0,0,0,1]},'emissiveFactor':"
+		"[1,1,1],'emissiveTexture':{'index':0}}],'textures':[{'source':0}],'images':[{'uri':'half.png'}]"),
+		.wanted = "images=1|texels0=255,128,0,255,188,188,255,255" },
+	{ NULL, "e.gltf", GLTF(",'materials':[{'pbrMetallicRoughness':{'baseColorFactor':[0.5,0,0,1]},'emissiveFactor':"
+		"[0,1,0]}]"), .wanted = "rgb0=188,0,0" },
 	/* half the light: (128/255)^2.2 is 0.216, its half 0.108 */
 	{ "a_texture_takes_each_colour_it_is_used_with", "row.gltf", BESIDE("{'name':'half','pbrMetallicRoughness':{"
 		"'baseColorFactor':[0.5,0.5,0.5,1]," TEXTURE "}},{'name':'plain','pbrMetallicRoughness':{" TEXTURE "}},"

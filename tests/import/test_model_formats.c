@@ -76,6 +76,14 @@ static const struct model_case models[] = {
 		"property uchar green\r\nproperty uchar blue\r\nelement face 2\r\nproperty list uchar int vertex_indices\r\n"
 		"end_header\r\n0 0 0 255 0 0\r\n1 0 0 255 0 0\r\n0 0 2 255 0 0\r\n0 1 0 255 0 0\r\n3 0 1 2\r\n3 0 1 9\r\n",
 		.options = { .up = ECO_UP_Z }, .wanted = "triangles=1|bad=1|high=2|rgb0=255,0,0" },
+	{ "ply_brings_colours_of_faces", "faces.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+		"property float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_index\nproperty uchar red\n"
+		"property uchar green\nproperty uchar blue\nend_header\n0 0 0\n1 0 0\n0 0 2\n0 1 0\n3 0 1 2 255 0 0\n"
+		"3 0 1 3 0 0 255\n", .options = { .up = ECO_UP_Z }, .wanted = "triangles=2|high=2|rgb0=255,0,0|rgb1=0,0,255" },
+	{ "ply_brings_strips_of_triangles", "strips.ply", "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\n"
+		"property float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+		"0 0 0\n1 0 0\n0 0 2\n1 0 2\n0 1 0\n8 0 1 2 3 -1 0 1 4\n", .options = { .up = ECO_UP_Z },
+		.wanted = "triangles=3|high=2" },
 	{ "vertex_colours_beside_a_picture_are_weights", "weights.dae",
 		RED_DAE("<library_images><image id=\"i\"><init_from>leaf.psd</init_from></image></library_images>",
 		"<newparam sid=\"f\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"

@@ -172,7 +172,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{'ground': {'heights': 'a', 'pixel': 3}}", ":1:12:", "go together" },
 	{ "{'ground': {'heights': ['a', 'b'], 'pixel': 3, 'north_west': [1, 2]}}", ":1:62:", "a world file" },
 	{ "{'plants': {'oak': {'model': 'o', 'height': 3}}}", ":1:35:",
-		"known here: model, variants, height_m, unit, up, grade, parts, importance" },
+		"known here: model, variants, height_m, unit, up, grade, foot, parts, importance" },
 	{ "{'plants': {'oak': {'model': 'o', 'grade': 1}}}", ":1:44:", "is true or false" },
 	{ "{'plants': {'oak': {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{'plants': {'oak': {'model': []}}}", ":1:30:", "names no file" },

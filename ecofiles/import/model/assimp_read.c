@@ -18,6 +18,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/format/image.h"
+#include "ecofiles/import/model/ply_plain.h"
 
 #define PLY_HEAD_BYTES 65536u
 #define NODES_MAX (1u << 20)
@@ -207,6 +208,20 @@ static bool has_picture(const struct aiMaterial *material)
 		|| aiGetMaterialTextureCount(material, aiTextureType_DIFFUSE) > 0;
 }
 
+
+#define BLACK 0.02f
+
+/* A black surface without a picture under a colour that it emits: shadeless models have it so. */
+static bool is_emissive(const struct aiMaterial *from)
+{
+	struct aiColor4D diffuse = { 1, 1, 1, 1 }, emitted = { 0, 0, 0, 1 };
+	aiGetMaterialColor(from, AI_MATKEY_COLOR_DIFFUSE, &diffuse);
+	aiGetMaterialColor(from, AI_MATKEY_COLOR_EMISSIVE, &emitted);
+	return !has_picture(from) && diffuse.r < BLACK && diffuse.g < BLACK && diffuse.b < BLACK
+		&& (emitted.r + emitted.g + emitted.b > 3 * BLACK
+		|| aiGetMaterialTextureCount(from, aiTextureType_EMISSIVE) > 0);
+}
+
 /* Whether the colour is linear light: so physically based materials have it. */
 static bool color_of(const struct aiMaterial *from, struct aiColor4D *color)
 {
@@ -217,6 +232,11 @@ static bool color_of(const struct aiMaterial *from, struct aiColor4D *color)
 		aiGetMaterialColor(from, AI_MATKEY_COLOR_DIFFUSE, color);
 	bool told = aiGetMaterialFloatArray(from, "$mat.opacity", 0, 0, &opacity, NULL) == AI_SUCCESS;
 	color->a = told && isfinite(opacity) ? opacity : 1;
+	/* exporters write a factor of full transparency beside a picture that says where: it switches that on */
+	if (!eco_alpha_shows((double)color->a) && aiGetMaterialTextureCount(from, aiTextureType_OPACITY) > 0)
+		color->a = 1;
+	if (is_emissive(from))
+		aiGetMaterialColor(from, AI_MATKEY_COLOR_EMISSIVE, color);
 	return base;
 }
 
@@ -226,6 +246,8 @@ static void read_image(struct eco_images *images, const struct aiMaterial *from,
 	char *texture = texture_name(from, aiTextureType_BASE_COLOR, channel);
 	if (!texture)
 		texture = texture_name(from, aiTextureType_DIFFUSE, channel);
+	if (!texture && is_emissive(from))
+		texture = texture_name(from, aiTextureType_EMISSIVE, channel);
 	if (!texture)
 		return;
 	char *mask = texture_name(from, aiTextureType_OPACITY, NULL);
@@ -299,12 +321,29 @@ static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 
 static float bounded_uv(double value) { return fabs(value) <= 65536 ? (float)value : 0; }
 
+/* Offset and tiling of a material's picture (FBX: Translation and Scaling); its turn is not read. */
+static struct aiUVTransform moved(const struct aiMaterial *material)
+{
+	static const enum aiTextureType types[] = { aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE };
+	struct aiUVTransform move = { { 0, 0 }, { 1, 1 }, 0 };
+	for (size_t i = 0; i < 2; i++)
+		if (aiGetMaterialTextureCount(material, types[i]) > 0) {
+			struct aiUVTransform own = move;
+			bool there = aiGetMaterialUVTransform(material, AI_MATKEY_UVTRANSFORM(types[i], 0), &own) == AI_SUCCESS;
+			bool good = isfinite(own.mScaling.x + own.mScaling.y + own.mTranslation.x + own.mTranslation.y)
+				&& own.mScaling.x != 0 && own.mScaling.y != 0;
+			return there && good ? own : move;
+		}
+	return move;
+}
+
 /* Vertex colours beside a picture are no colours: games keep there how far wind moves a leaf. */
 static void add_vertices(struct reader *r, const struct aiMesh *mesh, const struct aiMatrix4x4 *m)
 {
 	uint32_t channel = r->channel[mesh->mMaterialIndex];
 	bool weights = mesh->mColors[0] && mesh->mNumVertices > 0
 		&& has_picture(r->scene->mMaterials[mesh->mMaterialIndex]);
+	const struct aiUVTransform move = moved(r->scene->mMaterials[mesh->mMaterialIndex]);
 	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh->mTextureCoords[channel])
 		channel = 0;
 	const struct aiVector3D *uvs = mesh->mTextureCoords[channel];
@@ -323,8 +362,9 @@ static void add_vertices(struct reader *r, const struct aiMesh *mesh, const stru
 			r->soup.far = fmax(r->soup.far, fmax(fabs((double)p.x), fmax(fabs((double)p.y),
 				fabs((double)p.z))));
 		/* assimp counts v upwards */
-		eco_soup_vertex(&r->soup, place, uvs ? (const float[2]){ bounded_uv(uvs[i].x),
-			bounded_uv(1 - (double)uvs[i].y) }
+		eco_soup_vertex(&r->soup, place, uvs ? (const float[2]){
+			bounded_uv(uvs[i].x * move.mScaling.x + move.mTranslation.x),
+			bounded_uv(1 - (double)(uvs[i].y * move.mScaling.y + move.mTranslation.y)) }
 			: NULL, c ? (const float[3]){ c->r, c->g, c->b } : NULL);
 	}
 }
@@ -480,6 +520,8 @@ static enum eco_code import_scene(const struct aiScene **scene, const char *path
 	uint8_t *bytes;
 	size_t size;
 	enum eco_code code = mend_ply(path, &bytes, &size, error);
+	if (!code && !bytes && eco_path_ends_with(path, ".ply"))
+		code = eco_ply_plain(path, &bytes, &size, error);
 	if (code)
 		return code;
 	aiSetImportPropertyInteger(settings, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);

@@ -427,6 +427,21 @@ const json_t *eco_gltf_scene(const struct eco_gltf *doc)
 		? eco_gltf_whole(doc->root, "scene", ECO_NONE) : 0);
 }
 
+/* Marks the nodes that MSFT_lod names as coarser levels of others. */
+static bool *find_coarser(const struct eco_gltf *doc)
+{
+	bool *coarser = eco_alloc(doc->node_count + 1u, sizeof *coarser);
+	for (size_t i = 0; i < doc->node_count; i++) {
+		const json_t *ids = json_object_get(eco_gltf_extension(eco_gltf_item(doc, "nodes", i), "MSFT_lod"), "ids");
+		for (size_t k = 0; k < json_array_size(ids); k++) {
+			uint32_t node = node_number(doc, json_array_get(ids, k));
+			if (node != ECO_NONE && node != i)
+				coarser[node] = true;
+		}
+	}
+	return coarser;
+}
+
 static enum eco_code push_roots(struct walk *w)
 {
 	static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
@@ -444,11 +459,17 @@ static enum eco_code push_roots(struct walk *w)
 enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *ctx, struct eco_error *error)
 {
 	struct walk w = { .doc = doc, .error = error };
+	bool *coarser = find_coarser(doc);
 	enum eco_code code = push_roots(&w);
+	doc->coarser = 0;
 	while (code == ECO_OK && w.count > 0) {
 		struct entry top = w.stack[--w.count];
 		const json_t *node = eco_gltf_item(doc, "nodes", top.node);
 		double local[16];
+		if (coarser[top.node]) {
+			doc->coarser++;
+			continue;
+		}
 		if (json_is_false(json_object_get(eco_gltf_extension(node, "KHR_node_visibility"),
 			"visible")))
 			continue;
@@ -461,5 +482,6 @@ enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *c
 			code = push_all(&w, json_object_get(node, "children"), top.depth + 1, top.world);
 	}
 	free(w.stack);
+	free(coarser);
 	return code;
 }

@@ -41,6 +41,7 @@ struct eco_gltf {
 	struct eco_gltf_bytes *buffers, *views;
 	size_t buffer_count, view_count, node_count;
 	uint64_t unpacked;           /* bytes unpacked so far */
+	uint64_t coarser;            /* nodes that the last walk left out, as coarser levels of others */
 	uint32_t *parent;            /* per node; NULL: not computed yet */
 };
 

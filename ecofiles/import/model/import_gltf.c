@@ -19,7 +19,8 @@
  * A material may be described twice: metallic-roughness, and the older specular-glossiness extension,
  * which then wins, as it demands; its diffuse part is read.
  *
- * OPAQUE: alpha does not count. MASK: the cutoff is scaled to 0.5. BLEND: cut at 0.5. */
+ * OPAQUE: alpha does not count. MASK: the cutoff is scaled to 0.5. BLEND: cut at 0.5, or, where that
+ * leaves little of a soft picture, at half of its largest alpha (import_material.c). */
 
 #define PI 3.14159265358979323846
 
@@ -28,9 +29,24 @@ static const json_t *old_style(const json_t *material)
 	return eco_gltf_extension(material, "KHR_materials_pbrSpecularGlossiness");
 }
 
+#define BLACK 0.02               /* linear light */
+
+static bool is_black(const double rgb[3]) { return rgb[0] < BLACK && rgb[1] < BLACK && rgb[2] < BLACK; }
+
+/* A material without light of its own under a colour that it emits: shadeless models have it so. */
+static bool is_emissive(const json_t *material)
+{
+	double base[4] = { 1, 1, 1, 1 }, emitted[3] = { 0, 0, 0 };
+	eco_gltf_numbers(json_object_get(material, "pbrMetallicRoughness"), "baseColorFactor", base, 4);
+	return !old_style(material) && is_black(base) && eco_gltf_numbers(material, "emissiveFactor", emitted, 3)
+		&& emitted[0] + emitted[1] + emitted[2] > 0;
+}
+
 static const json_t *texture_of(const json_t *material)
 {
 	const json_t *old = old_style(material);
+	if (is_emissive(material))
+		return json_object_get(material, "emissiveTexture");
 	return old ? json_object_get(old, "diffuseTexture")
 		: json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture");
 }
@@ -43,6 +59,8 @@ static void factor_of(const json_t *material, double rgba[4])
 		: eco_gltf_numbers(json_object_get(material, "pbrMetallicRoughness"), "baseColorFactor", read,
 		4)))
 		read[0] = read[1] = read[2] = read[3] = 1;
+	if (is_emissive(material))
+		eco_gltf_numbers(material, "emissiveFactor", read, 3);
 	memcpy(rgba, read, sizeof read);
 }
 
@@ -94,8 +112,8 @@ static void read_look(const json_t *material, struct gltf_look *look)
 	float gain;
 	enum eco_alpha alpha = alpha_of(material, &gain);
 	factor_of(material, rgba);
-	look->invisible = !opacity_shows(alpha, gain, rgba[3]);
 	look->textured = texture_of(material) != NULL;
+	look->invisible = !opacity_shows(alpha, gain, rgba[3]);
 	read_transform(texture_of(material), look);
 }
 
@@ -358,6 +376,31 @@ static void add_vertex(struct gltf_reader *r, const struct gltf_piece *p, uint32
 	eco_soup_vertex(&r->soup, (const double[3]){ at[0], -at[2], at[1] }, uv, rgb);
 }
 
+#define WEIGHT_OTHER 0.1         /* linear light: the other two primaries of weights are below */
+#define WEIGHT_RANGE 0.3         /* from the least to the largest weight */
+
+/* Whether vertex colours beside a picture run from black to red or blue alone: games keep there how far wind moves a
+ * leaf. Other colours tint the picture. */
+static bool are_weights(const struct gltf_reader *r, const struct gltf_piece *p)
+{
+	double least[3] = { INFINITY, INFINITY, INFINITY }, most[3] = { 0, 0, 0 };
+	if (!p->values[GLTF_COLOR].there || !r->looks[p->material].textured)
+		return false;
+	for (uint32_t v = 0; v < p->vertex_count; v++) {
+		double values[4] = { 0, 0, 0, 0 };
+		gltf_values(p, GLTF_COLOR, p->source[v], values);
+		for (int k = 0; k < 3; k++) {
+			least[k] = fmin(least[k], values[k]);
+			most[k] = fmax(most[k], values[k]);
+		}
+	}
+	for (int k = 0; k < 3; k += 2)
+		if (most[k] - least[k] > WEIGHT_RANGE && least[k] < WEIGHT_OTHER && most[1] < WEIGHT_OTHER
+				&& most[2 - k] < WEIGHT_OTHER)
+			return true;
+	return false;
+}
+
 static void add_piece(struct gltf_reader *r, const struct gltf_piece *p, const double world[16],
 	const struct gltf_skin *skin)
 {
@@ -366,7 +409,9 @@ static void add_piece(struct gltf_reader *r, const struct gltf_piece *p, const d
 		r->soup.far = fmax(r->soup.far, p->far * largest_scale(world));
 	for (uint32_t v = 0; v < p->vertex_count; v++)
 		add_vertex(r, p, p->source[v], world, skin);
-	eco_soup_mesh(&r->soup, p->material, p->values[GLTF_COLOR].there);
+	bool weights = are_weights(r, p);
+	r->weighted += weights;
+	eco_soup_mesh(&r->soup, p->material, p->values[GLTF_COLOR].there && !weights);
 	for (uint32_t i = 0; i < p->triangle_count; i++) {
 		uint32_t v[3];
 		for (int k = 0; k < 3; k++) {
@@ -465,6 +510,9 @@ static void tell(struct gltf_reader *r)
 		{ r->shapeless, "primitives without positions are left out" },
 		{ r->partial, "corners at the ends of lists of triangles make no triangle" },
 		{ r->morphed, "meshes have morph targets at rest, which are not applied" },
+		{ r->weighted, "meshes have vertex colours from black to red or blue beside a picture: they are taken for "
+			"weights of wind, not for colours" },
+		{ r->doc->coarser, "nodes are coarser levels of others (MSFT_lod): they are left out" },
 		{ r->faint, "vertices have colours with alpha below 0.5, which is not applied" } };
 	size_t scenes = json_array_size(json_object_get(r->doc->root, "scenes"));
 	if (!eco_gltf_scene(r->doc))

@@ -40,7 +40,7 @@ struct gltf_reader {
 	struct gltf_skin *skins;          uint32_t skin_count;
 	uint64_t read;               /* triangles of all meshes */
 	/* things not drawn, or odd, for the notes */
-	uint64_t instances, points, lines, shapeless, partial, morphed, faint;
+	uint64_t instances, points, lines, shapeless, partial, morphed, faint, weighted;
 	/* the primitive being read */
 	const json_t *primitive;
 	struct gltf_piece *to;

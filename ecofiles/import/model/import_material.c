@@ -161,14 +161,33 @@ static void merge_opacity(struct eco_image *image, const struct eco_image *opaci
 		}
 }
 
+#define FAINT 13                 /* texels of less alpha are clear */
+#define SHOWN_LEAST 4            /* one of so many that are not clear is to show at 0.5 */
+
+/* The factor of a blended picture's alpha: where 0.5 would cut away most of what is not clear, the largest alpha becomes
+ * 1, so that the cut is at half of it. */
+static double blended_gain(const struct eco_image *image, double gain)
+{
+	uint64_t seen = 0, shown = 0;
+	uint8_t most = 0;
+	for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
+		uint8_t alpha = image->rgba[i * 4 + 3];
+		seen += alpha >= FAINT;
+		shown += eco_alpha_shows(alpha * gain / 255);
+		most = alpha > most ? alpha : most;
+	}
+	return most >= FAINT && SHOWN_LEAST * shown < seen ? 255.0 / most : gain;
+}
+
 /* Applies the key's alpha rule; returns whether any texel is cut out. If none is, alpha becomes 255. */
 static bool apply_alpha(struct eco_image *image, const struct eco_image_key *key)
 {
 	size_t count = (size_t)image->width * image->height;
 	uint8_t table[256];
 	bool cutout = false;
+	double gain = key->alpha == ECO_ALPHA_BY_IMAGE ? blended_gain(image, (double)key->gain) : (double)key->gain;
 	for (int i = 0; i < 256; i++) {
-		double alpha = i * (double)key->gain + ALPHA_SLACK;
+		double alpha = i * gain + ALPHA_SLACK;
 		table[i] = key->alpha == ECO_ALPHA_OPAQUE ? 255 : alpha < 255 ? (uint8_t)(alpha + 0.5) : 255;
 	}
 	for (size_t i = 0; i < count && !cutout; i++)

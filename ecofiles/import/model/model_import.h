@@ -27,6 +27,7 @@ struct eco_model_options {
 	double height_m;         /* height to scale to; 0: by the unit */
 	double unit_m;           /* metres per unit of the files; 0: the format's, else guessed */
 	enum eco_up up;
+	bool keep_origin;        /* the file's zero stays, on the ground: no foot is looked for */
 	const struct eco_part_rule *rules; uint32_t rule_count;
 	uint32_t triangles_max;  /* of all files; 0: 20,000,000 */
 	/* may be NULL; one sentence: a missing texture, a guess, ... */

@@ -281,6 +281,8 @@ static enum eco_code stand(struct stance *s, struct model_clean *c)
 	find_wood(s);
 	find_foot(s);
 	find_ground(s, c->frame);
+	for (int k = 0; k < 3 && c->options->keep_origin; k++)
+		s->foot[k] = -c->frame->base[k];
 	enum eco_code code = find_scale(c, s->high - s->foot[2]);
 	if (code)
 		return code;

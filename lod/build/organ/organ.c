@@ -129,12 +129,19 @@ static uint32_t voice_of(const struct finder *f, uint32_t component)
 	return 2 * material_of(f, component) + lod_colour_is_green(f->shape[component].rgb);
 }
 
-static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[2])
+/* Sums over a voice's components: clear area of leaves and of wood, area in doubt; the radius of the thickest wood. */
+struct clear { double area[2], doubt, radius; };
+
+#define EVIDENCE 0.05            /* of the doubtful area: less that is clear decides nothing */
+
+static bool settle_doubt(const struct finder *f, uint32_t i, const struct clear *of)
 {
 	const struct lod_shape *b = &f->shape[i];
-	if (clear[1] > 3 * clear[0])
+	const double *clear = of->area;
+	bool enough = clear[0] + clear[1] > EVIDENCE * of->doubt;
+	if (enough && clear[1] > 3 * clear[0])
 		return true;
-	if (clear[0] > 3 * clear[1])
+	if (enough && clear[0] > 3 * clear[1])
 		return false;
 	if (f->hint[i] != LOD_HINT_NONE)
 		return f->hint[i] == LOD_HINT_WOOD;
@@ -165,9 +172,6 @@ static bool is_clear_wood(const struct finder *f, uint32_t i)
 	return f->verdict[i] == CLEARLY_WOOD || log;
 }
 
-/* Sums over a voice's clear components: area of leaves and of wood; the radius of the thickest wood. */
-struct clear { double area[2], radius; };
-
 /* A solid of a voice of wood is wood, too. But trees do not grow thicker upwards: above the ground, and
  * thicker than all clear wood, it is a crown that the file tells from bark by nothing. */
 static bool is_solid_wood(const struct finder *f, uint32_t i, const struct clear *clear)
@@ -188,6 +192,8 @@ static void settle_doubts(struct finder *f, struct lod_arena *arena)
 		f->verdict[i] = (uint8_t)judge(&f->shape[i], is_cutout(f, i));
 		if (f->verdict[i] == CLEARLY_WOOD || f->verdict[i] == CLEARLY_LEAF)
 			of->area[f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
+		else
+			of->doubt += f->shape[i].area;
 		if (f->verdict[i] == CLEARLY_WOOD)
 			of->radius = fmax(of->radius, f->shape[i].radius);
 	}
@@ -195,7 +201,7 @@ static void settle_doubts(struct finder *f, struct lod_arena *arena)
 		const struct clear *of = &clear[voice_of(f, i)];
 		bool wood = is_clear_wood(f, i);
 		if (f->verdict[i] == RATHER_WOOD || f->verdict[i] == RATHER_LEAF)
-			wood = settle_doubt(f, i, of->area);
+			wood = settle_doubt(f, i, of);
 		else if (f->verdict[i] == SOLID)
 			wood = is_solid_wood(f, i, of);
 		f->organ[i] = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
