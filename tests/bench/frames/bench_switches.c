@@ -25,7 +25,7 @@ static const struct bench_column columns[] = { { "plants", 1 }, { "vertices", 0 
 	{ "in time %", 2 }, { "bytes of a plan", 0 } };
 enum { PLANTS, VERTICES, PIXELS, HOLES, IN_TIME, PLAN, FIGURES };
 
-/* What is drawn of each instance of a selection. */
+/* The representation of each instance of a selection. */
 struct drawn { struct view_selection selection; struct view_table owners; uint64_t *cuts, *vertices; };
 
 static void fetch(const struct srv_scene *scene, const struct eco_view *view, uint64_t vertices,
