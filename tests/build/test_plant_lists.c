@@ -93,28 +93,6 @@ UNIT_TEST(orders_differ_and_greedy_ones_have_codes_and_simpler_forms)
 	soup_free(&soup);
 }
 
-/* All that the greedy lists have but codes. */
-UNIT_TEST(random_leaves_have_a_simpler_form_and_no_code)
-{
-	struct lod_plant plants[3];
-	const struct lod_list_draft *simple, *leaves[3];
-	soup_tree(&soup, 200, 25, false);
-	for (uint32_t i = 0; i < 3; i++) {
-		struct lod_plant_options options = ordered(LOD_ORDER_GREEDY, 12);
-		options.random_leaves = i < 2;
-		options.seed = 3 + i % 2;
-		build(&plants[i], &options);
-		leaves[i] = leaves_of(&plants[i], &simple);
-		assert_non_null(simple);
-		assert_int_equal(!(leaves[i]->list.attributes & ECO_ATTR_GROWTH), i < 2);
-		assert_int_equal(!(simple->list.attributes & ECO_ATTR_GROWTH), i < 2);
-		assert_true(i == 0 || !same_order(leaves[0], leaves[i]));
-	}
-	for (uint32_t i = 0; i < 3; i++)
-		lod_plant_free(&plants[i]);
-	soup_free(&soup);
-}
-
 /* While the grid is still to be chosen there is a draft, which measuring replaces. */
 UNIT_TEST(order_waits_for_the_grid)
 {
