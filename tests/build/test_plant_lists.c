@@ -138,7 +138,7 @@ static double mean_error(void)
 	FREED(lod_splats) fitted;
 	double sum = 0;
 	assert_good(lod_splats_fit(&fitted, &soup.model,
-		&(struct lod_splats_options){ .views = 12, .pixels = 48 }, &cause));
+		&(struct lod_splats_options){ .views = 8, .pixels = 72 }, &cause));
 	uint32_t count = fitted.level_end[fitted.level_count - 1];
 	assert_int_equal(count, e->element_count);
 	for (uint32_t i = 0; i < count; i++) {
