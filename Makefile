@@ -381,7 +381,7 @@ cluster-demo: deps
 DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data))
 bench: deps
 	@tests/packages.sh python3-matplotlib || true  # the report has no plots without it
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench
 	$(B)/bench/ecobench --build $(B) $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY)) \
 		$(if $(filter no,$(SHADOWS)),--no-shadows)
 

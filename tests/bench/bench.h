@@ -132,9 +132,6 @@ bool bench_scene_there(struct bench *bench, const char *name, char pack[512]);
 void bench_model_pack(struct bench *bench, const struct bench_model *model, bool draft, char pack[512]);
 /* Stamp of the pack's content for units: the same for the same bytes. Borrowed until the next call. */
 const char *bench_pack_stamp(const char *path);
-/* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there
- * (bench_requests.c). */
-void bench_request_packs(struct bench *bench);
 /* Its cameras: `room` requests along the scene's path; views never used in building. Returns their number. */
 uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests,
 	uint32_t room);

@@ -115,29 +115,25 @@ static json_t *study(void *ctx)
 	return rows;
 }
 
-/* P and R at one lambda over the size, mean over plants, and how far views lie apart. */
+/* P and R at one lambda over the size, mean over plants. */
 static void plot_sizes(struct bench *bench, double sum[SIZES][FIGURES], uint32_t count)
 {
-	static const char *const names[6] = { "P", "P - spread over views", "P + spread", "R",
-		"R - spread over views", "R + spread" };
-	double x[SIZES], line[6][SIZES], range = 0;
-	struct bench_series series[6];
-	for (int j = 0; j < 6; j++) {
-		for (int i = 0; i < SIZES; i++) {
-			const double *of = sum[i] + (j < 3 ? P : R), side[3] = { 0, -1, 1 };
-			x[i] = sizes[i];
-			line[j][i] = (of[0] + side[j % 3] * of[1]) / count;
-			range = j % 3 ? range : fmax(range, fabs(line[j][i] - line[j][0]));
+	double x[SIZES], line[2][SIZES], range = 0;
+	const struct bench_series series[2] = { { "P", x, line[0], SIZES, false }, { "R", x, line[1], SIZES, false } };
+	for (int i = 0; i < SIZES; i++) {
+		x[i] = sizes[i];
+		for (int j = 0; j < 2; j++) {
+			line[j][i] = sum[i][j ? R : P] / count;
+			range = fmax(range, fabs(line[j][i] - line[j][0]));
 		}
-		series[j] = (struct bench_series){ names[j], x, line[j], SIZES, false };
 	}
 	bench_say(bench, "Precision and Recall by the size on screen, at lambda %g: means over %u plants "
-		"differ by %.3f at most between %u and %u pixels. The spread is the standard deviation over "
-		"%u views.", lambdas[PLOTTED], count, range, sizes[0], sizes[SIZES - 1], VIEWS);
+		"differ by %.3f at most between %u and %u pixels. The table has standard deviations over "
+		"%u views, too.", lambdas[PLOTTED], count, range, sizes[0], sizes[SIZES - 1], VIEWS);
 	bench_plot(bench, &(struct bench_plot){ .name = "scale-sizes",
 		.title = "Precision and Recall by size on screen (lambda 0.2)", 
 		.x = "height of the picture, pixels",
-		.y = "share", .log_x = true, .series = series, .series_count = 6 });
+		.y = "share", .log_x = true, .series = series, .series_count = 2 });
 }
 
 static void run(struct bench *bench)

@@ -1,21 +1,15 @@
 /* ecobench: all sections, in the order in which they run and stand in the report. */
 #include "tests/bench/bench.h"
 
-extern const struct bench_section bench_frames, bench_pictures, bench_bytes,
-	bench_rising, bench_rules, bench_curves, bench_species, bench_ladders, bench_path,
-	bench_drawn, bench_collapse, bench_lee, bench_scale, bench_hierarchy,
-	bench_importance, bench_steadiness, bench_switches, bench_extreme, bench_billboards, bench_deussen, bench_neubert,
-	bench_requests, bench_needs, bench_cache, bench_planner,
-	bench_visibility;
+#define SECTIONS(each) each(frames) each(pictures) each(bytes) each(rules) each(curves) each(species) each(ladders) \
+	each(path) each(drawn) each(collapse) each(lee) each(scale) each(hierarchy) each(importance) each(steadiness) each(switches) \
+	each(extreme) each(billboards) each(deussen) each(neubert) each(cache) each(planner) each(visibility)
+#define DECLARE(name) extern const struct bench_section bench_##name;
+#define LIST(name) &bench_##name,
+SECTIONS(DECLARE)
 
 int main(int argc, char **argv)
 {
-	static const struct bench_section *const sections[] = { &bench_frames, &bench_pictures,
-		&bench_bytes, &bench_rising, &bench_rules, &bench_curves,
-		&bench_species, &bench_ladders, &bench_path, &bench_drawn, &bench_collapse,
-		&bench_lee, &bench_scale, &bench_hierarchy, &bench_importance,
-		&bench_steadiness, &bench_switches, &bench_extreme, &bench_billboards, &bench_deussen, &bench_neubert,
-		&bench_requests, &bench_needs, &bench_cache, &bench_planner,
-		&bench_visibility, NULL };
+	static const struct bench_section *const sections[] = { SECTIONS(LIST) NULL };
 	return bench_main(argc, argv, sections);
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# make soak [SECONDS=60]: 10,000 damaged models (MUTANTS), then 10,000 random requests (REQUESTS) against a
-# generated forest of 20,000 plants, then sixteen clients that decode and check everything for SECONDS; then ENDURE requests of all
+# make soak [SECONDS=60]: 10,000 damaged models (MUTANTS), then 10,000 random requests (REQUESTS) against five
+# scenes and a generated forest of 20,000 plants, then sixteen clients that decode and check everything for SECONDS; then ENDURE requests of all
 # kinds, over which memory must not grow; then faults of memory and disk (FAULTS places of each kind, KILLS kills), what one address can
 # do to others (LEAKS requests that leaked), and the server under the thread sanitizer. Exit 1 at the first violation.
 # tests/README.md has what was seen.
@@ -13,7 +13,8 @@ mkdir -p "$OUT"
 mutate "$OUT/mutants" "${MUTANTS:-10000}" "${SEED:-1}"
 "$BUILD/ecopack" generate forest --plants 20000 -o "$OUT/forest" >"$OUT/log"
 "$BUILD/ecopack" make "$OUT/forest/scene.json" -o "$OUT/forest.eco" >>"$OUT/log"
-"$BUILD/bench/requests" "${REQUESTS:-10000}" "$OUT/forest.eco"
+BUILD=$BUILD sh tests/bench/request_scenes.sh "$OUT/requests" >>"$OUT/log"
+"$BUILD/bench/requests" "${REQUESTS:-10000}" "$OUT"/requests/*.eco "$OUT/forest.eco"
 for scene in park grove forest; do "$BUILD/ecopack" generate $scene -o "$OUT/$scene" >>"$OUT/log"; done
 "$BUILD/bench/wood" "$OUT"/park/models/*.obj "$OUT"/grove/models/*.obj "$OUT"/forest/models/*.obj
 serve "$OUT/serve.log" "forest=$OUT/forest.eco"

@@ -6,7 +6,7 @@ case $BUILD in */sanitize*) few=10 ;; *) few=1 ;; esac
 export XDG_CACHE_HOME="$PWD/build/cache"
 dir=$BUILD/tmp/requests
 rm -rf "$dir"; mkdir -p "$dir"
-# an order, plants and drafts that take little time: what must hold depends on none of them, and `ecobench` asks the same of the defaults
+# an order, plants and drafts that take little time: what must hold depends on none of them, and `make soak` asks the same of the defaults
 ORDER=combined DETAIL=0.25 DRAFT="park forest meadow tree" tests/bench/request_scenes.sh "$dir" >"$dir/log" 2>&1 || { cat "$dir/log"; exit 1; }
 status=0
 # two at a time
