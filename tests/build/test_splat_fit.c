@@ -136,7 +136,8 @@ static void check_gradient(uint32_t planes)
 		.forward = { -0.6, 0.8, 0 }, .cover = cover };
 	struct splat_views views = { .count = 1, .pixels = PIXELS, .stride = STRIDE, .planes = planes,
 		.scale = 18, .items = &view };
-	struct splat_softness soft = { .edge_px = 1.5f, .least = 0.5f, .blur_px2 = 0.3f, .chance = 1 };
+	struct splat_softness soft = { .edge_px = 1.5f, .least = 0.5f, .blur_px2 = 0.3f, .chance = 1,
+		.area = 0.5f };
 	struct splat_picture picture = { left, weight, ellipses };
 	struct splat_params splats[COUNT] = {
 		{ { 0.1f, 0, 0.1f, 0.3f, 0.1f, 0, 0, 0.4f, 0.1f, 0, 0, 0.2f, 0.8f } },

@@ -18,6 +18,9 @@
 #define ALONE 0.4f              /* of a descent: then between levels, too */
 #define RATE 0.08f               /* of a splat's size, in the first step */
 #define LEAST_RATE 0.002f
+/* Soft Q alone draws few splats up to twice as large as the plant, whose color then is too strong far away. Blades lose
+ * soft Q by it. */
+#define AREA_WEIGHT 1.0f
 #define SETTLE_STEPS 40u
 #define STEPS_DRAFT 4u           /* of a draft: one of so many */
 #define SETTLE_RATE 0.008f
@@ -180,7 +183,8 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 		float unit = s.views->scale / d->views->scale;
 		s.soft = (struct splat_softness){ .edge_px = 0.8f * unit,
 			.least = d->settle ? 0 : 0.6f * rest,
-			.blur_px2 = 0.2f * unit * unit, .chance = d->chance };
+			.blur_px2 = 0.2f * unit * unit, .chance = d->chance,
+			.area = d->blades ? 0 : AREA_WEIGHT };
 		s.batch = i % s.batches;
 		if (d->parents && at > ALONE && i / s.batches % 2)
 			draw_between(&s, &seed);
