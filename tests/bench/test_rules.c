@@ -189,7 +189,7 @@ static uint64_t solve(paper_rule *rule, void *ctx, uint64_t budget, struct paper
 UNIT_TEST(rules_spend_their_budget_and_draw_what_they_count)
 {
 	struct paper_cook cook = { 0 };
-	struct paper_lee lee = { .rule = LOD_LEE_LAYER * PAPER_LEE_ORDERS };
+	struct paper_lee lee = { .method = LOD_LEE_LAYER };
 	static const uint64_t budgets[] = { 0, 500, 5000, 2000000 };
 	paper_lee_begin(&lee, scene);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {

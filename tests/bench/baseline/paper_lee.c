@@ -7,7 +7,6 @@
 #include "lod/sort.h"
 #include "tests/bench/baseline/paper_rules.h"
 
-#define SECTORS 8u
 #define LEAVES_A_CELL 2.0 /* fewer are the whole's */
 
 void lod_lee_cells(struct lod_lee_leaves *cells, uint32_t most, struct lod_arena *arena)
@@ -107,9 +106,7 @@ uint32_t lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct l
 
 /* ---- Cells of plants ---- */
 
-const char *const paper_lee_names[PAPER_LEE_RULES] = { "Lee distance by view", "Lee distance by sector",
-	"Lee distance static", "Lee normal by view", "Lee normal by sector", "Lee normal static",
-	"Lee layer+normal by view", "Lee layer+normal by sector", "Lee layer+normal static" };
+const char *const paper_lee_names[LOD_LEE_COUNT] = { "Lee distance", "Lee normal", "Lee layer+normal" };
 
 struct paper_lee_plant { struct lod_lee_leaves cells; uint32_t *ladders; double leaves; };
 
@@ -161,45 +158,16 @@ void paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s)
 
 void paper_lee_end(struct paper_lee *lee) { lod_arena_free(&lee->arena); }
 
-/* From the eye's distance and height, in the middle of a sector; SECTORS: of the one that the eye is in. */
-static struct lod_v3 sector_eye(struct lod_v3 center, struct lod_v3 eye, uint32_t sector)
-{
-	double x = eye.x - center.x, y = eye.y - center.y, away = sqrt(x * x + y * y),
-		at = atan2(y, x) / (2 * LOD_PI);
-	if (sector == SECTORS)
-		sector = (uint32_t)((at < 0 ? at + 1 : at) * SECTORS) % SECTORS;
-	double turn = (sector + 0.5) * 2 * LOD_PI / SECTORS;
-	return (struct lod_v3){ center.x + away * cos(turn), center.y + away * sin(turn), eye.z };
-}
-
 /* Leaves of each cell for an eye in the plant's own coordinates. */
-static void keep_cells(uint32_t *kept, uint32_t rule, const struct lod_lee_leaves *cells,
+static void keep_cells(uint32_t *kept, enum lod_lee_method method, const struct lod_lee_leaves *cells,
 	struct lod_v3 center, struct lod_v3 eye, uint32_t budget, struct lod_arena *arena)
 {
-	uint32_t order = rule % PAPER_LEE_ORDERS, parts = order == PAPER_LEE_STATIC ? SECTORS : 1, sum = 0;
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t *list = lod_arena_take(arena, budget, sizeof *list);
-	for (uint32_t s = 0; s < parts; s++) {
-		struct lod_lee_view view = { .eye = order == PAPER_LEE_VIEW ? eye
-			: sector_eye(center, eye, order == PAPER_LEE_STATIC ? s : SECTORS) };
-		view.forward = lod_v3_unit(lod_v3_sub(center, view.eye));
-		uint32_t count = lod_lee_keep(list, (enum lod_lee_method)(rule / PAPER_LEE_ORDERS), cells,
-			&view, (uint32_t)((uint64_t)budget * (s + 1) / parts - (uint64_t)budget * s / parts),
-			arena);
-		while (count--)
-			kept[list[count]]++;
-	}
-	for (uint32_t i = 0; i < cells->count; i++) {
-		kept[i] = kept[i] < cells->size[i] ? kept[i] : cells->size[i];
-		sum += kept[i];
-	}
-	/* what several sectors asked twice of a cell, in the order of cells */
-	for (uint32_t i = 0; i < cells->count && sum < budget; i++) {
-		uint32_t more = cells->size[i] - kept[i];
-		more = more < budget - sum ? more : budget - sum;
-		kept[i] += more;
-		sum += more;
-	}
+	const struct lod_lee_view view = { .eye = eye, .forward = lod_v3_unit(lod_v3_sub(center, eye)) };
+	uint32_t count = lod_lee_keep(list, method, cells, &view, budget, arena);
+	while (count--)
+		kept[list[count]]++;
 	lod_arena_release(arena, mark);
 }
 
@@ -227,7 +195,7 @@ static void add_cells(const struct each *e, const struct lod_anchor_band *anchor
 	struct lod_arena_piece *mark = e->lee->arena.last;
 	uint32_t *kept = lod_arena_take(&e->lee->arena, of->cells.count, sizeof *kept);
 	struct lod_v3 center = lod_v3_of(scene->anchors[scene->plants[plant].anchor_first].center);
-	keep_cells(kept, e->lee->rule, &of->cells, center, eye, (uint32_t)(lambda * of->leaves),
+	keep_cells(kept, e->lee->method, &of->cells, center, eye, (uint32_t)(lambda * of->leaves),
 		&e->lee->arena);
 	for (uint32_t a = 1; a < count; a++)
 		for (uint32_t g = 0; g < of->cells.count; g++) {

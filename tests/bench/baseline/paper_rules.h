@@ -220,18 +220,14 @@ uint32_t lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct l
 	const struct lod_lee_view *view, uint32_t budget, struct lod_arena *arena);
 
 /* On whole scenes the three orders choose among the cells of each plant, for a budget of leaves that Cook's
- * lambda gives each plant. The view is the plant's own; rounded to one of eight sectors, so that orders could
- * be made beforehand; or none (static): the eight sectors share the budget. A cell keeps the first leaves of
- * its list, scaled as Cook's are. A plant with a budget of so few leaves that most cells would be empty draws
- * the first leaves of the whole. */
-enum { PAPER_LEE_VIEW, PAPER_LEE_SECTOR, PAPER_LEE_STATIC, PAPER_LEE_ORDERS };
-#define PAPER_LEE_RULES (LOD_LEE_COUNT * PAPER_LEE_ORDERS)
-extern const char *const paper_lee_names[PAPER_LEE_RULES];
+ * lambda gives each plant. A cell keeps the first leaves of its list, scaled as Cook's are. A plant with a budget
+ * of so few leaves that most cells would be empty draws the first leaves of the whole. */
+extern const char *const paper_lee_names[LOD_LEE_COUNT];
 
 struct paper_lee_plant;
 struct paper_lee {
 	const struct paper_table *tables;
-	uint32_t rule;                  /* method * PAPER_LEE_ORDERS + order */
+	enum lod_lee_method method;
 	struct paper_lee_plant *plants;
 	struct lod_arena arena;
 };

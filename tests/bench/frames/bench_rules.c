@@ -26,7 +26,7 @@ enum rule {
 	NEUBERT,
 	NEUBERT_OCCLUDED,
 	LEE_FIRST,
-	RULES = LEE_FIRST + PAPER_LEE_RULES
+	RULES = LEE_FIRST + LOD_LEE_COUNT
 };
 static const char *const names[] = { "Deussen's rule on our lists", "Deussen 2002 as printed",
 	"Cook 1/lambda", "Cook corrected", "Neubert", "Neubert with occlusion" };
@@ -98,7 +98,7 @@ static void draw_rule(struct shot *shot, uint32_t rule, struct paper_frame *fram
 {
 	struct paper_cook cook = { .tables = rule == COOK ? NULL : shot->tables, .optimal = rule == NEUBERT };
 	if (rule >= LEE_FIRST) {
-		struct paper_lee lee = { .tables = shot->tables, .rule = rule - LEE_FIRST };
+		struct paper_lee lee = { .tables = shot->tables, .method = rule - LEE_FIRST };
 		paper_lee_begin(&lee, shot->papers);
 		solve(shot, paper_lee, &lee, frame);
 		paper_lee_end(&lee);
@@ -283,7 +283,7 @@ static const uint32_t curve_samples[] = { 1, 4, 8, 16 };
 #define OURS_BY_BYTES (RULES + 1)
 #define CURVE_BYTES 2u                       /* Cook's */
 static const uint32_t curve_rules[] = { RULES, DEUSSEN_2002, COOK_CORRECTED, OURS_BY_BYTES, NEUBERT_OCCLUDED,
-	LEE_FIRST + LOD_LEE_LAYER * PAPER_LEE_ORDERS + PAPER_LEE_VIEW };
+	LEE_FIRST + LOD_LEE_LAYER };
 #define CURVES (sizeof curve_rules / sizeof *curve_rules)
 
 /* The first three are axes. */
