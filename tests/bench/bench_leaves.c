@@ -32,27 +32,20 @@ enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_m
 		"its %u triangles are wood", model->triangle_count);
 }
 
-struct opening {
-	struct bench *bench;
-	const struct bench_model *model;
-	uint32_t pixels;
-	bench_leaves_study *study;
-	void *ctx;
-};
+struct opening { const struct bench_model *model; bench_leaves_study *study; void *ctx; };
 
 static json_t *make_unit(void *ctx)
 {
 	const struct opening *o = ctx;
-	struct bench_leaves leaves = { .pixels = o->pixels };
+	struct bench_leaves leaves = { .mask = NULL };
 	if (o->model)
 		bench_model_read(o->model, &leaves.model);
 	else
 		leaves.model = bench_crown_make();
 	must(bench_foliage_make(&leaves.foliage, &leaves.model, &leaves.arena, must_error));
-	lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = o->pixels,
-		.height = o->pixels, .silhouette = true });
-	leaves.mask = lod_arena_take(&leaves.arena, (size_t)o->pixels * (o->pixels + 63) / 64,
-		sizeof *leaves.mask);
+	lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = BENCH_PIXELS, .height = BENCH_PIXELS,
+		.silhouette = true });
+	leaves.mask = lod_arena_take(&leaves.arena, BENCH_PIXELS * BENCH_PIXELS / 64, sizeof *leaves.mask);
 	json_t *made = o->study(o->ctx, &leaves);
 	lod_raster_free(&leaves.cover);
 	lod_arena_free(&leaves.arena);
@@ -60,20 +53,19 @@ static json_t *make_unit(void *ctx)
 	return made;
 }
 
-json_t *bench_leaves_unit(struct bench *bench, const char *prefix, const char *stamp,
-	const struct bench_model *model, uint32_t pixels, bench_leaves_study *study, void *ctx)
+void bench_leaves_unit(struct bench *bench, const char *prefix, const struct bench_model *model,
+	bench_leaves_study *study, void *ctx, double *values, uint32_t count)
 {
-	char name[128], whole[64];
+	char name[128], stamp[64];
 	snprintf(name, sizeof name, model ? "%s-%s" : "%s", prefix, model ? model->name : "");
-	snprintf(whole, sizeof whole, "%d %s", bench->full, model ? must_stamp(model->path) : "");
-	return bench_unit(bench, name, stamp ? stamp : whole, make_unit,
-		&(struct opening){ bench, model, pixels, study, ctx });
+	snprintf(stamp, sizeof stamp, "%d %s", bench->full, model ? must_stamp(model->path) : "");
+	bench_cells(bench_unit(bench, name, stamp, make_unit, &(struct opening){ model, study, ctx }), values, count);
 }
 
 void bench_leaves_sights(struct bench_leaves *leaves, struct lod_sights *sights,
 	const double (*directions)[3], uint32_t count)
 {
-	lod_sights_make(sights, &leaves->foliage, directions, count, leaves->pixels, &leaves->arena);
+	lod_sights_make(sights, &leaves->foliage, directions, count, BENCH_PIXELS, &leaves->arena);
 }
 
 void bench_leaves_look(struct bench_leaves *leaves, struct lod_sights *sights, uint32_t count, uint32_t seed)
@@ -217,7 +209,7 @@ void bench_leaves_ours(struct bench *bench, struct bench_leaves *leaves, const s
 	struct ours ours;
 	bench_model_pack(bench, model, false, path);
 	must(eco_pack_open(&pack, path, must_error));
-	must(plant_view_open(&ours.plant, pack, 0, leaves->pixels, must_error));
+	must(plant_view_open(&ours.plant, pack, 0, BENCH_PIXELS, must_error));
 	for (uint32_t i = 0; i < count; i++) {
 		struct bench_wrong sum = { 0 };
 		must(plant_view_drawing_make(&ours.drawing, &ours.plant, (uint64_t)vertices[i], must_error));

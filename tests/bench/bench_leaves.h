@@ -1,6 +1,6 @@
 /* A plant of ecobench as leaves over wood: what subsets of its leaves cover.
  *
- *   unit = bench_leaves_unit(bench, "collapse", NULL, model, pixels, study, ctx);
+ *   bench_leaves_unit(bench, "collapse", model, study, ctx, values, count);
  *       calls study(ctx, leaves):
  *           bench_leaves_look(leaves, &sights, 12, seed);
  *           bench_leaves_compare(leaves, &sights, view, &drawing, &sum); */
@@ -11,13 +11,14 @@
 #include "lod/build/order/order.h"
 #include "tests/bench/bench.h"
 
+#define BENCH_PIXELS 256u        /* of a side of pictures of leaves */
+
 struct bench_leaves {
 	struct lod_arena arena;
 	struct eco_model model;
 	struct lod_foliage foliage;
 	struct lod_raster cover;             /* silhouettes */
 	uint64_t *mask;                      /* of leaves, of the last comparison */
-	uint32_t pixels;
 };
 
 /* Its leaves and wood, as a build finds them. ECO_BAD_INPUT where the model has no leaf. The arena's handler
@@ -25,12 +26,12 @@ struct bench_leaves {
 enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model,
 	struct lod_arena *arena, struct eco_error *error);
 
-/* A unit "PREFIX-NAME" (bench_unit) of a model's leaves, made by `study`, which may take from the leaves'
- * arena. model NULL: the tree of 6,143 leaves. stamp NULL: what the model's file holds, and whether the bench
- * is full. A plant without leaves ends the section. */
+/* Figures of a model's leaves: a unit "PREFIX-NAME" (bench_unit) that `study` makes as a JSON array of reals; it may
+ * take from the leaves' arena. model NULL: the tree of 6,143 leaves. Anew for another file or a full bench. A plant
+ * without leaves ends the section. */
 typedef json_t *bench_leaves_study(void *ctx, struct bench_leaves *leaves);
-json_t *bench_leaves_unit(struct bench *bench, const char *prefix, const char *stamp,
-	const struct bench_model *model, uint32_t pixels, bench_leaves_study *study, void *ctx);
+void bench_leaves_unit(struct bench *bench, const char *prefix, const struct bench_model *model,
+	bench_leaves_study *study, void *ctx, double *values, uint32_t count);
 
 /* Views from such directions, or from `count` directions of lod_directions_spread, at most BENCH_LOOKS. */
 #define BENCH_LOOKS 24u

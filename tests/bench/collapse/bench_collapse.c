@@ -26,7 +26,6 @@
 #define STEP_LOW (-16)                   /* eighths of an octave of area */
 #define STEP_HIGH 8
 #define VIEWS_MOST 12u
-#define PIXELS 256u
 #define PASSES 8                         /* of giving what full sectors leave to the others */
 #define WEDGES 9u                /* sectors: the innermost, and eight wedges */
 #define TOP_SIDE 512u
@@ -285,14 +284,14 @@ static void draw_sectors(struct study *s, const struct crown *c)
 static void draw_levels(struct study *s, const struct crown *c)
 {
 	enum { LEVELS = 3 };
-	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (1 + LEVELS) * PIXELS * PIXELS, 3);
+	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (1 + LEVELS) * BENCH_PIXELS * BENCH_PIXELS, 3);
 	bench_leaves_paint(s->leaves, &s->tests, 0, NULL, 0, 1 + LEVELS, rgb);
 	for (uint32_t i = 0; i < LEVELS; i++) {
 		struct lod_sights_drawing drawing = { .order = s->order, .scale = 1 };
 		add_level(c, 0, ldexp(s->all, -2 * (int)(i + 1)), s->order, &drawing.count);
 		bench_leaves_paint(s->leaves, &s->tests, 0, &drawing, 1 + i, 1 + LEVELS, rgb);
 	}
-	write_picture(s, "levels", (1 + LEVELS) * PIXELS, PIXELS, rgb);
+	write_picture(s, "levels", (1 + LEVELS) * BENCH_PIXELS, BENCH_PIXELS, rgb);
 }
 
 /* ---- One plant ---- */
@@ -337,8 +336,7 @@ static void study_plant(struct bench *bench, const struct bench_model *model, do
 	struct bench_savings savings;
 	struct study s = { .bench = bench, .model = model };
 	double q[ROWS][SHARES];
-	bench_cells(bench_leaves_unit(bench, "collapse", NULL, model, PIXELS, study_leaves, &s),
-		q[BENCH_ORDERS], KINDS * SHARES);
+	bench_leaves_unit(bench, "collapse", model, study_leaves, &s, q[BENCH_ORDERS], KINDS * SHARES);
 	bench_savings_of(bench, &savings, model);
 	memcpy(q, savings.q, sizeof savings.q);
 	for (int i = 0; i < ROWS * (int)SHARES; i++)
@@ -392,7 +390,7 @@ static void write_pair(struct bench *bench, struct lod_arena *arena)
 	const struct lod_fan shape = { .corner = (const float (*)[3])corner, .corners = 4 };
 	struct lod_collapse c;
 	struct lod_collapse_atlas atlas;
-	uint8_t *rgb = lod_arena_take(arena, 3 * (size_t)PIXELS * PIXELS, 3);
+	uint8_t *rgb = lod_arena_take(arena, 3 * (size_t)BENCH_PIXELS * BENCH_PIXELS, 3);
 	lod_collapse_make(&c, 1, &leaves, &(struct lod_collapse_options){ .distance_most = 9,
 		.angle_most_rad = LOD_PI / 2 }, arena);
 	lod_collapse_atlas_make(&atlas, &c, 1, &shape, colors[1], arena);
@@ -408,10 +406,10 @@ static void write_pair(struct bench *bench, struct lod_arena *arena)
 	}
 	float uv[4][2];
 	lod_collapse_atlas_uv(&atlas, quad->tile, uv);
-	for (uint32_t i = 0; i < 3 * PIXELS * PIXELS; i++) {
-		uint32_t panel = i / PIXELS % 3, color = 0;
-		const double at[2] = { PAIR_HALF * (2 * (i % PIXELS + 0.5) / PIXELS - 1),
-			PAIR_HALF * (1 - 2 * (i / (3 * PIXELS) + 0.5) / PIXELS) }, least[2] = { -half[0],
+	for (uint32_t i = 0; i < 3 * BENCH_PIXELS * BENCH_PIXELS; i++) {
+		uint32_t panel = i / BENCH_PIXELS % 3, color = 0;
+		const double at[2] = { PAIR_HALF * (2 * (i % BENCH_PIXELS + 0.5) / BENCH_PIXELS - 1),
+			PAIR_HALF * (1 - 2 * (i / (3 * BENCH_PIXELS) + 0.5) / BENCH_PIXELS) }, least[2] = { -half[0],
 			-half[1] };
 		if (panel < 2)
 			color = is_inside(flat[0], at) || is_inside(flat[1], at);
@@ -425,7 +423,7 @@ static void write_pair(struct bench *bench, struct lod_arena *arena)
 			color = 3;
 		memcpy(rgb + 3 * (size_t)i, colors[color], 3);
 	}
-	bench_picture_write(bench, "collapse-pair.png", 3 * PIXELS, PIXELS, rgb);
+	bench_picture_write(bench, "collapse-pair.png", 3 * BENCH_PIXELS, BENCH_PIXELS, rgb);
 	bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
 		"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
 		"the quad with its texture");

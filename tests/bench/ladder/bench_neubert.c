@@ -5,7 +5,6 @@
 
 #include "tests/bench/bench_leaves.h"
 
-#define PIXELS 256u
 #define VIEWS 8u
 #define SEED 40961u
 #define PLANTS_QUICK 4u          /* these have diagrams */
@@ -106,8 +105,7 @@ static void run(struct bench *bench)
 	bench_table_row(table, "%s", "Fagus Sylvatica (printed; users' choice),-,0.6,1.67,-,1.94,1.81,-,-");
 	for (const struct bench_model *model; (model = bench_walk(&walk));) {
 		struct { double leaves; figures figure; } unit;
-		bench_cells(bench_leaves_unit(bench, "neubert", NULL, model, PIXELS, study, NULL),
-			&unit.leaves, sizeof unit / sizeof(double));
+		bench_leaves_unit(bench, "neubert", model, study, NULL, &unit.leaves, sizeof unit / sizeof(double));
 		for (size_t l = 0; l < LAMBDAS; l++) {
 			double best_q = unit.figure[l][0][Q];
 			for (uint32_t step = 1; step < STEPS; step++)

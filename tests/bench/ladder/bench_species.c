@@ -20,7 +20,6 @@
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/ladder/bench_species.h"
 
-#define PIXELS 256u
 #define METHODS BENCH_ORDERS
 #define DISTANCES BENCH_DISTANCES
 #define TUNING_VIEWS 5u
@@ -84,7 +83,8 @@ static double cook_lambda(enum bench_spacing spacing, uint32_t i)
 static void make_orders(struct study *s)
 {
 	struct lod_rank rank;
-	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true }, &s->leaves->arena, must_error));
+	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true },
+		&s->leaves->arena, must_error));
 	s->growth = rank.growth;
 	for (int m = 0; m < METHODS; m++) {
 		s->order[m] = m >= BENCH_PLAIN ? rank.order : bench_leaves_order(s->leaves, methods[m].order,
@@ -322,7 +322,7 @@ void bench_savings_of(struct bench *bench, struct bench_savings *savings, const 
 	s->model = &file;
 	/* by what the file holds: the same plant in two scenes is measured once */
 	snprintf(file.name, sizeof file.name, "%s", must_stamp(model->path));
-	bench_cells(bench_leaves_unit(bench, "savings", NULL, &file, PIXELS, study_leaves, s), values,
+	bench_leaves_unit(bench, "savings", &file, study_leaves, s, values,
 		sizeof values / sizeof *values);
 	free(s);
 	*savings = (struct bench_savings){ (uint32_t)values[0], .vertices = values[1], .layers = values[2] };

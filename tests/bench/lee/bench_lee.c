@@ -13,7 +13,6 @@
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_leaves.h"
 
-#define PIXELS 256u
 #define SHARES 4u
 #define VIEWS 12u
 #define SEED 3119u
@@ -163,18 +162,18 @@ static void measure(struct study *s)
 	}
 	s->layer_count = 0;
 	for (uint32_t v = 0; v < VIEWS; v++)
-		s->made.filled += (double)s->tests.reference_pixels[v] / (VIEWS * PIXELS * PIXELS);
+		s->made.filled += (double)s->tests.reference_pixels[v] / (VIEWS * BENCH_PIXELS * BENCH_PIXELS);
 }
 
 static void draw_figure_2(struct study *s)
 {
-	uint8_t *rgb = take(s, (size_t)COLUMNS * PIXELS * PIXELS, 3);
+	uint8_t *rgb = take(s, (size_t)COLUMNS * BENCH_PIXELS * BENCH_PIXELS, 3);
 	bench_leaves_paint(s->leaves, &s->tests, SHOWN, NULL, 0, COLUMNS, rgb);
 	for (uint32_t i = 0; i < COLUMNS - 1; i++) {         /* 50 %, then 30 % */
 		const struct lod_sights_drawing drawing = drawing_of(s, i % 3, &s->tests.eyes[SHOWN], 1 + i / 3, 1);
 		bench_leaves_paint(s->leaves, &s->tests, SHOWN, &drawing, i + 1, COLUMNS, rgb);
 	}
-	bench_picture_write(s->bench, "lee-figure-2.png", COLUMNS * PIXELS, PIXELS, rgb);
+	bench_picture_write(s->bench, "lee-figure-2.png", COLUMNS * BENCH_PIXELS, BENCH_PIXELS, rgb);
 }
 
 /* Ours is the list of packs, made for scaled leaves. */
@@ -255,7 +254,7 @@ static void write_layers(struct bench *bench, const struct figures *f)
 		"of the leaves; the same with 30 %");
 	bench_say(bench, "%u views of %u pixels. Printed figures stay below 20 %% where "
 		"a tenth of the leaves is left: no share of the reference's pixels, whose greater part is "
-		"missing then, but about the share of a picture that the tree does not fill.", VIEWS, PIXELS);
+		"missing then, but about the share of a picture that the tree does not fill.", VIEWS, BENCH_PIXELS);
 }
 
 static void run(struct bench *bench)
@@ -263,8 +262,7 @@ static void run(struct bench *bench)
 	struct figures f;
 	struct study s = { .bench = bench };
 	bench_progress(bench, 0, "crown of 6143 leaves");
-	bench_cells(bench_leaves_unit(bench, "lee-crown-6143", NULL, NULL, PIXELS, study_leaves, &s),
-		(double *)&f, sizeof f / sizeof(double));
+	bench_leaves_unit(bench, "lee-crown-6143", NULL, study_leaves, &s, (double *)&f, sizeof f / sizeof(double));
 	write_table(bench, &f);
 	write_layers(bench, &f);
 }

@@ -12,7 +12,6 @@
 #include "tests/bench/pictures/bench_billboards.h"
 
 #define PLANTS_MOST 8u
-#define PIXELS 256u
 #define VIEWS 24u
 #define SEED 90217u
 #define VIEW 7u                          /* of the picture */
@@ -69,19 +68,20 @@ static void draw_cloud(const void *cloud, const struct lod_eye *eye, struct lod_
 static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint8_t *picture, uint32_t panel)
 {
 	struct lod_raster ids;
-	lod_raster_init(&ids, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true });
+	lod_raster_init(&ids, &(struct lod_raster_options){ .width = BENCH_PIXELS, .height = BENCH_PIXELS,
+		.item = true });
 	lod_raster_clear(&ids);
 	lod_raster_camera(&ids, &s->looks.eyes[VIEW], s->looks.near_m);
 	lod_raster_object(&ids, &(struct lod_place){ .cosine = 1, .scale = 1 });
 	lod_billboard_cloud_draw(cloud, 1, &ids);
-	for (size_t i = 0; i < PIXELS * PIXELS; i++) {
-		uint8_t *at = picture + 3 * ((i / PIXELS * PANELS + panel) * PIXELS + i % PIXELS);
+	for (size_t i = 0; i < BENCH_PIXELS * BENCH_PIXELS; i++) {
+		uint8_t *at = picture + 3 * ((i / BENCH_PIXELS * PANELS + panel) * BENCH_PIXELS + i % BENCH_PIXELS);
 		bool shown = ids.cover[i], wanted = s->looks.reference[VIEW][i / 64] >> i % 64 & 1;
 		memset(at, 255, 3);
 		if (shown)
 			memcpy(at, cloud->items[ids.item[i]].rgb, 3);
 		if (panel + 2 == PANELS)
-			memset(at + 3 * PIXELS, !wanted && !shown ? 255 : !wanted ? 0 : shown ? 210 : 130, 3);
+			memset(at + 3 * BENCH_PIXELS, !wanted && !shown ? 255 : !wanted ? 0 : shown ? 210 : 130, 3);
 	}
 	lod_raster_free(&ids);
 }
@@ -89,7 +89,7 @@ static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint
 static void study_caps(struct study *s)
 {
 	char file[128];
-	uint8_t *picture = lod_arena_take(&s->leaves->arena, (size_t)PANELS * PIXELS * PIXELS, 3);
+	uint8_t *picture = lod_arena_take(&s->leaves->arena, (size_t)PANELS * BENCH_PIXELS * BENCH_PIXELS, 3);
 	bench_leaves_paint(s->leaves, &s->looks, VIEW, NULL, 0, PANELS, picture);
 	for (uint32_t cap = 0; cap < CAPS; cap++) {
 		struct lod_billboard_cloud cloud;
@@ -107,7 +107,7 @@ static void study_caps(struct study *s)
 		lod_arena_release(&s->leaves->arena, mark);
 	}
 	snprintf(file, sizeof file, "billboards-%s.png", s->model->name);
-	bench_picture_write(s->bench, file, PANELS * PIXELS, PIXELS, picture);
+	bench_picture_write(s->bench, file, PANELS * BENCH_PIXELS, BENCH_PIXELS, picture);
 }
 
 /* ---- A turn ---- */
@@ -253,8 +253,7 @@ static void study_plant(struct section *t, const struct bench_model *model)
 	struct study s = { .bench = t->bench, .model = model };
 	double q[ROWS][BUDGETS];
 	char file[100];
-	bench_cells(bench_leaves_unit(t->bench, "billboards", NULL, model, PIXELS, study_leaves, &s),
-		(double *)&f, NUMBERS);
+	bench_leaves_unit(t->bench, "billboards", model, study_leaves, &s, (double *)&f, NUMBERS);
 	for (size_t cap = 0; cap < CAPS; cap++) {
 		bench_table_values(t->caps, f.clouds[cap], "%s,%u", model->name, caps[cap]);
 		t->error[cap] += f.clouds[cap][ERROR];
@@ -342,7 +341,7 @@ static void run(struct bench *bench)
 	}
 	bench_say(bench, "%u views of %u pixels. A billboard has six vertices. A cloud of another cap has "
 		"other textures: clouds are alternatives and none continues another. Ours is what a pack shows "
-		"with as many vertices, wood included. Over a turn leaves are pruned over whole wood.", VIEWS, PIXELS);
+		"with as many vertices, wood included. Over a turn leaves are pruned over whole wood.", VIEWS, BENCH_PIXELS);
 }
 
 const struct bench_section bench_billboards = { "billboards", "Billboard clouds beside ours", run };
