@@ -13,6 +13,7 @@
 #define TEMPLATE_BITS 10
 #define OUTLINE_HEAD 8                   /* bytes: width and height */
 #define EFFORT 6                         /* of libwebp, the most: packs are made once */
+#define QUALITY 72.0f                    /* 0 to 100 (lod/EXPERIMENTS.md, Coders of colours) */
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 
@@ -116,13 +117,13 @@ static enum eco_code read_outline(struct eco_texture_part *part, const uint8_t *
 /* ---- Colours ---- */
 
 enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_texture_part *part,
-	double quality, struct eco_error *error)
+	struct eco_error *error)
 {
 	WebPConfig config;
 	WebPPicture picture;
 	WebPMemoryWriter memory;
 	assert(part->channels == 3 || part->channels == 4);
-	if (!WebPConfigPreset(&config, WEBP_PRESET_PICTURE, (float)quality) || !WebPPictureInit(&picture))
+	if (!WebPConfigPreset(&config, WEBP_PRESET_PICTURE, QUALITY) || !WebPPictureInit(&picture))
 		return eco_fail(error, ECO_UNSUPPORTED, "libwebp has another version than its headers");
 	WebPMemoryWriterInit(&memory);
 	config.method = EFFORT;

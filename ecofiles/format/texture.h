@@ -23,7 +23,6 @@
 #include "ecofiles/format/model.h"
 
 #define ECO_TEXTURE_LEVELS_MAX 16u
-#define ECO_TEXTURE_QUALITY 72.0                 /* of colours in packs */
 #define ECO_TEXTURE_SIDE_MAX 16383u              /* texels, of a level: WebP has no more */
 
 /* An outline (channels 1: 255 opaque, 0 clear) or colours (channels 3: sRGB; of the ground's image also 4,
@@ -32,11 +31,11 @@ struct eco_texture_part { uint32_t width, height, channels; uint8_t *texels; };
 void eco_texture_part_free(struct eco_texture_part *part);
 
 /* Appends a payload. Sides are 1 to ECO_TEXTURE_SIDE_MAX, texels at most ECO_PIXELS_MAX. The same texels give
- * the same bytes. `quality` is WebP's, 0 to 100. */
+ * the same bytes. */
 enum eco_code eco_texture_write_outline(struct eco_writer *w, const struct eco_texture_part *part,
 	struct eco_error *error);
 enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_texture_part *part,
-	double quality, struct eco_error *error);
+	struct eco_error *error);
 
 /* Decodes the payload of a chunk of a list of kind OUTLINE, IMAGE or GROUND_IMAGE, which alone may have alpha;
  * part->texels is malloc'ed. ECO_DAMAGED: *part is empty. */

@@ -252,7 +252,7 @@ static enum eco_code write_levels(struct lod_texture *texture, const struct lod_
 		if (texture->outlines && i)
 			texture->loss = loss_of(&level[-1].outline, &level->outline);
 		if (!code)
-			code = eco_texture_write_colors(&texture->colors[i], &level->colors, ECO_TEXTURE_QUALITY, error);
+			code = eco_texture_write_colors(&texture->colors[i], &level->colors, error);
 	}
 	return code;
 }
@@ -338,7 +338,7 @@ static enum eco_code write_level(struct eco_writer *w, uint8_t *rgba, uint32_t s
 	for (size_t i = 0; i < (size_t)side * side && part.channels == 3; i++)
 		memcpy(rgb + 3 * i, rgba + 4 * i, 3);
 	part.texels = rgb;
-	enum eco_code code = eco_texture_write_colors(w, &part, ECO_TEXTURE_QUALITY, error);
+	enum eco_code code = eco_texture_write_colors(w, &part, error);
 	if (rgb != rgba)
 		free(rgb);
 	return code;

@@ -131,7 +131,7 @@ UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 		for (size_t k = 0; k < 3 * count; k++)
 			squares += pow(colors->texels[k] - seen.texels[k], 2);
 		assert_true(sqrt(squares / (3 * (double)count)) < 12);
-		assert_ok(eco_texture_write_colors(&w, colors, ECO_TEXTURE_QUALITY, &error), error);
+		assert_ok(eco_texture_write_colors(&w, colors, &error), error);
 		assert_int_equal(w.size, texture.colors[i].size);
 		assert_memory_equal(w.bytes, texture.colors[i].bytes, w.size);
 		/* cut off anywhere it is refused, or another outline of the same size */
