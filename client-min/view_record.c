@@ -337,12 +337,13 @@ void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struc
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
 	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1],
 		place->at[2] - eye->at[2] };
-	double sine = place->sine * place->scale, cosine = place->cosine * place->scale;
+	double across = place->scale * lod_place_width(place), sine = place->sine * across, cosine = place->cosine * across;
 	for (int i = 0; i < 3; i++) {
 		const double *a = axes[i];
 		put(&words, bits((float)(a[0] * cosine + a[1] * sine)), bits((float)(a[1] * cosine - a[0] * sine)),
 			bits((float)(a[2] * place->scale)),
 			bits((float)(a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2])));
 	}
-	put(&words, bits((float)place->scale), bits(plant ? view_shape_of(plant).half_width : 0), 0, 0);
+	put(&words, bits((float)place->scale), bits(plant ? view_shape_of(plant).half_width : 0),
+		bits((float)lod_place_width(place)), 0);
 }

@@ -99,7 +99,7 @@ static void draw_mesh(struct worker *w, const struct view_instance *instance, ui
 	if (mesh->batch.count >= HIDE_TRIANGLES) {
 		double center[3];
 		lod_place_point(&instance->place, mesh->center, center);
-		if (lod_raster_hides(&w->raster, center, mesh->radius * instance->place.scale))
+		if (lod_raster_hides(&w->raster, center, mesh->radius * lod_place_most(&instance->place)))
 			return;
 	}
 	if (mesh->impostor)
@@ -133,8 +133,8 @@ static void draw_share(void *workers, uint32_t number)
 
 static void into_plant(const struct lod_place *place, const double v[3], double out[3])
 {
-	out[0] = v[0] * place->cosine + v[1] * place->sine;
-	out[1] = v[1] * place->cosine - v[0] * place->sine;
+	out[0] = (v[0] * place->cosine + v[1] * place->sine) / lod_place_width(place);
+	out[1] = (v[1] * place->cosine - v[0] * place->sine) / lod_place_width(place);
 	out[2] = v[2];
 }
 

@@ -451,8 +451,8 @@ static enum eco_code hash_list(uint64_t *h, const struct view_list *list, struct
 
 static uint64_t hash_instance(uint64_t h, const struct view_instance *p)
 {
-	const double place[6] = { p->place.at[0], p->place.at[1], p->place.at[2], p->place.sine,
-		p->place.cosine, p->place.scale };
+	const double place[7] = { p->place.at[0], p->place.at[1], p->place.at[2], p->place.sine,
+		p->place.cosine, p->place.scale, lod_place_width(&p->place) };
 	h = hash(h, place, sizeof place);
 	return hash_word(hash_word(h, p->owner), (uint64_t)p->hash << 32 | p->plant);
 }

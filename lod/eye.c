@@ -132,11 +132,12 @@ void lod_place_instance(struct lod_place *out, const struct eco_placement *place
 	out->at[2] = placement->at[2] + placement->scale * p[2];
 	eco_angle16_sincos((uint16_t)(placement->turn + place->turn), &out->sine, &out->cosine);
 	out->scale = placement->scale * (place->scale / 65536.0);
+	out->wider = eco_place_width(place->width) - 1;
 }
 
 void lod_place_point(const struct lod_place *place, const float p[3], double world[3])
 {
-	double x = p[0], y = p[1], z = p[2];
+	double x = p[0] * lod_place_width(place), y = p[1] * lod_place_width(place), z = p[2];
 	world[0] = place->at[0] + place->scale * (place->cosine * x - place->sine * y);
 	world[1] = place->at[1] + place->scale * (place->sine * x + place->cosine * y);
 	world[2] = place->at[2] + place->scale * z;
@@ -189,7 +190,7 @@ uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place 
 {
 	double center[3];
 	lod_place_point(place, anchors[0].center, center);
-	if (!lod_eye_sees(eye, center, anchors[0].radius * place->scale))
+	if (!lod_eye_sees(eye, center, anchors[0].radius * lod_place_most(place)))
 		return 0;
 	out[0].anchor = anchor_first;
 	out[0].band = lod_eye_band(eye, center, place->scale, hash);
@@ -198,7 +199,7 @@ uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place 
 	uint32_t count = 1;
 	for (uint32_t i = 1; i < anchor_count; i++) {
 		lod_place_point(place, anchors[i].center, center);
-		if (!lod_eye_sees(eye, center, anchors[i].radius * place->scale))
+		if (!lod_eye_sees(eye, center, anchors[i].radius * lod_place_most(place)))
 			continue;
 		out[count].anchor = anchor_first + i;
 		out[count++].band = lod_eye_band(eye, center, place->scale, hash);

@@ -323,13 +323,13 @@ double view_extent_ellipses(const struct lod_eye *eye, const struct view_selecti
 	radius += sqrt((double)(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]));
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_place *place = &selection->instances[members[i]].place;
-		double at[3], far = -radius * place->scale;
+		double at[3], most_of = lod_place_most(place), far = -radius * most_of;
 		lod_place_point(place, middle, at);
 		for (int k = 0; k < 3; k++)
 			far += (at[k] - eye->at[k]) * eye->forward[k];
-		if (!(far > 2 * reach * place->scale))
+		if (!(far > 2 * reach * most_of))
 			return INFINITY;
-		most = fmax(most, reach * place->scale / far);
+		most = fmax(most, reach * most_of / far);
 	}
 	return most;
 }

@@ -93,7 +93,7 @@ static void cast_discs(struct view_shade *shade, const struct view_instance *ins
 {
 	struct view_shape shape = view_shape_of(plant);
 	double scale = instance->place.scale, height = 2 * shape.half_height * scale,
-		width = shape.half_width * scale;
+		width = shape.half_width * scale * lod_place_width(&instance->place);
 	const double *at = instance->place.at;
 	splat(shade, 1, at[0], at[1], width * 0.9, 0.55);
 	splat(shade, 1, at[0], at[1], width * 0.3, 0.35);

@@ -37,9 +37,9 @@ static vec3 vec_of(const float *p) { return vec3(p[0], p[1], p[2]); }
 /* World's axes to the plant's, times `size`. */
 static vec3 turned(const float *r, const struct lod_place *place, double size)
 {
-	const double s = place->sine, q = place->cosine;
-	return vec3((float)(((double)r[0] * q + (double)r[1] * s) * size),
-		(float)(((double)r[1] * q - (double)r[0] * s) * size), (float)((double)r[2] * size));
+	const double s = place->sine, q = place->cosine, across = size * lod_place_width(place);
+	return vec3((float)(((double)r[0] * q + (double)r[1] * s) * across),
+		(float)(((double)r[1] * q - (double)r[0] * s) * across), (float)((double)r[2] * size));
 }
 
 static void place_object(struct object *o, const struct caster *c, const struct lod_place *place)

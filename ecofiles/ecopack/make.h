@@ -60,6 +60,7 @@ struct make_plant {              /* a model on its way into the pack */
 	uint32_t *images;            /* the same in the pack: lists, once make_textures is done */
 	bool cutout;
 	double reach, low, high;     /* bounds: within reach of the axis, z from low to high */
+	double crown;                /* half of the mean width of the hull from above */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];
 	double foot[3], scale;       /* as the model was re-based (struct eco_model) */
 };
@@ -68,7 +69,7 @@ struct make_plant {              /* a model on its way into the pack */
 struct make_place {
 	double at[3], scale;
 	uint32_t plant, species, file, row, line;
-	uint16_t turn;
+	uint16_t turn, width;        /* width: a code for eco_place_width */
 };
 struct make_nested { double at[3]; uint32_t child; };        /* place of a child of the source */
 

@@ -98,7 +98,7 @@ static uint32_t fitting_variant(const struct make *m, uint32_t source, const str
 		return m->plant_of[source][row->plant];
 	for (uint32_t i = 0; i < row->variant_count; i++) {
 		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
-		double ratio = row->height_m * plant->reach
+		double ratio = row->height_m * plant->crown
 			/ (row->crown_radius_m * (double)plant->built.plant.height_m);
 		double off = fmax(ratio, 1 / ratio);
 		/* among equals, the one that the hash took */
@@ -113,8 +113,19 @@ static uint32_t fitting_variant(const struct make *m, uint32_t source, const str
 static double row_scale(const struct make *m, uint32_t plant, const struct eco_position *row)
 {
 	if (isnan(row->height_m) && !isnan(row->crown_radius_m))
-		return row->scale * row->crown_radius_m / m->plants[plant].reach;
+		return row->scale * row->crown_radius_m / m->plants[plant].crown;
 	return scale_for(m, plant, row->scale, row->height_m);
+}
+
+/* The code of the width that a crown has beside the plant's scale; 0: the model's own, or none is known. */
+static uint16_t row_width(const struct make *m, uint32_t plant, const struct eco_position *row, double scale)
+{
+	double own = m->plants[plant].crown * scale;
+	if (isnan(row->crown_radius_m) || !(own > 0))
+		return 0;
+	double code = floor(ECO_WIDTH_ONE * row->crown_radius_m * row->scale / own + 0.5);
+	code = fmin(fmax(code, ECO_WIDTH_LEAST), ECO_WIDTH_MOST);
+	return code == ECO_WIDTH_ONE ? 0 : (uint16_t)code;
 }
 
 /* Which row of the source's inventory number `file`, from 1 on, the place is. */
@@ -141,6 +152,7 @@ static void read_rows(struct make *m, uint32_t source, struct eco_positions *rea
 			.at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
 			.scale = row_scale(m, plant, &row), .species = species_of(m, source, row.plant, row.species),
 			.turn = eco_angle16_from_deg(row.yaw_deg) };
+		place.width = row_width(m, plant, &row, place.scale);
 		note_row(m, &place, reader, number + 1, &row);
 		add_place(m, source, &place);
 		if (i % 4096 == 0)
@@ -238,8 +250,8 @@ static void tile_places(struct make *m, uint32_t source)
 	for (uint32_t i = 0; i < eco->place_count; i++) {
 		const struct make_place *p = &eco->places[i];
 		const struct make_plant *plant = &m->plants[p->plant];
-		items[i] = (struct lod_tile_item){ .reach = p->scale * plant->reach,
-			.below = -p->scale * plant->low, .above = p->scale * plant->high,
+		items[i] = (struct lod_tile_item){
+			.reach = p->scale * plant->reach * fmax(eco_place_width(p->width), 1), .below = -p->scale * plant->low, .above = p->scale * plant->high,
 			.plant = p->plant };
 		memcpy(items[i].at, p->at, sizeof items[i].at);
 	}

@@ -66,17 +66,27 @@ static int32_t round_scale(double scale)
 	return (int32_t)(floor(whole / step + 0.5) * step);
 }
 
+/* Lists of plants in their models' proportions store no widths. */
+static bool has_widths(const struct stand *stand)
+{
+	for (uint32_t k = 0; k < stand->count; k++)
+		if (stand->eco->places[stand->items[k]].width)
+			return true;
+	return false;
+}
+
 static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
 	const struct make *m = ctx;
 	const struct stand *stand = (const struct stand *)m->stands.items + i;
 	struct stand_list *made = result;
 	uint32_t count = stand->count, end_count = 0, ends[512];
+	bool wide = has_widths(stand);
 	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count,
-		.extra_count = 2, .corners = eco_alloc(count, 1),
-		.position = eco_alloc(count, 3 * sizeof(int32_t)), .extra = eco_alloc(count, 2 * sizeof(int32_t)) };
+		.extra_count = wide ? 3 : 2, .corners = eco_alloc(count, 1),
+		.position = eco_alloc(count, 3 * sizeof(int32_t)), .extra = eco_alloc(count, 3 * sizeof(int32_t)) };
 	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS,
-		.attributes = ECO_ATTR_PLACE, .owner = stand->tile, .group_count = stand->group_count,
+		.attributes = wide ? ECO_ATTR_WIDTH | ECO_ATTR_PLACE : ECO_ATTR_PLACE, .owner = stand->tile, .group_count = stand->group_count,
 		.image = ECO_NONE, .partner = ECO_NONE };
 	instance_grid(m, stand, &made->list);
 	for (uint32_t k = 0; k < count; k++) {
@@ -86,8 +96,11 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 			e.position[3 * (size_t)k + axis] =
 				(int32_t)floor((p->at[axis] - made->list.grid_origin[axis])
 				/ made->list.grid_step[axis] + 0.5);
-		e.extra[2 * (size_t)k] = round_turn(p->turn);
-		e.extra[2 * (size_t)k + 1] = round_scale(p->scale);
+		int32_t *extra = e.extra + (size_t)k * e.extra_count;
+		if (wide)
+			*extra++ = p->width;
+		extra[0] = round_turn(p->turn);
+		extra[1] = round_scale(p->scale);
 		struct eco_place twin = eco_place_of(&e, k);
 		eco_record_write(&made->twin, ECO_SECTION_PLACES, &twin);
 	}

@@ -62,8 +62,10 @@ static const char *bad_values(const struct eco_scene *s, const struct eco_list *
 		if (list->attributes & ECO_ATTR_SPLAT
 				&& !eco_splat_good(extra + eco_list_extra_at(list, ECO_ATTR_SPLAT)))
 			return "has a splat code that does not exist";
-		if (place && (!in_range(extra[0], 65536) || extra[1] <= 0))
-			return "holds an impossible turn or scale";
+		const int32_t *at = place ? extra + eco_list_extra_at(list, ECO_ATTR_PLACE) : extra;
+		if (place && (!in_range(at[0], 65536) || at[1] <= 0
+				|| (list->attributes & ECO_ATTR_WIDTH && !in_range(at[-1], ECO_WIDTH_MOST + 1))))
+			return "holds an impossible turn, width or scale";
 	}
 	return NULL;
 }
@@ -80,7 +82,7 @@ static void compare_places(struct verify *v, uint32_t list_id, uint32_t chunk, u
 	for (uint32_t i = 0; i < e->element_count; i++) {
 		struct eco_place a = eco_place_read(s, at + i), b = eco_place_of(e, i);
 		if (memcmp(a.position, b.position, sizeof a.position) || a.turn != b.turn
-				|| a.scale != b.scale) {
+				|| a.width != b.width || a.scale != b.scale) {
 			complain(v, "list %u, chunk %u: instance %u differs from place %" PRIu64, list_id,
 				chunk, first + i, at + i);
 			return;

@@ -78,6 +78,8 @@ uint32_t eco_list_needs(const struct eco_list *list)
 		[ECO_LIST_INVENTORY] = 0 };
 	if (list->attributes & ECO_ATTR_SPLAT)
 		return ECO_NEED_SPLATS | (list->attributes & ECO_ATTR_PLANT ? ECO_NEED_SUMMARIES : 0);
+	if (list->kind == ECO_LIST_INSTANCES && list->attributes & ECO_ATTR_WIDTH)
+		return ECO_NEED_WIDTHS;
 	return list->attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES : of_kind[list->kind];
 }
 
@@ -96,11 +98,13 @@ struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t ind
 	const int32_t *position, *extra;
 	assert(index < instances->element_count && instances->extra_count >= 2);
 	position = instances->position + 3 * (size_t)index;
-	/* PLACE comes last among the attributes. */
+	/* PLACE comes last among the attributes, and only WIDTH may stand before it. */
 	extra = instances->extra + (size_t)instances->extra_count * index + instances->extra_count - 2;
+	uint16_t width = instances->extra_count > 2 ? (uint16_t)extra[-1] : 0;
 	return (struct eco_place){
 		.position = { position[0], position[1], position[2] },
 		.turn = (uint16_t)extra[0],
+		.width = width,
 		.scale = (uint32_t)extra[1],
 	};
 }

@@ -65,7 +65,9 @@ enum eco_attr {
 	ECO_ATTR_COLOR = 1,      /* palette index, relative to the list's palette_first */
 	/* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
 	ECO_ATTR_UV = 2,
-	ECO_ATTR_WIDTH = 4,      /* lines: full width in units of grid_step[0] */
+	/* lines: full width in units of grid_step[0]; instances: width across the height's scale, a code for
+	 * eco_place_width, where some differ */
+	ECO_ATTR_WIDTH = 4,
 	/* summary points: plant id, then the leaf tile key's low 16 bits less those of the list's tile */
 	ECO_ATTR_PLANT = 8,
 	ECO_ATTR_PLACE = 16,     /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */

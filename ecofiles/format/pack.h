@@ -49,7 +49,9 @@ enum eco_need {                  /* what a scene uses; a reader skips what is no
 	ECO_NEED_POINTS = 1, ECO_NEED_LINES = 2, ECO_NEED_TRIANGLES = 4, ECO_NEED_TEXTURES = 8,
 		ECO_NEED_CUTOUTS = 16,
 	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256,
-	ECO_NEED_SPLATS = 512, ECO_NEED_IMPOSTORS = 1024, ECO_NEED_GROUND_IMAGE = 2048, ECO_NEEDS_ALL = 4095
+	ECO_NEED_SPLATS = 512, ECO_NEED_IMPOSTORS = 1024, ECO_NEED_GROUND_IMAGE = 2048,
+	ECO_NEED_WIDTHS = 4096,  /* instances with a width of their own */
+	ECO_NEEDS_ALL = 8191
 };
 
 enum eco_organ { ECO_ORGAN_WOOD, ECO_ORGAN_FOLIAGE, ECO_ORGAN_FLOWER, ECO_ORGAN_COUNT };
@@ -175,8 +177,14 @@ struct eco_place {
 	int32_t position[3];
 	uint16_t turn;               /* yaw, 1/65536 turns */
 	uint32_t scale;              /* 1/65536 */
+	uint16_t width;              /* across: a code for eco_place_width; 0: as high */
 };
-#define ECO_PLACE_BYTES 20u      /* i32 x 3, u16 turn, u16 0, u32 scale */
+#define ECO_PLACE_BYTES 20u      /* i32 x 3, u16 turn, u16 width, u32 scale */
+#define ECO_WIDTH_ONE 64u
+#define ECO_WIDTH_LEAST 16u      /* a quarter of the model's proportions */
+#define ECO_WIDTH_MOST 255u
+/* The factor of x and y beside the scale. */
+static inline double eco_place_width(uint16_t code) { return code ? code / (double)ECO_WIDTH_ONE : 1; }
 
 struct eco_child {               /* child tile ids are greater than their parent's: the tree has no cycle */
 	uint32_t tile;

@@ -247,12 +247,12 @@ static bool add_visibility(struct lod_visible_tree *visible, const struct lod_no
 	struct lod_proxy_shape proxy_shape = visible->proxy_shapes[plant];
 	double center[3];
 	lod_place_point(place, visible->scene->anchors[p->anchor_first].center, center);
-	proxy_shape.across *= place->scale;
+	proxy_shape.across *= place->scale * lod_place_width(place);
 	proxy_shape.up *= place->scale;
-	proxy_shape.area *= place->scale * place->scale;
-	proxy_shape.leaf_area *= place->scale * place->scale;
-	proxy_shape.stem *= place->scale;
-	proxy_shape.crown_across *= place->scale;
+	proxy_shape.area *= place->scale * place->scale * lod_place_width(place);
+	proxy_shape.leaf_area *= place->scale * place->scale * lod_place_width(place);
+	proxy_shape.stem *= place->scale * lod_place_width(place);
+	proxy_shape.crown_across *= place->scale * lod_place_width(place);
 	proxy_shape.crown_up *= place->scale;
 	proxy_shape.rise *= place->scale;
 	struct lod_visibility *visibility = lod_screen_add(visible->screen, center, &proxy_shape);

@@ -104,7 +104,8 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
 	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1],
 		place->at[2] - eye->at[2] };
-	double sine = place->sine * place->scale, cosine = place->cosine * place->scale, scale[3], row[3][4];
+	double across = place->scale * lod_place_width(place), sine = place->sine * across, cosine = place->cosine * across, scale[3],
+		row[3][4];
 	plane_scale(raster, scale);
 	state->place = *place;
 	for (int i = 0; i < 3; i++) {

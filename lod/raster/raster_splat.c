@@ -224,8 +224,8 @@ struct leaves { float cells, amount, opacity; uint32_t nth, salt; };
 static void turn_back(const struct lod_place *place, const double d[3], double scale, double out[3])
 {
 	scale /= place->scale;
-	out[0] = (d[0] * place->cosine + d[1] * place->sine) * scale;
-	out[1] = (d[1] * place->cosine - d[0] * place->sine) * scale;
+	out[0] = (d[0] * place->cosine + d[1] * place->sine) * (scale / lod_place_width(place));
+	out[1] = (d[1] * place->cosine - d[0] * place->sine) * (scale / lod_place_width(place));
 	out[2] = d[2] * scale;
 }
 
@@ -313,7 +313,7 @@ void lod_raster_impostor(struct lod_raster *raster, const struct lod_impostor *i
 	uint32_t rows[2], span[2];
 	float at[2], y;
 	if (!place(state, impostor->body.center, &disc, at)
-			|| !project_ball(state, (float)(impostor->radius * state->place.scale), at, &disc))
+			|| !project_ball(state, (float)(impostor->radius * lod_place_most(&state->place)), at, &disc))
 		return;
 	put_outline(&disc.outline, at);
 	rays_make(&rays, raster);

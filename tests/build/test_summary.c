@@ -30,7 +30,7 @@ static void add_group(uint32_t tile, uint32_t plant, uint32_t count, double x, d
 	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count, 0, 0 });
 	for (uint32_t i = 0; i < count; i++)
 		scene_add_place(b, (struct eco_place){ { (int32_t)(i * 100), (int32_t)(i % 3 * 100), 0 },
-			(uint16_t)(i * 7000), 65536 });
+			(uint16_t)(i * 7000), 65536, 0 });
 	b->tiles[tile].instance_count += count;
 	b->tiles[tile].area += count * (double)b->plants[plant].area;
 }

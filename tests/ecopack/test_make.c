@@ -144,15 +144,45 @@ UNIT_TEST(test_crowns_choose_the_variant_and_the_size)
 	for (uint32_t i = 0; i < count; i++)
 		assert_int_equal(plant[i] == wide, at[i][0] > 50 && at[i][0] < 250);
 	eco_pack_close(pack);
-	/* without a height the crown says how large: the bounds end where it does */
+	/* without a height the crown, whose width is the mean of eight directions, says how large */
 	write_text("crown.csv", "x,y,h,d\n0,0,10,\n100,0,NA,4\n");
 	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, "
 		"\"instances\": [{\"from\": \"crown.csv\", \"x\": "
 		"\"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": "
 		"{\"column\": \"d\", \"is\": \"diameter\"}}]}");
 	pack = made("crown.json", "crown.eco");
-	assert_true(fabs(pack->scene.tiles[pack->scene.root].high[0] - 102) < 0.05);
+	assert_true(pack->scene.tiles[pack->scene.root].high[0] > 102 && pack->scene.tiles[pack->scene.root].high[0] < 103);
 	assert_true(fabs(pack->scene.tiles[pack->scene.root].low[0] + 5) < 0.05);
+	eco_pack_close(pack);
+}
+
+/* Heights and widths are apart; plants in their model's proportions store no width. */
+UNIT_TEST(test_crowns_have_a_width_of_their_own)
+{
+	static const char entry[] = "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": "
+		"\"widths.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}%s}]}";
+	char text[600];
+	struct lod_place place[2];
+	write_tree("wide.obj", 5);
+	write_text("widths.csv", "x,y,h,c\n0,0,20,8\n100,0,20,16\n");
+	snprintf(text, sizeof text, entry, "");
+	write_text("widths.json", text);
+	struct eco_pack *pack = made("widths.json", "plain.eco");
+	assert_false(pack->scene.needs & ECO_NEED_WIDTHS);
+	assert_int_equal(eco_place_read(&pack->scene, 0).width, 0);
+	eco_pack_close(pack);
+	snprintf(text, sizeof text, entry, ", \"crown_m\": {\"column\": \"c\", \"is\": \"diameter\"}");
+	write_text("widths.json", text);
+	pack = made("widths.json", "widths.eco");
+	assert_true(pack->scene.needs & ECO_NEED_WIDTHS);
+	for (uint32_t i = 0; i < 2; i++) {
+		struct eco_place stored = eco_place_read(&pack->scene, i);
+		lod_place_instance(&place[i], &(struct eco_placement){ .scale = 1 },
+			&pack->scene.lists[pack->scene.groups[0].list], &stored);
+	}
+	double narrow = lod_place_width(&place[0]), wide = lod_place_width(&place[1]);
+	assert_true(fabs(fmax(narrow, wide) / fmin(narrow, wide) - 2) < 0.05);
+	assert_true(place[0].scale == place[1].scale);
 	eco_pack_close(pack);
 }
 
