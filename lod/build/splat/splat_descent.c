@@ -15,6 +15,7 @@
 /* more steps gain .001 of Q in levels of 192 splats, and less than that in finer ones */
 #define STEPS_192 400u
 #define STEPS_768 200u
+#define STEPS_3072 100u
 #define ALONE 0.4f              /* of a descent: then between levels, too */
 #define RATE 0.08f               /* of a splat's size, in the first step */
 #define LEAST_RATE 0.002f
@@ -174,8 +175,8 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	float fall_1 = 1, fall_2 = 1;
 	bool go = true;
 	prepare(&s, arena);
-	uint32_t steps = d->settle ? SETTLE_STEPS : d->count >= 768 ? STEPS_768 : d->count >= 192 ? STEPS_192
-		: STEPS;
+	uint32_t steps = d->settle ? SETTLE_STEPS : d->count >= 3072 ? STEPS_3072 : d->count >= 768 ? STEPS_768
+		: d->count >= 192 ? STEPS_192 : STEPS;
 	steps /= d->options->draft ? STEPS_DRAFT : 1;
 	for (uint32_t i = 0; i < steps && go; i++) {
 		float at = (float)i / (float)steps, rest = (1 - at) * (1 - at);
