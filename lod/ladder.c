@@ -188,19 +188,45 @@ uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices)
 		: levels_next(way->scene, way->ladder, vertices);
 }
 
+/* part: of the way from a to b. */
+static struct eco_seen seen_between(const struct eco_seen *a, const struct eco_seen *b, double part)
+{
+	struct eco_seen seen;
+	for (uint32_t size = 0; size < ECO_SEEN_SIZES; size++)
+		for (int open = 0; open < 2; open++) {
+			seen.color[size][open] = (uint16_t)(a->color[size][open]
+				+ part * (b->color[size][open] - a->color[size][open]) + 0.5);
+			seen.contrast[size][open] = (uint16_t)(a->contrast[size][open]
+				+ part * (b->contrast[size][open] - a->contrast[size][open]) + 0.5);
+		}
+	return seen;
+}
+
+/* A ladder without a curve errs as its share says. */
+#define UNMEASURED 34.0
+static struct eco_curve unmeasured(double share)
+{
+	uint16_t error = (uint16_t)(UNMEASURED / ECO_SEEN_UNIT * (1 - share));
+	struct eco_curve curve = { .share = (float)share, .scale = 1, .reach = 1, .fn = (float)(1 - share) };
+	for (uint32_t size = 0; size < ECO_SEEN_SIZES; size++)
+		curve.seen.color[size][0] = curve.seen.color[size][1] = error;
+	return curve;
+}
+
 struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder,
 	double share)
 {
 	const struct eco_curve *curve = scene->curves + ladder->curve_first;
 	uint32_t n = ladder->curve_count;
 	if (n == 0)
-		return (struct eco_curve){ .share = (float)share, .scale = 1, .reach = 1 };
+		return unmeasured(share);
 	if (share <= curve[0].share) {
 		/* below one element nothing is drawn: the error tends to "all of it is missing" */
 		double t = curve[0].share > 0 && share > 0 ? share / curve[0].share : 0;
 		return (struct eco_curve){ .share = (float)share, .scale = curve[0].scale,
 			.reach = (float)(curve[0].reach * t),
-			.fp = (float)(curve[0].fp * t), .fn = (float)(1 + (curve[0].fn - 1) * t) };
+			.fp = (float)(curve[0].fp * t), .fn = (float)(1 + (curve[0].fn - 1) * t),
+			.seen = seen_between(&ladder->nothing, &curve[0].seen, t) };
 	}
 	uint32_t low = 0, high = n - 1;
 	if (share >= curve[high].share)
@@ -219,6 +245,7 @@ struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct ec
 		.reach = (float)(curve[low].reach + t * (curve[high].reach - curve[low].reach)),
 		.fp = (float)(curve[low].fp + t * (curve[high].fp - curve[low].fp)),
 		.fn = (float)(curve[low].fn + t * (curve[high].fn - curve[low].fn)),
+		.seen = seen_between(&curve[low].seen, &curve[high].seen, t),
 	};
 }
 

@@ -61,8 +61,8 @@ double lod_way_share(const struct lod_way *way, uint64_t vertices);
 /* The greatest number of vertices whose share is at most `share`. */
 uint64_t lod_way_vertices(const struct lod_way *way, double share);
 
-/* The curve at `share`, interpolated linearly and clamped; a ladder without a curve has scale 1 and no
- * error. */
+/* The curve at `share`, interpolated linearly and clamped; a ladder without a curve has scale 1 and
+ * the errors of what is missing. */
 struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder,
 	double share);
 /* The same, seen from above by `above` (lod_seen_above): 0 takes the curve from all around, 1 the curve from

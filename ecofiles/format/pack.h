@@ -41,7 +41,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define ECO_PACK_VERSION 20u
+#define ECO_PACK_VERSION 21u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 
@@ -76,6 +76,14 @@ enum eco_ladder_flag {
 	ECO_LADDER_WHOLE = 8
 };
 
+/* Errors that are seen where a plant is so many pixels across as ECO_SEEN_PX says, in ECO_SEEN_UNIT of CIELAB a pixel
+ * that the reference covers: distance of mean colours of blocks of 16 x 16 pixels, and of deviations of lightness within
+ * them (lod/build/measure/seen.h). [0]: before plants that look alike; [1]: before ground and sky. */
+#define ECO_SEEN_SIZES 3u
+#define ECO_SEEN_PX(size) (256u >> 2 * (size))
+#define ECO_SEEN_UNIT (1.0 / 256)
+struct eco_seen { uint16_t color[ECO_SEEN_SIZES][2], contrast[ECO_SEEN_SIZES][2]; };
+
 /* A sequence of sets of cuts over the lists of one organ at one anchor, in ascending vertices:
  *   leaves: the forms of one list of elements, in one order: points (one an element), lines (of blades, one
  *           an element), simple (one triangle an element) and triangles; all but the triangles may be absent.
@@ -105,6 +113,7 @@ struct eco_ladder {
 	float length;                /* m, of all lines */
 	float epsilon;               /* m, greatest distance of a line from the wood it stands for */
 	uint32_t curve_first, curve_count;
+	struct eco_seen nothing;     /* where none of it is drawn */
 };
 
 /* Samples of a ladder's curves. */
@@ -127,6 +136,7 @@ struct eco_curve {
 	/* wrong pixels over covered pixels of the reference, mean over views: from all around, or from above
 	 * */
 	float fp, fn;
+	struct eco_seen seen;        /* from all around; of curves from above 0 */
 };
 
 struct eco_plant {

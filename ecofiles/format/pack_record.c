@@ -20,6 +20,7 @@ struct field { enum { VALUES, FLAG, NAME, ZEROS } kind; uint8_t width, count; ui
 #define ARRAY(record, member) { VALUES, sizeof MEMBER(record, member)[0], \
 	sizeof MEMBER(record, member) / sizeof MEMBER(record, member)[0], \
 	offsetof(struct eco_##record, member) }
+#define SEEN(record, member) { VALUES, 2, sizeof MEMBER(record, member) / 2, offsetof(struct eco_##record, member) }
 #define ZERO_BYTES(count) { ZEROS, 1, count, 0 }
 
 static void write_value(struct eco_writer *w, const uint8_t *from, unsigned width)
@@ -111,11 +112,12 @@ static const struct field ladder_fields[] = {
 	ONE(ladder, triangles), ONE(ladder, impostor), ARRAY(ladder, level_end), ONE(ladder, total),
 	ONE(ladder, before), ONE(ladder, importance), ONE(ladder, area), ONE(ladder, length),
 	ONE(ladder, epsilon),
-	ONE(ladder, curve_first), ONE(ladder, curve_count),
+	ONE(ladder, curve_first), ONE(ladder, curve_count), SEEN(ladder, nothing),
 };
 
 static const struct field curve_fields[] = {
 	ONE(curve, share), ONE(curve, scale), ONE(curve, reach), ONE(curve, fp), ONE(curve, fn),
+	SEEN(curve, seen),
 };
 
 static const struct field tile_fields[] = {

@@ -7,8 +7,8 @@
 
 #include "lod/plan/byte_price.h"
 
-#define TIE_SHARE 0.07           /* tiles and gates blend where both choices differ by less than this share of
-                                  * what the finer one saves, Q where by less than that of what both lack */
+#define TIE_SHARE 0.1            /* tiles and gates blend where both choices differ by less than this share of
+                                  * what the finer one costs, errors and vertices */
 #define TIE_STEP 0.25            /* splats and organs blend where what organs save differs by less than this
                                   * share from what their vertices cost */
 #define LAST_SLOPE 1e-200        /* of the hull point that a fixed summary takes only when nothing else is
@@ -21,17 +21,18 @@ static void add_at(struct lod_cost *cost, const struct lod_hull *hull, double we
 	uint32_t whole = (uint32_t)position;
 	double part = position - whole;
 	const struct lod_hull_point *a = &hull->points[whole], *b = part > 0 ? a + 1 : a;
+	cost->alike += weight_px * (a->alike + part * (b->alike - a->alike));
+	cost->open += weight_px * (a->open + part * (b->open - a->open));
 	cost->fp += weight_px * (a->fp + part * (b->fp - a->fp));
 	cost->fn += weight_px * (a->fn + part * (b->fn - a->fn));
-	cost->detail += weight_px * (a->detail + part * (b->detail - a->detail));
 	cost->above_fp += weight_px * (a->above_fp + part * (b->above_fp - a->above_fp));
 	cost->above_fn += weight_px * (a->above_fn + part * (b->above_fn - a->above_fn));
 	cost->vertices += (double)a->vertices + part * (double)(b->vertices - a->vertices);
 }
 
-static double lagrangian(const struct lod_allocation *m, const struct lod_cost *cost, double fp_weight)
+static double lagrangian(const struct lod_allocation *m, const struct lod_cost *cost, double open)
 {
-	return fp_weight * cost->fp + cost->fn + cost->detail + m->lambda * cost->vertices
+	return cost->alike + open * cost->open + m->lambda * cost->vertices
 		+ m->price * (cost->bytes + cost->waste);
 }
 
@@ -53,16 +54,9 @@ static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladde
 	return cost;
 }
 
-/* 1 - Q of a plant. Errors count `more` times. */
-static double q_lost(const struct lod_slot_choice *choice, const struct lod_cost *cost, double more)
-{
-	double each = choice->weight_px[0] > 0 ? more / choice->weight_px[0] : 0;
-	return 1 - lod_hull_q(each * choice->fp_weight * cost->fp, each * cost->fn);
-}
-
-/* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. Organs
- * are sharper, but must not have a lower Q, which would fall as vertices grow. Both are nearly right, so a tie
- * is measured by what differs between them, not by all that they save (lod/EXPERIMENTS.md, Ties of splats). */
+/* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. Both are
+ * nearly right, so a tie is measured by what differs between them, not by all that they save
+ * (lod/EXPERIMENTS.md, Ties of splats). */
 static double whole_share(const struct lod_allocation *m, const struct lod_slot_choice *choice,
 	const struct lod_cost *organs, const struct lod_cost *whole)
 {
@@ -74,10 +68,8 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 	if (m->lambda <= 0)
 		return 0;
 	double spent = m->lambda * (organs->vertices - whole->vertices),
-		gain = lagrangian(m, whole, choice->fp_weight) - lagrangian(m, organs, choice->fp_weight),
-		organs_lost = q_lost(choice, organs, choice->more), whole_lost = q_lost(choice, whole, 1);
-	return 1 - fmin(fine_share(m, gain, TIE_STEP * (fabs(gain + spent) + fabs(spent))),
-		fine_share(m, whole_lost - organs_lost, TIE_SHARE * (whole_lost + organs_lost)));
+		gain = lagrangian(m, whole, choice->open) - lagrangian(m, organs, choice->open);
+	return 1 - fine_share(m, gain, TIE_STEP * (fabs(gain + spent) + fabs(spent)));
 }
 
 /* Takes the best of the ladders that show the whole plant, and blends it with the organs, in cost[0]. */
@@ -88,7 +80,7 @@ static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice
 	double least = INFINITY;
 	for (uint32_t i = end - choice->whole_count; i < end; i++) {
 		struct lod_cost cost = whole_cost(m, i);
-		double l = lagrangian(m, &cost, choice->fp_weight);
+		double l = lagrangian(m, &cost, choice->open);
 		if (l < least) {
 			least = l;
 			best = cost;
@@ -96,7 +88,7 @@ static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice
 		}
 	}
 	double share = choice->whole_share = whole_share(m, choice, &organs, &best);
-	choice->organs_saved = least - lagrangian(m, &organs, choice->fp_weight);
+	choice->organs_saved = least - lagrangian(m, &organs, choice->open);
 	choice->cost[0] = (struct lod_cost){ 0 };
 	lod_cost_add(&choice->cost[0], &organs, 1, 1 - share, 1 - share);
 	lod_cost_add(&choice->cost[0], &best, 1, share, share);
@@ -126,7 +118,7 @@ static void relax_slot(struct lod_allocation *m, struct lod_slot_choice *slot_ch
 				ladder_choice->position);
 	}
 	slot_choice->organs_saved = slot_choice->weight_px[0]
-		- lagrangian(m, &slot_choice->cost[0], slot_choice->fp_weight);
+		- lagrangian(m, &slot_choice->cost[0], slot_choice->open);
 	if (slot_choice->whole_count)
 		relax_whole(m, slot_choice);
 }
@@ -151,8 +143,8 @@ static uint64_t relax_slots(struct lod_allocation *m)
 	return looks;
 }
 
-struct bands { double plants, near, far; }; /* bands of one plant that decide together: what they save with
-                                             * cells, and without */
+struct bands { double plants, near, far, cost; };   /* bands of one plant that decide together: what they save with cells, and
+                                                     * without; what cells cost */
 
 /* Plants before a gate are the nearest, so what cells gain must fall from band to band. Bands where it rises
  * are pooled and decide as one (pool adjacent violators: Barlow and others 1972). */
@@ -162,7 +154,7 @@ static uint32_t pool_bands(struct bands *bands, uint32_t count)
 		struct bands *a = &bands[count - 2], *b = &bands[count - 1];
 		if (a->near * b->far >= b->near * a->far)
 			break;
-		*a = (struct bands){ a->plants + b->plants, a->near + b->near, a->far + b->far };
+		*a = (struct bands){ a->plants + b->plants, a->near + b->near, a->far + b->far, a->cost + b->cost };
 		count--;
 	}
 	return count;
@@ -182,19 +174,20 @@ static double count_near(struct lod_allocation *m, uint32_t plant)
 		choice->near_saved = 0;
 		if (choice->whole_rule == LOD_WHOLE_ALL || lod_prices_organs_off(m, plant))
 			break;
-		double plants = (double)m->counts[s], fp_weight = choice->fp_weight,
+		double plants = (double)m->counts[s], open = choice->open,
 			weight_px = plants * choice->weight_px[0];
 		bands[count++] =
 			(struct bands){ plants,
-			weight_px - plants * lagrangian(m, &choice->cost[1], fp_weight)
-			- lagrangian(m, &choice->cells, fp_weight),
-			weight_px - plants * lagrangian(m, &choice->cost[0], fp_weight) };
+			weight_px - plants * lagrangian(m, &choice->cost[1], open)
+			- lagrangian(m, &choice->cells, open),
+			weight_px - plants * lagrangian(m, &choice->cost[0], open), 0 };
+		bands[count - 1].cost = weight_px - bands[count - 1].near;
 		choice->near_saved = bands[count - 1].near - bands[count - 1].far;
 		count = pool_bands(bands, count);
 	}
 	for (uint32_t i = 0; i < count; i++)
 		sum += bands[i].plants * fine_share(m, bands[i].near - bands[i].far,
-			TIE_SHARE * bands[i].near);
+			TIE_SHARE * bands[i].cost);
 	return sum;
 }
 
@@ -231,7 +224,7 @@ static double open_share(const struct lod_allocation *m, const struct lod_tile_c
 {
 	if (!choice->has_summary || m->lambda <= 0)
 		return 1;
-	double share = fine_share(m, plants - summary, TIE_SHARE * plants),
+	double share = fine_share(m, plants - summary, TIE_SHARE * (choice->weight_px - plants)),
 		least = m->few_plants || !(plants > 0) ? 0 : 1 - choice->closed_most;
 	return share < least ? least : share;
 }
@@ -245,9 +238,8 @@ static struct lod_cost blended(const struct lod_tile_choice *choice, const struc
 	const struct lod_cost *coarse = &choice->cost;
 	double s = choice->share, points = choice->has_summary ? points_share(s) : 0;
 	struct lod_cost cost = *coarse;
-	cost.fp = s * fine->fp + (1 - s) * coarse->fp;
-	cost.fn = s * fine->fn + (1 - s) * coarse->fn;
-	cost.detail = s * fine->detail + (1 - s) * coarse->detail;
+	cost.alike = s * fine->alike + (1 - s) * coarse->alike;
+	cost.open = s * fine->open + (1 - s) * coarse->open;
 	cost.vertices = s * fine->vertices + points * coarse->vertices;
 	cost.bytes = (s > 0 ? fine->bytes : 0) + (points > 0 ? coarse->bytes : 0);
 	cost.waste = (s > 0 ? fine->waste : 0) + (points > 0 ? coarse->waste : 0);
@@ -298,7 +290,7 @@ static void price_summary(struct lod_allocation *m, uint32_t n)
 		struct lod_cost cost = { .bytes = tries[i].bytes, .waste = tries[i].waste };
 		double position = position_of(hull, tries[i].points);
 		add_at(&cost, hull, choice->weight_px, position);
-		cost.fp *= hull->fp_weight;
+		cost.open *= hull->open;
 		double l = lagrangian(m, &cost, 1);
 		if (!(l < least))
 			continue;
@@ -331,7 +323,7 @@ static bool relax_summary(struct lod_allocation *m, uint32_t n, double plants)
 		return true;
 	}
 	add_at(&choice->cost, &summary->hull, choice->weight_px, choice->position);
-	choice->cost.fp *= summary->hull.fp_weight;
+	choice->cost.open *= summary->hull.open;
 	return true;
 }
 
@@ -349,12 +341,12 @@ static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
 static void relax_tile(struct lod_allocation *m, uint32_t n)
 {
 	struct lod_tile_choice *choice = &m->tile_choices[n];
-	struct lod_cost fine = choice->open ? fine_cost(m, n) : (struct lod_cost){ .fn = choice->weight_px };
+	struct lod_cost fine = choice->open ? fine_cost(m, n) : (struct lod_cost){ .alike = choice->weight_px };
 	double plants = choice->weight_px - lagrangian(m, &fine, 1);
 	choice->cost = (struct lod_cost){ 0 };
 	choice->position = 0;
 	if (!choice->has_summary)
-		choice->cost.fn = choice->weight_px;
+		choice->cost.alike = choice->weight_px;
 	choice->share = choice->open;
 	if (choice->has_summary && relax_summary(m, n, plants) && choice->open)
 		choice->share = open_share(m, choice, plants,
@@ -413,8 +405,8 @@ void lod_allocation_compare_whole(const struct lod_allocation *m, uint32_t slot,
 		if (m->ladder_choices[i].when < LOD_NEAR)
 			add_at(&cost, &m->ladder_choices[i].hull, m->ladder_choices[i].weight_px,
 				m->ladder_choices[i].position);
-	*organs = choice->weight_px[0] - lagrangian(m, &cost, choice->fp_weight);
-	*whole = choice->weight_px[0] - lagrangian(m, &best, choice->fp_weight);
+	*organs = choice->weight_px[0] - lagrangian(m, &cost, choice->open);
+	*whole = choice->weight_px[0] - lagrangian(m, &best, choice->open);
 }
 
 static void widen_range(const struct lod_hull *hull, double weight_px, double *high, double *low)
@@ -589,18 +581,17 @@ static void fix_summary(const struct lod_allocation *m, struct lod_tile_choice *
 	double part = choice->position - whole,
 		all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
 	choice->partial[0] = (struct lod_hull_point){ .vertices = (uint64_t)(points * floor(all)),
-		.fp = a->fp, .fn = a->fn, .detail = a->detail };
+		.alike = a->alike, .open = a->open };
 	if (part > 0) {
-		choice->partial[0].fp += part * (a[1].fp - a->fp);
-		choice->partial[0].fn += part * (a[1].fn - a->fn);
-		choice->partial[0].detail += part * (a[1].detail - a->detail);
+		choice->partial[0].alike += part * (a[1].alike - a->alike);
+		choice->partial[0].open += part * (a[1].open - a->open);
 	}
 	choice->partial[1] = choice->partial[0];
 	choice->partial[1].vertices = (uint64_t)all;
-	choice->partial[1].fn_slope = LAST_SLOPE;
+	choice->partial[1].alike_slope = LAST_SLOPE;
 	choice->partial_hull = (struct lod_hull){ choice->partial,
 		choice->partial[1].vertices > choice->partial[0].vertices && !(m->price > 0) ? 2 : 1,
-		choice->summary.hull.fp_weight, 0, ECO_NONE };
+		choice->summary.hull.open, 0, ECO_NONE };
 }
 
 /* A summary's hull up to the points that were chosen. */
@@ -616,11 +607,10 @@ static void limit_summary(struct lod_allocation *m, uint32_t n)
 		const struct lod_hull_point *a = &hull->points[whole], *b = a + 1;
 		points[whole + 1] = *b;
 		points[whole + 1].vertices = (uint64_t)choice->points;
-		points[whole + 1].fp = a->fp + part * (b->fp - a->fp);
-		points[whole + 1].fn = a->fn + part * (b->fn - a->fn);
-		points[whole + 1].detail = a->detail + part * (b->detail - a->detail);
+		points[whole + 1].alike = a->alike + part * (b->alike - a->alike);
+		points[whole + 1].open = a->open + part * (b->open - a->open);
 	}
-	choice->limited = (struct lod_hull){ points, whole + 1 + (part > 0), hull->fp_weight, 0, ECO_NONE };
+	choice->limited = (struct lod_hull){ points, whole + 1 + (part > 0), hull->open, 0, ECO_NONE };
 }
 
 /* Beyond the gate, the plants of the greatest hashes draw a ladder that shows the whole plant. */

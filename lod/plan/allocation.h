@@ -8,8 +8,7 @@
  * 1974):
  *
  * - a ladder of a slot takes the steps of its hull whose slope is above lambda
- * - plants of a slot draw a ladder that shows the whole plant where that saves more than their organs do, or
- *   has the higher Q
+ * - plants of a slot draw a ladder that shows the whole plant where that saves more than their organs do
  * - a band of a plant draws its cells where they save more than that
  * - a tile, from the leaves of the tree up, draws its plants and its children's choices where these beat its
  *   summary
@@ -42,22 +41,22 @@ enum lod_when {
 	LOD_WHOLE                    /* in place of all else that is drawn of a plant whose cells are not */
 };
 
-struct lod_cost {                    /* wrong pixels seen; above_*: the same seen from above; a slot choice's
-                                      * fp is without its fp_weight */
-	double fp, fn, detail, vertices;
+struct lod_cost {                    /* errors seen (hull.h); a slot choice's open one is without its weight */
+	double alike, open, vertices;
 	/* of tiles, where bytes have a price; not of what plants share. waste: what they cost beside */
 	double bytes, waste;
-	double above_fp, above_fn;
+	double fp, fn, above_fp, above_fn;   /* wrong pixels, for predictions; the same seen from above */
 };
 
-/* Adds the cost of `times` plants; errors times `seen`, false positives weighted. */
-static inline void lod_cost_add(struct lod_cost *sum, const struct lod_cost *cost, double fp_weight,
+/* Adds the cost of `times` plants; errors times `seen`, the open one times its weight. */
+static inline void lod_cost_add(struct lod_cost *sum, const struct lod_cost *cost, double open,
 	double times, double seen)
 {
-	sum->fp += seen * fp_weight * cost->fp;
+	sum->alike += seen * cost->alike;
+	sum->open += seen * open * cost->open;
+	sum->fp += seen * cost->fp;
 	sum->fn += seen * cost->fn;
-	sum->detail += seen * cost->detail;
-	sum->above_fp += seen * fp_weight * cost->above_fp;
+	sum->above_fp += seen * cost->above_fp;
 	sum->above_fn += seen * cost->above_fn;
 	sum->vertices += times * cost->vertices;
 	sum->bytes += cost->bytes;
@@ -84,14 +83,13 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	uint32_t ladder_choice_first, ladder_choice_count;
 	uint32_t whole_count;        /* the last of these are LOD_WHOLE */
 	double seen, unoccluded;     /* mean pixels seen of a plant or cell; of these, unoccluded ones */
-	double fp_weight;            /* weight of a false positive: unoccluded / seen */
+	double open;                 /* how far they are seen before ground and sky: unoccluded / seen */
 	double wood_nearer, wood_behind;     /* as of visibilities, mean of a plant; of a cell, 1 and by its
 	                              * distance */
 	double own, parts;           /* only in lod_allocation_make: seen of its own lists beside cells; of
 	                              * its cells, before scaling */
 	double weight_px[2];         /* wrong pixels where nothing is drawn; [1] without the cells' */
-	double absent;               /* added where nothing of its foliage is drawn (LOD_ABSENT_WEIGHT) */
-	double more;                 /* lod_hull_more, the mean over a far plant's ladders */
+	struct lod_cost nothing;     /* of a far plant where nothing of it is drawn */
 	struct lod_cost cost[2];     /* at the last lambda; [0] blends what draws organs and what does not */
 	uint32_t whole;              /* at the last lambda: the ladder choice that shows the whole plant best;
 	                              * ECO_NONE: there is none */

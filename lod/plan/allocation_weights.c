@@ -37,9 +37,9 @@ static struct lod_hull_point *take_points(struct lod_allocation *m, uint32_t cou
 	return m->blocks[m->block_count - 1] + m->block_used;
 }
 
-static double fp_weight_of(double unoccluded, double seen)
+static double open_of(double unoccluded, double seen)
 {
-	return seen > 0 ? fmin(1, fmax(LOD_FP_WEIGHT_LEAST, unoccluded / seen)) : 1;
+	return seen > 0 ? fmin(1, fmax(LOD_OPEN_LEAST, unoccluded / seen)) : 1;
 }
 
 static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_choice *choice)
@@ -107,12 +107,12 @@ static double anchor_pixels(const struct lod_allocation *m, uint32_t s)
 	return sum;
 }
 
-/* log2 of the mean width of an element, in pixels: an outline is half of what a leaf has, in the mean over
- * directions. */
-static double element_octave(const struct lod_allocation *m, const struct eco_ladder *ladder, uint8_t band)
+/* The place of a slot's plants among the sizes of eco_seen, by the sphere of the whole plant. */
+static double slot_size(const struct lod_allocation *m, const struct lod_slot *slot)
 {
-	double px = 1 / (lod_band_distance_m(band) * m->p->visible.eye.pixel_rad);
-	return ladder->total ? lod_octaves(0.5 * (double)ladder->area / ladder->total * px * px) : 0;
+	const struct eco_scene *scene = m->p->scene;
+	double px = 1 / (lod_band_distance_m(slot->band) * m->p->visible.eye.pixel_rad);
+	return lod_hull_size(2 * px * (double)scene->anchors[scene->plants[slot->plant].anchor_first].radius);
 }
 
 static bool own_points(struct lod_allocation *m, struct lod_hull *hull, const struct lod_hull_point *points)
@@ -125,24 +125,20 @@ static bool own_points(struct lod_allocation *m, struct lod_hull *hull, const st
 	return true;
 }
 
-/* The hull of an organ's ladder at a band. Its table is that of elements larger than a pixel; of smaller ones
- * the octaves up to a pixel cost nothing. */
-static bool slot_hull(struct lod_allocation *m, const struct lod_hull *from, const struct eco_ladder *ladder,
-	uint8_t band, struct lod_hull *hull)
+/* The hull of an organ's ladder for a slot, at its size: at both weights and between. */
+static bool slot_hull(struct lod_allocation *m, const struct lod_hull *from, const struct lod_slot *slot,
+	struct lod_hull *hull)
 {
 	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
 	uint64_t to = from->points[from->count - 1].vertices;
-	*hull = *from;
-	hull->slack = fmax(0, -element_octave(m, ladder, band));
-	if (!(hull->slack > 0))
-		return true;
+	double size = slot_size(m, slot);
+	*hull = (struct lod_hull){ points, from->count, 1, size, ECO_NONE };
 	memcpy(points, from->points, from->count * sizeof *points);
 	for (uint32_t i = 0; i < from->count; i++)
-		lod_hull_set_detail(&points[i], hull->slack, LOD_DETAIL_MOST);
-	hull->points = points;
+		lod_hull_set_size(&points[i], size);
 	for (int i = 0; i < 2; i++) {
-		hull->fp_weight = i ? 1 : LOD_FP_WEIGHT_LEAST;
-		lod_hull_reduce(hull, 1);
+		hull->open = i ? 1 : LOD_OPEN_LEAST;
+		lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
 	}
 	lod_hull_complete(hull, to);
 	return own_points(m, hull, points);
@@ -157,9 +153,9 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 	if (!table)
 		return false;
 	struct lod_ladder_choice choice = { .slot = s, .ladder = id, .weight_px = weight_px };
-	if (!slot_hull(m, &table->hull[0], ladder, slot->band, &choice.hull))
+	if (!slot_hull(m, &table->hull[0], slot, &choice.hull))
 		return false;
-	choice.hull.fp_weight = m->slot_choices[s].fp_weight;
+	choice.hull.open = m->slot_choices[s].open;
 	choice.when = slot->cell || scene->plants[slot->plant].anchor_count < 2 ? LOD_ALWAYS : LOD_FAR;
 	if (!add_ladder_choice(m, &choice))
 		return false;
@@ -167,48 +163,37 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 		return true;
 	/* beside cells the same list stands for its own part of the plant alone, and begins where it does */
 	choice.when = LOD_NEAR;
-	choice.hull = table->hull[1];
-	choice.hull.fp_weight = m->slot_choices[s].fp_weight;
+	if (!slot_hull(m, &table->hull[1], slot, &choice.hull))
+		return false;
+	choice.hull.open = m->slot_choices[s].open;
 	choice.weight_px = weight_px * lod_way_density(&table->way, table->way.full);
 	return add_ladder_choice(m, &choice);
 }
 
-/* The hull of a ladder that shows the whole plant, for a slot. At 0 vertices as much is wrong as where
- * nothing of its organs is drawn, which depends on how they show; its table assumes the most. Which level of
- * an impostor one vertex is, if any, depends on the band. Splats that cover less than it does are no choice,
- * however sharp they are, nor are splats whose Q is lower (lod/EXPERIMENTS.md, Small scenes with splats). */
-static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_ladder *table, double absent,
-	struct lod_hull *hull)
+/* The hull of a ladder that shows the whole plant, for a slot. At 0 vertices as much is wrong as where nothing of
+ * its organs is drawn. Which level of an impostor one vertex is, if any, depends on the band. */
+static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_ladder *table,
+	const struct lod_slot_choice *slot_choice, struct lod_hull *hull)
 {
 	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
 	const struct lod_hull *from = &table->hull[0];
 	struct lod_hull_point *room = hull->points;  /* of a hull made before */
 	uint32_t levels = lod_hull_impostor_levels(&table->way);
-	double least = INFINITY, best = -INFINITY;
+	double weight_px = slot_choice->weight_px[0];
 	hull->count = 0;
 	for (uint32_t i = 0; i < from->count; i++) {
-		struct lod_hull_point *point = &points[hull->count];
 		bool impostor = from->points[i].vertices == 1 && levels;
 		if (impostor && hull->impostor == ECO_NONE)
 			continue;
-		*point = impostor ? lod_hull_point_at(&table->way, 1, hull->slack, hull->impostor)
+		points[hull->count] = impostor ? lod_hull_point_at(&table->way, 1, hull->size, hull->impostor)
 			: from->points[i];
-		lod_hull_set_detail(point, hull->slack, LOD_DETAIL_MOST_WHOLE);
-		double more = fmax(0, lod_hull_uncovered(hull, point) - least), q = lod_hull_own_q(point);
-		if (more > LOD_HULL_NOISE || q < best)
-			continue;
-		point->fn = fmax(0, point->fn - more);   /* no prediction rises */
-		hull->count++;
-		least = fmin(least, lod_hull_uncovered(hull, point));
-		best = fmax(best, impostor ? q + LOD_HULL_Q_MORE : q - LOD_HULL_Q_FALL);
+		lod_hull_set_size(&points[hull->count++], hull->size);
 	}
-	points->fn += absent - LOD_ABSENT_WEIGHT;
-	points->above_fn += (float)(absent - LOD_ABSENT_WEIGHT);
+	points->alike = weight_px > 0 ? slot_choice->nothing.alike / weight_px : LOD_SEEN_NOTHING;
+	points->open = weight_px > 0 ? slot_choice->nothing.open / weight_px : 0;
 	hull->points = points;
-	bool ends = points[hull->count - 1].vertices == from->points[from->count - 1].vertices;
-	lod_hull_reduce_here(hull, LOD_HULL_SLOPE_RATIO);
-	if (ends)
-		lod_hull_complete(hull, table->way.full);
+	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
+	lod_hull_complete(hull, table->way.full);
 	if (!room && (room = take_points(m, from->count + 1)))
 		m->block_used += from->count + 1;
 	if (room)
@@ -217,42 +202,22 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_la
 	return room;
 }
 
-/* Octaves of one splat for the whole plant that nobody sees, less than 0: n splats are as wide as n parts of
- * its crown's outline, and leaves or a pixel are the limit (lod/EXPERIMENTS.md, Width of splats). */
-static double whole_slack(const struct lod_allocation *m, const struct lod_slot *slot)
-{
-	const struct lod_proxy_shape *shape = &lod_plan_tables_proxy_shapes(m->p->tables)[slot->plant];
-	double px = 1 / (lod_band_distance_m(slot->band) * m->p->visible.eye.pixel_rad), sum = 0, area = 0;
-	uint32_t count;
-	const uint32_t *ladders = lod_plan_tables_anchor(m->p->tables, slot->anchor, &count);
-	for (uint32_t i = 0; i < count; i++) {
-		const struct eco_ladder *ladder = &m->p->scene->ladders[ladders[i]];
-		if (ladder->organ == ECO_ORGAN_WOOD)
-			continue;
-		sum += (double)ladder->area * fmax(0, element_octave(m, ladder, slot->band));
-		area += (double)ladder->area;
-	}
-	double outline = PI * shape->crown_across * shape->crown_up * px * px;
-	return (area > 0 ? sum / area : 0) - lod_octaves(fmax(1, outline));
-}
-
 /* Ladders that show the whole plant weigh as much as all its organs together. */
 static bool add_whole_choices(struct lod_allocation *m, uint32_t s)
 {
 	struct lod_slot_choice *slot_choice = &m->slot_choices[s];
+	const struct lod_slot *slot = &m->p->visible.slots[s];
 	uint32_t count;
-	const uint32_t *ladders = lod_plan_tables_whole(m->p->tables, m->p->visible.slots[s].anchor, &count);
-	double weight_px = slot_choice->weight_px[0], absent = weight_px > 0 ? slot_choice->absent / weight_px
-		: 0;
+	const uint32_t *ladders = lod_plan_tables_whole(m->p->tables, slot->anchor, &count);
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables, ladders[i]);
 		struct lod_ladder_choice choice = { .slot = s, .ladder = ladders[i], .when = LOD_WHOLE,
-			.weight_px = weight_px, .hull.fp_weight = slot_choice->fp_weight,
-			.hull.slack = whole_slack(m, &m->p->visible.slots[s]) };
+			.weight_px = slot_choice->weight_px[0], .hull.open = slot_choice->open,
+			.hull.size = slot_size(m, slot) };
 		if (!table)
 			return false;
-		choice.hull.impostor = lod_impostor_of_slot(m, &m->p->visible.slots[s], &table->way);
-		if (!whole_hull(m, table, absent, &choice.hull) || !add_ladder_choice(m, &choice))
+		choice.hull.impostor = lod_impostor_of_slot(m, slot, &table->way);
+		if (!whole_hull(m, table, slot_choice, &choice.hull) || !add_ladder_choice(m, &choice))
 			return false;
 		m->has_whole = true;
 		slot_choice->whole_count++;
@@ -273,12 +238,11 @@ void lod_allocation_set_impostors(struct lod_allocation *m, const double *seen)
 		const struct lod_slot_choice *slot_choice = &m->slot_choices[choice->slot];
 		const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables,
 			choice->ladder);
-		double weight_px = slot_choice->weight_px[0];
 		uint32_t level = lod_impostor_of_slot(m, &m->p->visible.slots[choice->slot], &table->way);
 		if (level == choice->hull.impostor)
 			continue;
 		choice->hull.impostor = level;
-		whole_hull(m, table, weight_px > 0 ? slot_choice->absent / weight_px : 0, &choice->hull);
+		whole_hull(m, table, slot_choice, &choice->hull);
 		choice->hull_count = choice->hull.count;
 		choice->position = fmin(choice->position, choice->hull.count - 1);
 		choice->free_lambda = NAN;
@@ -295,7 +259,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 	uint32_t count;
 	const uint32_t *ladders = lod_plan_tables_anchor(m->p->tables, slot->anchor, &count);
 	bool good = true;
-	slot_choice->fp_weight = fp_weight_of(slot_choice->unoccluded, slot_choice->seen);
+	slot_choice->open = open_of(slot_choice->unoccluded, slot_choice->seen);
 	slot_choice->whole = ECO_NONE;
 	slot_choice->lambda = NAN;
 	slot_choice->ladder_choice_first = m->ladder_choice_count;
@@ -311,14 +275,14 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 		const struct eco_ladder *ladder = &scene->ladders[ladder_choice->ladder];
 		slot_choice->weight_px[0] += ladder_choice->when == LOD_NEAR ? 0 : ladder_choice->weight_px;
 		slot_choice->weight_px[1] += ladder_choice->when == LOD_FAR ? 0 : ladder_choice->weight_px;
-		slot_choice->more += ladder_choice->when == LOD_NEAR ? 0
-			: ladder_choice->weight_px * lod_hull_more(ladder);
-		slot_choice->absent += ladder_choice->when == LOD_NEAR ? 0
-			: ladder_choice->weight_px * lod_hull_absent(ladder);
+		if (ladder_choice->when != LOD_NEAR) {
+			const struct lod_hull_point *none = &ladder_choice->hull.points[0];
+			slot_choice->nothing.alike += ladder_choice->weight_px * none->alike;
+			slot_choice->nothing.open += ladder_choice->weight_px * none->open;
+		}
 		slot_choice->own += ladder_choice->when == LOD_NEAR
 			? ladder_choice->weight_px / importance_of(ladder) : 0;
 	}
-	slot_choice->more = slot_choice->weight_px[0] > 0 ? slot_choice->more / slot_choice->weight_px[0] : 1;
 	good = good && add_whole_choices(m, s);
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices",
 		m->ladder_choice_count);
@@ -459,7 +423,7 @@ static void measure_closed(struct lod_allocation *m, const struct lod_visibility
 	double ratio = lod_plan_tables_ellipse(p->tables),
 		px = 1 / ((double)visibility->depth * p->visible.eye.pixel_rad);
 	choice->pixels = seen_pixels(visibility);
-	choice->weight_px = (1 + LOD_ABSENT_WEIGHT) * choice->pixels;
+	choice->weight_px = LOD_SEEN_NOTHING * choice->pixels;
 	choice->unoccluded = unoccluded_pixels(visibility);
 	choice->plants += (double)p->scene->tiles[node->tile].instance_count;
 	choice->view.box += ratio * node->area * px * px;
@@ -532,7 +496,7 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 		return false;
 	m->block_used += 2 * count + 1;
 	p->candidates += count;
-	lod_summary_hull_begin(&choice->summary, &view, part, choice->pixels / choice->weight_px,
+	lod_summary_hull_begin(&choice->summary, &view, part, fmin(1, choice->pixels / choice->weight_px),
 		fmin(1, choice->unoccluded / choice->pixels), room, &p->gains);
 	return true;
 }
@@ -554,7 +518,8 @@ static enum eco_code make_tile_choices(struct lod_allocation *m, struct eco_erro
 			double seen = visible->slots[node->tallies[i].slot].cell ? 0
 				: tile_choice->factor * node->tallies[i].count;
 			tile_choice->pixels += seen * slot_choice->weight_px[0];
-			tile_choice->weight_px += seen * (slot_choice->weight_px[0] + slot_choice->absent);
+			tile_choice->weight_px += seen * (slot_choice->nothing.alike
+				+ slot_choice->open * slot_choice->nothing.open);
 		}
 		for (uint32_t c = 0; tile_choice->open && c < node->child_count; c++) {
 			const struct lod_tile_choice *child = &m->tile_choices[node->child_first + c];

@@ -312,26 +312,17 @@ static double error_at(const struct lod_fill *fill, const struct lod_candidate *
 		return error(candidate->hull, candidate->hull->points);
 	lod_planner_work(fill->allocation->p, LOD_WORK_CURVE);
 	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices,
-		candidate->hull->slack, candidate->hull->impostor);
+		candidate->hull->size, candidate->hull->impostor);
 	return error(candidate->hull, &point);
 }
 
-static double own_q(const struct lod_hull *hull, const struct lod_hull_point *point)
-{
-	(void)hull;
-	return lod_hull_own_q(point);
-}
-
-/* A few splats cover less than an impostor does, or have a lower Q. Does this state, beyond that of an
- * impostor? */
+/* A few splats are worse than an impostor. Is this state, beyond that of one? */
 static bool is_worse(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
 	if (candidate->hull->impostor == ECO_NONE || candidate->low != 1 || vertices >= candidate->high)
 		return false;
 	const struct lod_hull_point *here = lod_candidate_point(candidate);
-	return error_at(fill, candidate, vertices, lod_hull_uncovered)
-			> lod_hull_uncovered(candidate->hull, here)
-		|| error_at(fill, candidate, vertices, own_q) < lod_hull_own_q(here) + LOD_HULL_Q_MORE;
+	return error_at(fill, candidate, vertices, lod_hull_error) > lod_hull_error(candidate->hull, here);
 }
 
 /* Vertices that a plant may draw between candidate->low and candidate->high: the most up to `vertices`, and
@@ -672,31 +663,6 @@ void lod_fill_sum(struct lod_fill *fill)
 		fill->wrong += lod_fill_wrong_of(fill, &fill->candidates[i]);
 }
 
-static double weighted_fp(const struct lod_hull *hull, const struct lod_hull_point *point)
-{
-	return hull->fp_weight * point->fp;
-}
-
-static double plain_fn(const struct lod_hull *hull, const struct lod_hull_point *point)
-{
-	(void)hull;
-	return point->fn;
-}
-
-static void sum_coverage(struct lod_fill *fill)
-{
-	const struct lod_ladder_choice *choices = fill->allocation->ladder_choices;
-	const struct eco_scene *scene = fill->allocation->p->scene;
-	fill->fp = fill->fn = 0;
-	for (uint32_t i = 0; i < fill->candidate_count; i++) {
-		const struct lod_candidate *candidate = &fill->candidates[i];
-		double more = candidate->ladder_choice == ECO_NONE ? 1
-			: lod_hull_more(&scene->ladders[choices[candidate->ladder_choice].ladder]);
-		fill->fp += more * wrong_of(fill, candidate, weighted_fp);
-		fill->fn += more * wrong_of(fill, candidate, plain_fn);
-	}
-}
-
 enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error)
 {
 	struct lod_planner *p = fill->allocation->p;
@@ -709,6 +675,5 @@ enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
 			fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);
-	sum_coverage(fill);
 	return add_entries(fill, error);
 }

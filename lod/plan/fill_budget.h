@@ -37,8 +37,6 @@ struct lod_fill {
 	uint64_t cheapest;           /* after finish: vertices of the cheapest step left that gains;
 	                              * UINT64_MAX: none */
 	double wrong;
-	double fp, fn;               /* of these, after finish; fp times its weight, both times
-	                              * lod_hull_more */
 	bool converged;              /* after search: lambda is known to 1/16384 of its bracket, or everything
 	                              * is drawn; false: the bound on tries came first, and what was found
 	                              * fits if `vertices` says so */

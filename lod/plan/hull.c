@@ -3,34 +3,57 @@
 
 #include <math.h>
 
-#include "ecofiles/format/impostor.h"
-#include "ecofiles/format/plan.h"
-
-/* Splats that are as sharp as a texel. A crown's inside is coarser than its outline: cells of depth and
- * colour are 4 texels wide, and four directions are mixed (lod/EXPERIMENTS.md, Impostors in scenes). */
-#define SPLATS_PER_TEXEL (1.0 / 64)
 #define GROWTH 4u                /* samples grow by a quarter: curves are smooth */
+
+/* ---- Errors ---- */
+
+double lod_seen_worth(const struct eco_seen *seen, uint32_t size)
+{
+	return ECO_SEEN_UNIT * (LOD_SEEN_COLOR * seen->color[size][1] + LOD_SEEN_CONTRAST * seen->contrast[size][1]);
+}
+
+static void set_errors(struct lod_hull_point *point, const struct eco_seen *seen)
+{
+	for (uint32_t size = 0; size < ECO_SEEN_SIZES; size++) {
+		double open = lod_seen_worth(seen, size), alike = ECO_SEEN_UNIT * (LOD_SEEN_COLOR
+			* seen->color[size][0] + LOD_SEEN_CONTRAST * seen->contrast[size][0]);
+		point->seen[size] = (struct lod_seen_error){ (float)alike, (float)(open - alike) };
+	}
+}
+
+double lod_hull_size(double px)
+{
+	double size = px > 0 ? lod_octaves(ECO_SEEN_PX(0) / px) : ECO_SEEN_SIZES;
+	return size < 0 ? 0 : size > ECO_SEEN_SIZES - 1 ? ECO_SEEN_SIZES - 1 : size;
+}
+
+void lod_hull_set_size(struct lod_hull_point *point, double size)
+{
+	uint32_t whole = (uint32_t)size;
+	double part = size - whole;
+	const struct lod_seen_error *a = &point->seen[whole], *b = part > 0 ? a + 1 : a;
+	point->alike = (double)a->alike + part * ((double)b->alike - (double)a->alike);
+	point->open = (double)a->open + part * ((double)b->open - (double)a->open);
+}
+
+/* ---- Hulls ---- */
 
 /* Slopes of the step between two points. */
 static void set_slopes(const struct lod_hull_point *from, struct lod_hull_point *to)
 {
 	double vertices = (double)(to->vertices - from->vertices);
-	to->fn_slope = (from->fn + from->detail - to->fn - to->detail) / vertices;
-	to->fp_slope = (from->fp - to->fp) / vertices;
+	to->alike_slope = (from->alike - to->alike) / vertices;
+	to->open_slope = (from->open - to->open) / vertices;
 }
 
-static void reduce(struct lod_hull *hull, double ratio, bool falls)
+void lod_hull_reduce(struct lod_hull *hull, double ratio)
 {
 	struct lod_hull_point *a = hull->points;
 	uint32_t kept = 1;
-	a[0].fn_slope = INFINITY;
-	a[0].fp_slope = 0;
+	a[0].alike_slope = INFINITY;
+	a[0].open_slope = 0;
 	for (uint32_t i = 1; i < hull->count; i++) {
 		a[kept] = a[i];
-		if (falls) {                 /* what rises is noise of the measurement */
-			a[kept].fn = fmin(a[kept].fn, a[kept - 1].fn);
-			a[kept].above_fn = fminf(a[kept].above_fn, a[kept - 1].above_fn);
-		}
 		for (;; kept--, a[kept] = a[kept + 1]) {
 			set_slopes(&a[kept - 1], &a[kept]);
 			if (kept == 1 || ratio * lod_hull_slope(hull, kept) < lod_hull_slope(hull, kept - 1))
@@ -40,9 +63,6 @@ static void reduce(struct lod_hull *hull, double ratio, bool falls)
 	}
 	hull->count = kept;
 }
-
-void lod_hull_reduce(struct lod_hull *hull, double ratio) { reduce(hull, ratio, true); }
-void lod_hull_reduce_here(struct lod_hull *hull, double ratio) { reduce(hull, ratio, false); }
 
 /* Share of a whole-plant list that is drawn without cells: all of the list is only a share of the plant,
  * though the curve goes on. */
@@ -67,82 +87,39 @@ static double share_beside(const struct lod_way *way, uint64_t vertices)
 	return lod_way_share(way, vertices < way->full ? vertices : lod_way_floor(way, way->full - 1));
 }
 
-double lod_hull_absent(const struct eco_ladder *ladder)
+static struct lod_hull_point measured(const struct lod_way *way, double share, uint64_t vertices, double size)
 {
-	if (ladder->flags & ECO_LADDER_WHOLE)
-		return LOD_ABSENT_WEIGHT;
-	return ladder->organ != ECO_ORGAN_WOOD && !ladder->before && ladder->curve_count ? LOD_ABSENT_WEIGHT
-		: 0;
-}
-
-/* Half of the elements, each as large as two, look half an octave coarser. Wood has no such loss: the thinnest
- * twigs go first, and the others keep their width. */
-static double octaves_of(const struct lod_way *way, uint64_t vertices)
-{
-	if (way->has_splats)
-		return -lod_octaves((double)vertices);
-	double share = way->has_forms ? lod_way_density(way, vertices) : lod_way_share(way, vertices);
-	return way->ladder->organ == ECO_ORGAN_WOOD || share >= 1 ? 0 : -lod_octaves(share);
-}
-
-void lod_hull_set_detail(struct lod_hull_point *point, double slack, double most)
-{
-	double seen = (double)point->octaves - slack;
-	point->detail = seen > 0 ? fmin(most, LOD_OCTAVE_WEIGHT * seen) : 0;
-}
-
-double lod_hull_q(double fp, double fn)
-{
-	double right = 1 - fn;
-	return right > 0 ? eco_predicted_q(&(struct eco_prediction){ right, fp, fn }) : 1 - sqrt(2);
-}
-
-/* A level of the ladder's impostor: as sharp as splats that are as many as its cells. */
-static struct lod_hull_point impostor_point(const struct lod_way *way, uint32_t level, double slack)
-{
-	double share = (level + 1.0) / lod_hull_impostor_levels(way) / (double)way->full,
-		texels = eco_impostor_sizes[level].texels;
 	struct eco_curve curve = lod_ladder_curve(way->scene, way->ladder, share),
 		above = lod_ladder_curve_seen(way->scene, way->ladder, share, 1);
-	struct lod_hull_point point = { .vertices = 1, .fp = curve.fp, .fn = curve.fn,
-		.octaves = (float)-lod_octaves(texels * texels * SPLATS_PER_TEXEL), .above_fp = above.fp,
+	struct lod_hull_point point = { .vertices = vertices, .fp = curve.fp, .fn = curve.fn, .above_fp = above.fp,
 		.above_fn = above.fn };
-	lod_hull_set_detail(&point, slack, LOD_DETAIL_MOST_WHOLE);
+	set_errors(&point, &curve.seen);
+	lod_hull_set_size(&point, size);
 	return point;
 }
 
-struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack,
+struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double size,
 	uint32_t impostor)
 {
-	if (vertices == 1 && impostor < lod_hull_impostor_levels(way))
-		return impostor_point(way, impostor, slack);
-	const struct eco_scene *scene = way->scene;
+	uint32_t levels = lod_hull_impostor_levels(way);
+	if (vertices == 1 && impostor < levels)
+		return measured(way, (impostor + 1.0) / levels / (double)way->full, 1, size);
 	const struct eco_ladder *ladder = way->ladder;
-	const struct eco_plant *plant = &scene->plants[ladder->plant];
+	const struct eco_plant *plant = &way->scene->plants[ladder->plant];
 	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first
 		&& !(ladder->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE));
 	bool alone = ladder->anchor == plant->anchor_first && vertices == lod_way_stage_end(way);
 	double share = alone ? share_alone(way, vertices) : coarse && way->full ? share_beside(way, vertices)
 		: lod_way_share(way, vertices);
-	struct eco_curve curve = { .fn = (float)(1 - share) }, above = curve; /* not measured */
-	if (ladder->curve_count) {
-		curve = lod_ladder_curve(scene, ladder, share);
-		above = lod_ladder_curve_seen(scene, ladder, share, 1);
-	}
-	double absent = vertices == 0 && ladder->curve_count ? lod_hull_absent(ladder) : 0;
-	struct lod_hull_point point = { .vertices = vertices, .fp = curve.fp, .fn = curve.fn + absent,
-		.octaves = (float)octaves_of(way, vertices), .above_fp = above.fp,
-		.above_fn = (float)(above.fn + absent) };
-	lod_hull_set_detail(&point, slack, way->has_splats ? LOD_DETAIL_MOST_WHOLE : LOD_DETAIL_MOST);
-	return point;
+	return measured(way, share, vertices, size);
 }
 
 uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], const struct lod_way *way,
-	uint64_t from, uint64_t to, double slack)
+	uint64_t from, uint64_t to, double size)
 {
 	uint64_t stage = lod_way_stage_end(way), at = from;
 	uint32_t count = 1;
-	points[0] = lod_hull_point_at(way, from, slack, ECO_NONE);
+	points[0] = lod_hull_point_at(way, from, size, ECO_NONE);
 	while (at < to && count < LOD_HULL_POINTS_MAX - 2) {
 		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / GROWTH + 1);
 		next = further > next ? further : next;
@@ -151,20 +128,22 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 			next = stage;
 		next = next < level ? next : level;
 		at = next < to ? next : to;
-		points[count++] = lod_hull_point_at(way, at, slack, ECO_NONE);
+		points[count++] = lod_hull_point_at(way, at, size, ECO_NONE);
 	}
 	if (at < to)
-		points[count++] = lod_hull_point_at(way, to, slack, ECO_NONE);
+		points[count++] = lod_hull_point_at(way, to, size, ECO_NONE);
 	return count;
 }
 
 void lod_hull_complete(struct lod_hull *hull, uint64_t to)
 {
 	const struct lod_hull_point *last = &hull->points[hull->count - 1];
-	if (last->vertices < to)
-		hull->points[hull->count++] = (struct lod_hull_point){ .vertices = to, .fp = last->fp,
-			.fn = last->fn, .detail = last->detail, .octaves = last->octaves,
-			.above_fp = last->above_fp, .above_fn = last->above_fn };
+	if (last->vertices < to) {
+		struct lod_hull_point *end = &hull->points[hull->count++];
+		*end = *last;
+		end->vertices = to;
+		end->alike_slope = end->open_slope = 0;
+	}
 }
 
 double lod_hull_position(const struct lod_hull *hull, double lambda, double near)

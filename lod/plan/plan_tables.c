@@ -168,18 +168,38 @@ struct hulls {                       /* of one ladder, while they are made */
 	struct lod_hull_point points[2][LOD_HULL_POINTS_MAX];
 };
 
+/* Keeps the points that are on the hull of some size and weight, and the last. */
+static void keep_used(struct lod_hull *hull)
+{
+	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
+	bool used[LOD_HULL_POINTS_MAX] = { [0] = true };
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < 2 * ECO_SEEN_SIZES; i++) {
+		struct lod_hull one = { points, hull->count, i % 2 ? 1 : LOD_OPEN_LEAST, i / 2, ECO_NONE };
+		memcpy(points, hull->points, hull->count * sizeof *points);
+		for (uint32_t k = 0; k < hull->count; k++)
+			lod_hull_set_size(&points[k], one.size);
+		lod_hull_reduce(&one, LOD_HULL_SLOPE_RATIO);
+		for (uint32_t k = 0, on = 0; k < hull->count && on < one.count; k++)
+			if (hull->points[k].vertices == points[on].vertices) {
+				used[k] = true;
+				on++;
+			}
+	}
+	used[hull->count - 1] = true;
+	for (uint32_t k = 0; k < hull->count; k++)
+		if (used[k])
+			hull->points[kept++] = hull->points[k];
+	hull->count = kept;
+}
+
 static void make_hull(struct hulls *hulls, int beside, const struct lod_way *way, uint64_t from, uint64_t to)
 {
 	struct lod_hull *hull = &hulls->hull[beside];
-	*hull = (struct lod_hull){ hulls->points[beside], 0, LOD_FP_WEIGHT_LEAST, beside ? INFINITY : 0,
-		ECO_NONE };
-	hull->count = lod_hull_sample(hull->points, way, from, to, hull->slack);
-	if (way->ladder->flags & ECO_LADDER_WHOLE)
-		return;
-	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
-	hull->fp_weight = 1;
-	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
-	lod_hull_complete(hull, to);
+	*hull = (struct lod_hull){ hulls->points[beside], 0, 1, 0, ECO_NONE };
+	hull->count = lod_hull_sample(hull->points, way, from, to, hull->size);
+	if (!(way->ladder->flags & ECO_LADDER_WHOLE))
+		keep_used(hull);
 }
 
 static void hulls_of(const struct eco_scene *scene, const struct lod_way *way, struct hulls *hulls)

@@ -36,8 +36,7 @@
 #define SPARE_NEXT 0.25          /* ... so much of that, at so many prices */
 #define SPARE_PRICES 2
 #define SPARE_WRONG 0.005        /* missed is no more than this share of what is wrong before, ... */
-#define SPARE_PIXELS 0.0002      /* ... or of the plants' pixels, ... */
-#define SPARE_Q 0.001            /* ... and no more of Q */
+#define SPARE_PIXELS 0.0002      /* ... or of the plants' pixels */
 #define SPARE_VERTEX 8.0         /* bytes that a vertex is worth, at most: else lists that save vertices go */
 #define SPARE_LAMBDAS 4          /* tried for each price: ... */
 #define SPARE_LAMBDA 0.95        /* ... so many times that of the answer before, ... */
@@ -474,22 +473,21 @@ static enum eco_code fill_spared(const struct lod_lambda_search *s, double price
 }
 
 /* Sum of entries. */
-struct outcome { double wrong, q; uint64_t bytes; };
+struct outcome { double wrong; uint64_t bytes; };
 
 static bool hardly_misses(const struct lod_planner *p, const struct outcome *before, double price,
 	double pixels)
 {
 	double more = p->wrong - before->wrong;
 	return p->bytes < before->bytes && more <= price * (double)(before->bytes - p->bytes)
-		&& more <= fmax(SPARE_WRONG * before->wrong, SPARE_PIXELS * pixels)
-		&& p->q >= before->q - SPARE_Q;
+		&& more <= fmax(SPARE_WRONG * before->wrong, SPARE_PIXELS * pixels);
 }
 
 enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
-	const struct outcome before = { p->wrong, p->q, p->bytes };
+	const struct outcome before = { p->wrong, p->bytes };
 	const uint64_t cheapest = p->cheapest, vertices = p->vertices;
 	const double pixels = m->tile_choices[0].pixels,
 		lambda = SPARE_LAMBDA * (p->fill_lambda > 0 ? p->fill_lambda : s->lambda);

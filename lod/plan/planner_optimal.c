@@ -125,7 +125,7 @@ static enum eco_code evaluate(struct lod_lambda_search *s, int at, const struct 
 	lod_allocation_relax(m, lod_lambda_at(index_of(s, at)));
 	result->outcome.vertices = within(m->cost.vertices, before->outcome.vertices,
 		after->outcome.vertices);
-	result->outcome.wrong = within(m->cost.fp + m->cost.fn + m->cost.detail, after->outcome.wrong,
+	result->outcome.wrong = within(m->cost.alike + m->cost.open, after->outcome.wrong,
 		before->outcome.wrong);
 	if (predicts)
 		code = lod_allocation_predict(m, &result->prediction, error);
@@ -277,13 +277,6 @@ static bool is_small(const struct lod_allocation *m)
 		&& m->p->visible.node_count < SMALL_SCENE;
 }
 
-/* For lod_planner.q. */
-static double q_of(const struct lod_allocation *m, const struct lod_fill *fill)
-{
-	double pixels = m->tile_choices[0].pixels;
-	return pixels > 0 ? lod_hull_q(fill->fp / pixels, (fill->fn + closed_wrong(m)) / pixels) : 1;
-}
-
 /* Entries for the structure of a lambda. */
 enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error)
@@ -304,7 +297,6 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 		lod_explain_tiles(&fill);
 	m->p->cheapest = fill.cheapest;
 	m->p->wrong = fill.wrong + closed_wrong(m) + (m->price > 0 && !m->spares ? lod_prices_lost(m) : 0);
-	m->p->q = q_of(m, &fill);
 	m->p->fill_lambda = fill.lambda;
 	lod_fill_free(&fill);
 	return code;
@@ -346,19 +338,16 @@ static double lambda_of_rules(const struct lod_lambda_search *s, uint64_t budget
 
 struct best { double wrong, lambda; }; /* the best fill so far */
 
-enum aim { AIM_WRONG, AIM_Q };           /* less is wrong, or Q is higher; best.wrong is 1 - Q then */
-
 /* Fills the budget for a lambda and the slots' whole_rule. Returns whether it is better than the best fill so
  * far, and sets that. */
-static bool improves(const struct lod_lambda_search *s, double lambda, uint64_t budget, enum aim aim,
+static bool improves(const struct lod_lambda_search *s, double lambda, uint64_t budget,
 	struct best *best, enum eco_code *code, struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
 	*code = lod_search_fill(s, lambda, budget, error);
-	double wrong = aim == AIM_Q ? 1 - p->q : p->wrong;
-	if (*code || !(wrong < best->wrong))
+	if (*code || !(p->wrong < best->wrong))
 		return false;
-	*best = (struct best){ wrong, lambda };
+	*best = (struct best){ p->wrong, lambda };
 	return true;
 }
 
@@ -395,7 +384,7 @@ static enum eco_code toggle_slots(const struct lod_lambda_search *s, uint64_t bu
 			choice->whole_rule = choice->best_rule == LOD_WHOLE_ALL ? LOD_WHOLE_NONE
 				: LOD_WHOLE_ALL;
 			lod_allocation_unsettle(m, i);
-			if (improves(s, lambda_of_rules(s, budget), budget, AIM_Q, best, &code, error)) {
+			if (improves(s, lambda_of_rules(s, budget), budget, best, &code, error)) {
 				set_rules(m, RULES_KEEP);
 				better = true;
 			}
@@ -406,19 +395,19 @@ static enum eco_code toggle_slots(const struct lod_lambda_search *s, uint64_t bu
 
 /* With few plants in view, lambda may be far from the best choice for one of them between a ladder for the
  * whole plant and its organs. Therefore all slots, and none, draw it too; in small scenes each slot is tried
- * the other way round. The plan with the highest Q is kept. */
+ * the other way round. The plan that leaves least wrong is kept. */
 static enum eco_code try_whole(const struct lod_lambda_search *s, double *lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
-	double before = 1 - m->p->q;
+	double before = m->p->wrong;
 	struct best best = { before, *lambda };
 	enum eco_code code = ECO_OK;
 	set_rules(m, RULES_AS_FILLED);
 	set_rules(m, RULES_KEEP);
 	for (enum rules rules = RULES_ALL; rules <= RULES_NONE && !code && !is_enough(s); rules++) {
 		set_rules(m, rules);
-		if (improves(s, lambda_of_rules(s, budget), budget, AIM_Q, &best, &code, error))
+		if (improves(s, lambda_of_rules(s, budget), budget, &best, &code, error))
 			set_rules(m, RULES_KEEP);
 	}
 	if (!code && is_small(m))
@@ -440,7 +429,7 @@ static enum eco_code lower_whole(const struct lod_lambda_search *s, double *lamb
 	enum eco_code code = ECO_OK;
 	for (int i = 0; i < LOWER_TRIES && !code && !is_enough(s); i++) {
 		tried = low < high ? sqrt(low * high) : high / LOWER_FACTOR;
-		improves(s, tried, budget, AIM_WRONG, &best, &code, error);
+		improves(s, tried, budget, &best, &code, error);
 		if (ends_whole(p)) {
 			low = low < high ? low : tried;
 			high = tried;

@@ -45,9 +45,6 @@ struct lod_planner {
 	bool converged;              /* as in lod_planner_stats */
 	double wrong;                /* lod_rule_optimal: the objective that the entries reach */
 	double fill_lambda;          /* the same: what their last vertices saved; 0: everything fits */
-	double q;                    /* the same: Q of the pixels seen of all plants, by which few plants
-	                              * choose between organs and splats; errors count as in lod_hull_more,
-	                              * and twice where nothing is drawn */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
 	uint64_t work;               /* as in lod_planner_stats, without ... */
 	uint64_t explaining;         /* ... that of explanations, which changes no plan */

@@ -132,7 +132,7 @@ void lod_uses_sum_cells(struct lod_allocation *m)
 
 static bool is_same(const struct lod_cost *a, const struct lod_cost *b)
 {
-	return a->fp == b->fp && a->fn == b->fn && a->detail == b->detail && a->vertices == b->vertices;
+	return a->alike == b->alike && a->open == b->open && a->vertices == b->vertices;
 }
 
 /* Another `near` draws more or fewer of a plant's cells, which stand in the plant's tiles. Returns uses passed. */
@@ -158,9 +158,9 @@ void lod_uses_set_each(struct lod_allocation *m)
 			far = 1 - near;
 		struct lod_cost cost = { 0 };
 		if (near > 0)
-			lod_cost_add(&cost, &choice->cost[1], choice->fp_weight, near, near);
+			lod_cost_add(&cost, &choice->cost[1], choice->open, near, near);
 		if (far > 0)
-			lod_cost_add(&cost, &choice->cost[0], choice->fp_weight, far, far);
+			lod_cost_add(&cost, &choice->cost[0], choice->open, far, far);
 		looks += set_each(&m->uses, s, near, &cost);
 	}
 	lod_planner_work(m->p, LOD_WORK_TALLY * looks);
@@ -174,14 +174,12 @@ static struct lod_cost sum_own(const struct lod_allocation *m, uint32_t n)
 		const struct lod_use *use = &m->uses.items[i];
 		double count = use->whole == use->slot ? use->count : use->count * m->uses.near[use->whole];
 		const struct lod_cost *each = &m->uses.each[use->slot];
-		sum.fp += count * each->fp;
-		sum.fn += count * each->fn;
-		sum.detail += count * each->detail;
+		sum.alike += count * each->alike;
+		sum.open += count * each->open;
 		sum.vertices += count * each->vertices;
 	}
-	sum.fp *= factor;
-	sum.fn *= factor;
-	sum.detail *= factor;
+	sum.alike *= factor;
+	sum.open *= factor;
 	return sum;
 }
 

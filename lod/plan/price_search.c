@@ -45,7 +45,7 @@ double lod_price_relax(struct lod_allocation *m, double lambda, const struct lod
 
 double lod_price_wrong(const struct lod_allocation *m)
 {
-	return m->cost.fp + m->cost.fn + m->cost.detail + lod_prices_lost(m);
+	return m->cost.alike + m->cost.open + lod_prices_lost(m);
 }
 
 static bool is_priced(const struct lod_allocation *m)

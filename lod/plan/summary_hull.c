@@ -113,12 +113,8 @@ static struct lod_hull_point at_scale(const struct lod_summary_hull *summary, ui
 	double n = summary->part * (double)vertices;
 	view.area *= scale;
 	struct eco_curve curve = summary_curve(&view, n);
-	sample.fp = summary->pixels * curve.fp + summary_outside(&view, n);
-	/* a crown that no splat covers is absent */
-	sample.fn = summary->pixels * LOD_OWNER_WEIGHT * (1 - curve.fn) + curve.fn;
-	sample.octaves = (float)lod_octaves(view.area / n);
-	lod_hull_set_detail(&sample, 0, LOD_DETAIL_MOST_WHOLE);
-	sample.detail *= summary->pixels;
+	sample.open = summary->pixels * curve.fp + summary_outside(&view, n);
+	sample.alike = summary->pixels * LOD_OWNER_WEIGHT * (1 - curve.fn) + curve.fn;
 	return sample;
 }
 
@@ -157,7 +153,7 @@ static void evaluate(struct lod_summary_hull *summary, uint32_t i)
 static void make_hull(struct lod_summary_hull *summary)
 {
 	struct lod_hull *hull = &summary->hull;
-	hull->points[0] = (struct lod_hull_point){ .fn = 1 };
+	hull->points[0] = (struct lod_hull_point){ .alike = 1 };
 	hull->count = 1;
 	for (uint32_t i = 0; i < summary->count; i++)
 		if (is_evaluated(summary, i))
@@ -166,12 +162,12 @@ static void make_hull(struct lod_summary_hull *summary)
 }
 
 void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_summary_view *view,
-	double part, double pixels, double fp_weight, struct lod_hull_point *room, uint64_t *gains)
+	double part, double pixels, double open, struct lod_hull_point *room, uint64_t *gains)
 {
 	uint32_t count = lod_summary_hull_count(view->points);
 	*summary = (struct lod_summary_hull){ .view = *view, .part = part, .pixels = pixels, .samples = room,
 		.count = count,
-		.hull = { .points = room + count, .count = 1, .fp_weight = fp_weight },
+		.hull = { .points = room + count, .count = 1, .open = open },
 		.gains = gains };
 	summary->view.crowded = summary_crowded(view);
 	evaluate(summary, count - 1);

@@ -6,15 +6,15 @@
  * left alone (branch and bound). For most tiles two or three samples show that the summary does not pay at
  * lambda, or that the plants beat it whatever it saves.
  *
- *   lod_summary_hull_begin(&summary, &view, part, pixels, fp_weight, room, &gains)
+ *   lod_summary_hull_begin(&summary, &view, part, pixels, open, room, &gains)
  *   while (lod_summary_hull_gain_bound(&summary, lambda) > enough
  *                   && lod_summary_hull_refine(&summary, lambda))
  *           ;                                     summary.hull at lambda is that of all samples
  *   lod_summary_hull_complete(&summary)           at every lambda
  *
  * Errors are over the tile's weight_px, and lambda is divided by it. A pixel that a splat covers belongs to
- * the wrong plant (lod/plan/visibility.h), so fn is LOD_OWNER_WEIGHT for covered pixels and 1 for missed
- * ones, times `pixels`. Detail is what splats wider than a pixel lose. */
+ * the wrong plant (lod/plan/visibility.h), so the error before like plants is LOD_OWNER_WEIGHT for covered pixels,
+ * times `pixels`, and 1 for missed ones. */
 #ifndef LOD_SUMMARY_HULL_H
 #define LOD_SUMMARY_HULL_H
 
@@ -41,8 +41,7 @@ struct lod_summary_view {
 struct lod_summary_hull {
 	struct lod_summary_view view;
 	double part;                 /* share of its points that belong to plants in view */
-	double pixels;               /* pixels seen over weight_px, the rest is LOD_ABSENT_WEIGHT's: above 0,
-	                              * at most 1 */
+	double pixels;               /* pixels seen over weight_px: above 0, at most 1 */
 	struct lod_hull_point *samples;  uint32_t count; /* without the empty one; in ascending vertices */
 	uint32_t evaluated;          /* bit i: samples[i] is set; the last always is */
 	/* of those, by how many come after: read at each lambda, so they lie together */
@@ -58,7 +57,7 @@ double lod_summary_hull_scale(const struct lod_summary_hull *summary, uint64_t v
 uint32_t lod_summary_hull_count(double points);
 /* `room` holds 2 * lod_summary_hull_count(view->points) + 1 hull points; the caller's, like `gains`. */
 void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_summary_view *view,
-	double part, double pixels, double fp_weight, struct lod_hull_point *room, uint64_t *gains);
+	double part, double pixels, double open, struct lod_hull_point *room, uint64_t *gains);
 
 /* Upper bound of what the summary saves at lambda: error saved less lambda * vertices. */
 double lod_summary_hull_gain_bound(const struct lod_summary_hull *summary, double lambda);

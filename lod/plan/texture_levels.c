@@ -126,6 +126,7 @@ enum eco_code lod_plan_textures(struct eco_plan *plan, const struct lod_planner 
 
 /* ---- Levels of impostors ---- */
 
+#define LOD_IMPOSTOR_SIZE 1u             /* of eco_seen: what most plants are that an impostor shows */
 #define WORTH 0.1
 #define WORTH_LAST 0.15
 static double worth_least(uint32_t level)
@@ -166,7 +167,7 @@ uint32_t lod_impostor_of_slot(const struct lod_allocation *m, const struct lod_s
 static double level_error(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t level)
 {
 	const struct eco_curve *sample = &scene->curves[ladder->curve_first + level];
-	return (double)sample->fp + (double)sample->fn;
+	return lod_seen_worth(&sample->seen, LOD_IMPOSTOR_SIZE);
 }
 
 /* `seen`: pixels of all plants of that kind. */

@@ -47,7 +47,7 @@ static double error_at(const struct lod_candidate *candidate, uint64_t vertices)
 	const struct lod_hull *hull = candidate->hull;
 	uint32_t i = 0;
 	if (candidate->ladder_choice != ECO_NONE && vertices > hull->points->vertices) {
-		struct lod_hull_point point = lod_hull_point_at(way_of(candidate), vertices, hull->slack,
+		struct lod_hull_point point = lod_hull_point_at(way_of(candidate), vertices, hull->size,
 			hull->impostor);
 		return lod_hull_error(hull, &point);
 	}

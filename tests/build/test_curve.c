@@ -137,6 +137,28 @@ UNIT_TEST(the_scale_is_better_than_its_neighbours)
 	finish();
 }
 
+static double seen_of(const struct eco_seen *seen, uint32_t size)
+{
+	return ECO_SEEN_UNIT * (seen->color[size][1] + 0.5 * seen->contrast[size][1]);
+}
+
+/* Errors that are seen are those of a missing crown at first, fall, and are none at full detail. */
+UNIT_TEST(what_is_seen_falls_from_nothing_to_full_detail)
+{
+	make_crown(2000, 0.2);
+	measure(&quick);
+	const struct eco_ladder *ladder = &plant.ladders[0];
+	const struct eco_curve *curve = &plant.curves[ladder->curve_first];
+	for (uint32_t size = 0; size < ECO_SEEN_SIZES; size++) {
+		double nothing = seen_of(&ladder->nothing, size);
+		assert_true(nothing > 10);
+		for (uint32_t quarter = ladder->curve_count / 4, i = quarter; i + quarter < ladder->curve_count; i += quarter)
+			assert_true(seen_of(&curve[i + quarter].seen, size) < 0.8 * seen_of(&curve[i].seen, size));
+		assert_true(seen_of(&curve[ladder->curve_count - 1].seen, size) < 0.01 * nothing);
+	}
+	finish();
+}
+
 /* Greatest difference between the errors of the curve and of drawings at its samples and between them, from
  * GAP_LEAST vertices on. */
 static double curve_gap(uint32_t views)

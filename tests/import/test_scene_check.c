@@ -193,8 +193,8 @@ static void make_splats(struct scene_builder *l)
 	wood.triangles = WOOD;
 	scene_add_ladder(l, whole);
 	scene_add_ladder(l, wood);
-	scene_add_curve(l, (struct eco_curve){ 0.1f, 1, 1, 0.5f, 0.5f });
-	scene_add_curve(l, (struct eco_curve){ 1, 1, 1, 0.1f, 0.1f });
+	scene_add_curve(l, (struct eco_curve)SCENE_CURVE(0.1f, 1, 1, 0.5f, 0.5f));
+	scene_add_curve(l, (struct eco_curve)SCENE_CURVE(1, 1, 1, 0.1f, 0.1f));
 	scene_add_tile(l, (struct eco_tile){ .summary = ECO_NONE });
 }
 

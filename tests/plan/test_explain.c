@@ -105,7 +105,7 @@ UNIT_TEST(rows_add_up_to_the_plan)
 		print_message("          %s: %llu\n", lod_why_names[w], (unsigned long long)seen[w]);
 	assert_true(seen[LOD_WHY_STEP] && seen[LOD_WHY_LEFT_OVER] && seen[LOD_WHY_ALL]
 		&& seen[LOD_WHY_DISTANCE] && seen[LOD_WHY_PLANTS]);
-	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_PART] && seen[LOD_WHY_WHOLE]);
+	assert_true(seen[LOD_WHY_PART] && seen[LOD_WHY_WHOLE]);
 }
 
 /* In a scene whose tiles are all open: of each plant by its distance. */

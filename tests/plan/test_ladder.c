@@ -232,8 +232,8 @@ UNIT_TEST(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms)
 			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
 			.simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 2) };
 		for (uint32_t i = 0; i < 5; i++)
-			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1,
-				(float)random_real(&scene, 0, 1), 0.1f, 0.1f };
+			scene.curves[i] = (struct eco_curve)SCENE_CURVE(0.02f * (float)(1 << i), 1,
+				(float)random_real(&scene, 0, 1), 0.1f, 0.1f);
 		uint64_t full = way_of(&ladder)->full, next = 0, steps = 0;
 		for (uint64_t asked = 1; asked <= full + 3; asked++) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
@@ -258,8 +258,8 @@ UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
 	struct eco_ladder ladder = points_and_fans(k, 4);
 	ladder.before = 100;
 	ladder.total = 100 + k;
-	struct eco_curve samples[] = { { 0.01f, 1, 0.05f, 0.5f, 0.5f }, { 0.05f, 1, 0.25f, 0.4f, 0.4f },
-		{ 0.2f, 1, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	struct eco_curve samples[] = { SCENE_CURVE(0.01f, 1, 0.05f, 0.5f, 0.5f), SCENE_CURVE(0.05f, 1, 0.25f, 0.4f, 0.4f),
+		SCENE_CURVE(0.2f, 1, 1, 0.2f, 0.2f), SCENE_CURVE(1, 1, 1, 0, 0) };
 	set_curve(&ladder, samples, 4);
 	assert_int_equal(lod_way_vertices(way_of(&ladder), 0.05f), 0);
 	assert_float_equal(lod_way_share(way_of(&ladder), 0), 0.05, 1e-6);
@@ -279,8 +279,8 @@ UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
 UNIT_TEST(from_above_scales_and_errors_turn_into_those_of_the_other_curve)
 {
 	random_scene_make(&scene, 5, 0);
-	struct eco_curve samples[] = { { 0.1f, 2, 0.5f, 0.2f, 0.4f }, { 1, 1, 1, 0, 0 },
-		{ 0.1f, 3, 0.5f, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	struct eco_curve samples[] = { SCENE_CURVE(0.1f, 2, 0.5f, 0.2f, 0.4f), SCENE_CURVE(1, 1, 1, 0, 0),
+		SCENE_CURVE(0.1f, 3, 0.5f, 0.1f, 0.2f), SCENE_CURVE(1, 1, 1, 0, 0) };
 	memcpy(scene.curves, samples, sizeof samples);
 	struct eco_ladder ladder = { .curve_first = 0, .curve_count = 2, .flags = ECO_LADDER_ABOVE };
 	struct { double below, distance, scale, fp, fn; } rows[] =

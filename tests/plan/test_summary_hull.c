@@ -41,7 +41,7 @@ static void begin(struct pair *pair, uint64_t *state)
 	for (uint32_t i = 1; i < pair->all.count; i++)
 		pair->falls = pair->falls && lod_hull_error(&pair->all.hull, &pair->all.samples[i])
 			<= lod_hull_error(&pair->all.hull, &pair->all.samples[i - 1])
-			&& pair->all.samples[i].fn <= pair->all.samples[i - 1].fn;
+			&& pair->all.samples[i].alike <= pair->all.samples[i - 1].alike;
 }
 
 /* Error left at a lambda, and the vertices. */
@@ -50,14 +50,14 @@ static struct lod_hull_point bought(const struct lod_summary_hull *points, doubl
 	double position = lod_hull_position(&points->hull, lambda, 0), part = position - floor(position);
 	const struct lod_hull_point *a = &points->hull.points[(uint32_t)position], *b = part > 0 ? a + 1 : a;
 	double wrong = lod_hull_error(&points->hull, a), next = lod_hull_error(&points->hull, b);
-	return (struct lod_hull_point){ .fn = wrong + part * (next - wrong),
-		.fn_slope = (double)a->vertices + part * (double)(b->vertices - a->vertices) };
+	return (struct lod_hull_point){ .alike = wrong + part * (next - wrong),
+		.alike_slope = (double)a->vertices + part * (double)(b->vertices - a->vertices) };
 }
 
 static double saved(const struct lod_summary_hull *points, double lambda)
 {
 	struct lod_hull_point point = bought(points, lambda);
-	return 1 - point.fn - lambda * point.fn_slope;
+	return 1 - point.alike - lambda * point.alike_slope;
 }
 
 static double random_lambda(uint64_t *state) { return exp2(random_real(state, -24, 2)); }
@@ -76,7 +76,7 @@ UNIT_TEST(what_is_asked_for_is_what_all_points_give)
 				;
 			struct lod_hull_point a = bought(&pair.asked, lambda), b = bought(&pair.all, lambda);
 			if (pair.falls)
-				assert_true(fabs(a.fn - b.fn) < 1e-9 && fabs(a.fn_slope - b.fn_slope) < 1e-6);
+				assert_true(fabs(a.alike - b.alike) < 1e-9 && fabs(a.alike_slope - b.alike_slope) < 1e-6);
 			else
 				assert_true(saved(&pair.asked, lambda) > saved(&pair.all, lambda) - 0.05);
 			assert_true(lod_summary_hull_gain_bound(&pair.asked, lambda)

@@ -43,15 +43,27 @@ uint32_t scene_add_anchor(struct scene_builder *b, struct eco_anchor row)
 uint32_t scene_add_ladder(struct scene_builder *b, struct eco_ladder row)
 {
 	b->plants[row.plant].ladder_count++;
+	row.nothing = row.nothing.color[0][0] ? row.nothing : scene_seen(0, 2);
 	return ADD(ladders, ladder_count, row);
 }
 
-const struct eco_curve scene_falling[5] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f },
-	{ 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
-	{ 0.3f, 1, 0.8f, 0.08f, 0.09f }, { 1, 1, 1, 0, 0 } };
+const struct eco_curve scene_falling[5] = { SCENE_CURVE(0.002f, 1, 0.005f, 0.45f, 0.6f),
+	SCENE_CURVE(0.02f, 1, 0.05f, 0.3f, 0.4f), SCENE_CURVE(0.1f, 1, 0.3f, 0.2f, 0.2f),
+	SCENE_CURVE(0.3f, 1, 0.8f, 0.08f, 0.09f), SCENE_CURVE(1, 1, 1, 0, 0) };
+
+struct eco_seen scene_seen(double fp, double fn)
+{
+	struct eco_seen seen = { .contrast = { { 0, 0 } } };
+	for (uint32_t size = 0; size < ECO_SEEN_SIZES; size++) {
+		seen.color[size][0] = (uint16_t)(20 / ECO_SEEN_UNIT * fn);
+		seen.color[size][1] = (uint16_t)(20 / ECO_SEEN_UNIT * (fp + fn));
+	}
+	return seen;
+}
 
 uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row)
 {
+	row.seen = scene_seen((double)row.fp, (double)row.fn);
 	return ADD(curves, curve_count, row);
 }
 

@@ -52,7 +52,12 @@ uint32_t scene_add_plant(struct scene_builder *b, struct eco_plant row);
 uint32_t scene_add_anchor(struct scene_builder *b, struct eco_anchor row);
 uint32_t scene_add_ladder(struct scene_builder *b, struct eco_ladder row);
 /* A curve whose errors fall the less, the more is drawn. */
+#define SCENE_CURVE(share_, scale_, reach_, fp_, fn_) \
+	{ .share = (share_), .scale = (scale_), .reach = (reach_), .fp = (fp_), .fn = (fn_) }
 extern const struct eco_curve scene_falling[5];
+/* Errors of colour as of wrong pixels (LOD_SEEN_COLOR): before like plants of those that are missed, before ground and sky of all.
+ * Rows get them from fp and fn; where nothing of a ladder is drawn it counts twice. */
+struct eco_seen scene_seen(double fp, double fn);
 uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row);
 uint32_t scene_add_tile(struct scene_builder *b, struct eco_tile row);
 /* Without a count: all of its list. */

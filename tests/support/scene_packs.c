@@ -90,8 +90,8 @@ static void sample_ladder(struct scene_builder *b, uint32_t plant, enum eco_orga
 static void sample_tables(struct scene_builder *b, bool plain)
 {
 	static const uint8_t palette[2][3] = { { 30, 90, 30 }, { 90, 60, 30 } };
-	static const struct eco_curve curves[] = { { .01f, 1, .01f, .3f, .3f }, { .1f, 1, .1f, .2f, .2f },
-		{ 1, 1, 1, 0, 0 } };
+	static const struct eco_curve curves[] = { SCENE_CURVE(.01f, 1, .01f, .3f, .3f), SCENE_CURVE(.1f, 1, .1f, .2f, .2f),
+		SCENE_CURVE(1, 1, 1, 0, 0) };
 	const uint32_t bush = plain ? 3 : 4, none = ECO_NONE;
 	scene_add_colors(b, palette, 2);
 	for (int i = 0; i < 3; i++)
@@ -306,7 +306,7 @@ static void small_ladder(struct scene_builder *b, uint32_t anchor, struct eco_la
 static void small_plant(struct scene_builder *b)
 {
 	static const struct eco_curve curves[] =
-		{ { 0.1f, 2, 0.1f, 0.5f, 0.5f }, { 0.3f, 1.5f, 0.3f, 0.2f, 0.3f }, { 1, 1, 1, 0, 0 } };
+		{ SCENE_CURVE(0.1f, 2, 0.1f, 0.5f, 0.5f), SCENE_CURVE(0.3f, 1.5f, 0.3f, 0.2f, 0.3f), SCENE_CURVE(1, 1, 1, 0, 0) };
 	const uint32_t none = ECO_NONE;
 	for (int i = 0; i < 3; i++)
 		scene_add_curve(b, curves[i]);

@@ -82,7 +82,7 @@ static void add_curve(struct scene_builder *b, struct eco_ladder *ladder)
 		float share = shares[i];
 		reach = i == 3 ? 1 : reach + (1 - reach) * (float)random_real(b, 0, 0.8);
 		scene_add_curve(b,
-			(struct eco_curve){ share, 1, reach, 0.4f * (1 - share), 0.4f * (1 - share) });
+			(struct eco_curve)SCENE_CURVE(share, 1, reach, 0.4f * (1 - share), 0.4f * (1 - share)));
 	}
 	for (uint32_t i = 0; i < 4; i++) {
 		struct eco_curve above = b->curves[ladder->curve_first + i];
@@ -146,8 +146,8 @@ static void add_impostor(struct scene_builder *b, struct eco_ladder *l, uint32_t
 	float error = (float)random_real(b, 0.1, 0.5);
 	l->impostor = add_list(b, ECO_LIST_IMPOSTOR, levels, l->plant);
 	for (uint32_t i = 0; i < levels; i++, error *= 0.8f)
-		scene_add_curve(b, (struct eco_curve){ (float)((i + 1.0) / levels / full), 1, 1, error,
-			error });
+		scene_add_curve(b, (struct eco_curve)SCENE_CURVE((float)((i + 1.0) / levels / full), 1, 1, error,
+			error));
 	l->curve_count += levels;
 }
 
@@ -178,8 +178,8 @@ static void add_splats(struct scene_builder *b, const struct random_sizes *sizes
 			l.curve_count--;
 			continue;
 		}
-		scene_add_curve(b, (struct eco_curve){ ldexpf(1, i - 10), 1, 1,
-			error * (1 - trade * (float)i), error * (1 + trade * (float)i) });
+		scene_add_curve(b, (struct eco_curve)SCENE_CURVE(ldexpf(1, i - 10), 1, 1,
+			error * (1 - trade * (float)i), error * (1 + trade * (float)i)));
 	}
 	scene_add_ladder(b, l);
 }
@@ -389,8 +389,8 @@ void random_stand_make(struct scene_builder *b, const struct random_stand *stand
 	leaves.curve_first = b->scene.curve_count;
 	leaves.curve_count = 4;
 	for (int i = 0; i < 4; i++)
-		scene_add_curve(b, (struct eco_curve){ stand->shares[i], 1, stand->shares[i], stand->errors[i],
-			stand->errors[i] });
+		scene_add_curve(b, (struct eco_curve)SCENE_CURVE(stand->shares[i], 1, stand->shares[i], stand->errors[i],
+			stand->errors[i]));
 	scene_add_ladder(b, leaves);
 	if (!stand->splats)
 		return;
@@ -402,8 +402,8 @@ void random_stand_make(struct scene_builder *b, const struct random_stand *stand
 	splats.curve_first = b->scene.curve_count;
 	splats.curve_count = 2;
 	for (int i = 0; i < 2; i++)
-		scene_add_curve(b, (struct eco_curve){ i ? 1 : 1.0f / (float)stand->splats, 1, 1,
-			stand->splat_errors[i][0], stand->splat_errors[i][1] });
+		scene_add_curve(b, (struct eco_curve)SCENE_CURVE(i ? 1 : 1.0f / (float)stand->splats, 1, 1,
+			stand->splat_errors[i][0], stand->splat_errors[i][1]));
 	scene_add_ladder(b, splats);
 }
 

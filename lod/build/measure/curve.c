@@ -7,10 +7,14 @@
  * tried, and the chosen sequence has the least total loss without dropping or coarsening an element (dynamic
  * programming). Ladders of cells share the curve of the whole.
  *
+ * When all curves are there the errors that are seen are measured of one sample of three (seen.h): of an organ among
+ * the others, of a ladder for the whole plant alone. Others lie between.
+ *
  * Scales are smoothed over neighbouring shares, and errors made non-increasing (pool adjacent violators). All is
  * +, -, *, / and sqrt in fixed order: the same curves on every machine. */
 #include "ecofiles/base/memory.h"
 #include "lod/build/measure/curve_ways.h"
+#include "lod/build/measure/seen.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +28,8 @@
 #define SAMPLES_DRAFT 14u
 #define VIEWS_DRAFT 6u
 #define PIXELS_DRAFT 96u
+#define SEEN_EVERY 3u                /* samples between: errors that are seen are measured of one of so many */
+#define SEEN_VIEWS_FEW 3u            /* of drafts */
 
 /* ---- Shares ---- */
 
@@ -152,7 +158,8 @@ static void make_monotone(struct lod_curve_organ *curve)
 
 /* ---- One curve ---- */
 
-static bool keep_reference(struct lod_curve_organ *curve)
+/* Full detail of what the curve is measured against, as the probe's drawings. */
+static void draw_reference(const struct lod_curve_organ *curve)
 {
 	const struct lod_plant *plant = curve->probe->plant;
 	const struct eco_ladder *first = lod_curve_member(curve, 0);
@@ -166,7 +173,6 @@ static bool keep_reference(struct lod_curve_organ *curve)
 	}
 	if (!curve->far_only && !curve->whole)
 		lod_curve_draw(curve, 1, 1, 0);
-	return lod_probe_keep(curve->probe);
 }
 
 /* Progress of the whole: `done` of `all` samples. */
@@ -243,7 +249,8 @@ static bool measure_scales(struct lod_curve_organ *curve, struct progress *progr
 /* A curve from all around, which also decides reaches; or, after it, the curve from above. */
 static bool measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress)
 {
-	if (!keep_reference(curve))
+	draw_reference(curve);
+	if (!lod_probe_keep(curve->probe))
 		curve->sample_count = 0;
 	if (!(above ? measure_scales : measure_ways)(curve, progress))
 		return false;
@@ -394,6 +401,94 @@ static bool measure_both(struct lod_plant *plant, struct lod_curve_organ *curve,
 	return true;
 }
 
+/* Full detail of what an organ is seen among: leaves before wood, and wood behind leaves. Leaves of other textures
+ * would hide what is wrong with these, though all of them are coarse together. */
+static void draw_others(const struct lod_curve_organ *curve)
+{
+	const struct lod_plant *plant = curve->probe->plant;
+	const struct eco_curve all = { .share = 1, .scale = 1, .reach = 1 };
+	bool wood = lod_curve_member(curve, 0)->organ == ECO_ORGAN_WOOD;
+	lod_probe_clear(curve->probe);
+	for (uint32_t i = 0; i < plant->ladder_count && !curve->whole; i++) {
+		const struct eco_ladder *ladder = &plant->ladders[i];
+		if (!(ladder->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE)) && (ladder->organ == ECO_ORGAN_WOOD) != wood)
+			lod_curve_add(curve, ladder, &all);
+	}
+}
+
+/* Sets the samples between two by their numbers, which are even in log share. */
+static void see_between(struct eco_curve *from, uint32_t count)
+{
+	for (uint32_t i = 1; i < count; i++)
+		for (uint32_t k = 0; k < 2 * ECO_SEEN_SIZES; k++) {
+			uint32_t size = k / 2, open = k % 2;
+			const struct eco_seen *a = &from->seen, *b = &from[count].seen;
+			from[i].seen.color[size][open] = (uint16_t)((a->color[size][open] * (count - i)
+				+ b->color[size][open] * i) / count);
+			from[i].seen.contrast[size][open] = (uint16_t)((a->contrast[size][open] * (count - i)
+				+ b->contrast[size][open] * i) / count);
+		}
+}
+
+/* Measures errors that are seen: of the samples of a curve, and of nothing. */
+static void see_curve(struct lod_seen *seen, struct lod_plant *plant, const struct lod_curve_organ *curve)
+{
+	const struct eco_ladder *first = lod_curve_member(curve, 0);
+	struct lod_probe *probe = curve->probe;
+	struct eco_seen nothing;
+	draw_others(curve);
+	lod_seen_back(seen);
+	draw_reference(curve);
+	lod_seen_keep(seen);
+	lod_probe_clear(probe);
+	lod_seen_compare(seen, &nothing);
+	for (uint32_t i = 0; i < curve->member_count; i++)
+		plant->ladders[curve->members[i]].nothing = nothing;
+	uint32_t levels = has_impostor(curve) ? plant->impostor_count : 0, last = 0;
+	for (uint32_t i = 0; i < first->curve_count; i++) {
+		struct eco_curve *sample = &plant->curves[first->curve_first + i];
+		struct lod_impostor impostor;
+		bool one = i < levels;
+		if (i > levels && i + 1 < first->curve_count && (i - levels) % SEEN_EVERY)
+			continue;
+		lod_probe_clear(probe);
+		if (one) {
+			lod_plant_open_impostor(&impostor, plant, i);
+			lod_probe_add_impostor(probe, &impostor);
+		} else
+			for (uint32_t k = 0; k < curve->member_count; k++)
+				lod_curve_add(curve, lod_curve_member(curve, k), sample);
+		lod_seen_compare(seen, &sample->seen);
+		if (one)
+			lod_impostor_close(&impostor);
+		if (i > last + 1)
+			see_between(sample - (i - last), i - last);
+		last = i;
+	}
+	lod_probe_clear(probe);
+}
+
+static void see_all(struct lod_plant *plant, struct lod_probe *probe, const struct lod_plant_options *options,
+	bool *done, uint32_t *members)
+{
+	struct lod_seen seen;
+	probe->colored = true;
+	bool few = options->draft || (options->views && options->views < LOD_SEEN_VIEWS_MAX);
+	lod_seen_init(&seen, probe, &(struct lod_seen_options){ few ? SEEN_VIEWS_FEW : LOD_SEEN_VIEWS_MAX,
+		few ? 256 : 512 });
+	memset(done, 0, plant->ladder_count * sizeof *done);
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
+		struct lod_curve_organ curve;
+		if (done[i])
+			continue;
+		gather(&curve, probe, i, options->draft, done, members);
+		if (lod_curve_member(&curve, 0)->curve_count)
+			see_curve(&seen, plant, &curve);
+	}
+	lod_seen_free(&seen);
+	probe->colored = false;
+}
+
 static bool measure_all(struct lod_plant *plant, struct lod_probe *probe, struct progress *progress, bool *done,
 	uint32_t *members)
 {
@@ -436,6 +531,8 @@ static enum eco_code measure_plant(struct lod_plant *plant, const struct eco_mod
 	bool *done = eco_alloc(plant->ladder_count + 1u, sizeof *done);
 	uint32_t *members = eco_alloc(plant->ladder_count + 1u, sizeof *members);
 	bool good = measure_all(plant, &probe, &progress, done, members);
+	if (good)
+		see_all(plant, &probe, options, done, members);
 	free(done);
 	free(members);
 	lod_probe_free(&probe);

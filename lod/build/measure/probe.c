@@ -15,39 +15,39 @@
 #define PIXELS_AT_ONCE (1u << 22)    /* of all pictures drawn at a time */
 #define SHARED_PRIMITIVES 8192u      /* fewer primitives are drawn faster than threads start */
 
-struct lod_drawing {                 /* one cut; `floats`: where its geometry begins in the probe's floats */
-	const struct eco_list *list;
-	uint32_t count;
-	size_t floats;
-	bool uv;
-	const struct eco_image *cutout;
-	const struct lod_mask *mask;
-	float area;
-};
-
 /* ---- Set-up ---- */
 
-/* Each view is a golden angle on from the last: a rotation, without libm. */
-void lod_probe_look(struct lod_probe *probe, double low, double high)
+/* An eye in direction (x, y) of the plane, at height z of the unit sphere. */
+static void set_eye(const struct lod_probe *probe, struct lod_eye *eye, double x, double y, double z, uint32_t pixels)
 {
-	double away = DISTANCE_RADII * probe->radius, x = 1, y = 0;
+	double away = DISTANCE_RADII * probe->radius, flat = sqrt(1 - z * z), from[3] = { flat * x, flat * y, z };
 	double half = FRAME * probe->radius / sqrt(away * away - probe->radius * probe->radius);
-	probe->near_m = away - 4 * probe->radius;
-	for (uint32_t i = 0; i < probe->views; i++) {
-		struct lod_eye *eye = &probe->eyes[i];
-		double z = low + (high - low) * (i + 0.5) / probe->views, flat = sqrt(1 - z * z),
-			from[3] = { flat * x, flat * y, z };
-		memset(eye, 0, sizeof *eye);
-		for (int k = 0; k < 3; k++) {
-			eye->at[k] = probe->center[k] + away * from[k];
-			eye->forward[k] = -from[k];
-		}
-		eye->right[0] = -y, eye->right[1] = x;
-		eye->up[0] = -z * x, eye->up[1] = -z * y, eye->up[2] = flat;
-		eye->tan_x = eye->tan_y = half;
-		eye->pixel_rad = 2 * half / probe->options.pixels;
+	memset(eye, 0, sizeof *eye);
+	for (int k = 0; k < 3; k++) {
+		eye->at[k] = probe->center[k] + away * from[k];
+		eye->forward[k] = -from[k];
+	}
+	eye->right[0] = -y, eye->right[1] = x;
+	eye->up[0] = -z * x, eye->up[1] = -z * y, eye->up[2] = flat;
+	eye->tan_x = eye->tan_y = half;
+	eye->pixel_rad = 2 * half / pixels;
+}
+
+/* Each view is a golden angle on from the last: a rotation, without libm. */
+void lod_probe_eyes(const struct lod_probe *probe, struct lod_eye *eyes, uint32_t count, uint32_t pixels, double low,
+	double high)
+{
+	double x = 1, y = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		set_eye(probe, &eyes[i], x, y, low + (high - low) * (i + 0.5) / count, pixels);
 		lod_turn_golden(&x, &y);
 	}
+}
+
+void lod_probe_look(struct lod_probe *probe, double low, double high)
+{
+	probe->near_m = (DISTANCE_RADII - 4) * probe->radius;
+	lod_probe_eyes(probe, probe->eyes, probe->views, probe->options.pixels, low, high);
 }
 
 static size_t view_pixels(const struct lod_probe *probe)
@@ -138,7 +138,7 @@ void lod_probe_clear(struct lod_probe *probe)
 {
 	probe->drawing_count = 0;
 	probe->float_count = 0;
-	probe->primitive_count = 0;
+	probe->primitive_count = probe->item_count = 0;
 	probe->impostor = NULL;
 }
 
@@ -162,39 +162,50 @@ void lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut)
 	const struct lod_list_draft *draft = &probe->plant->lists[cut->list];
 	const struct eco_list *list = &draft->list;
 	uint32_t count = cut->end - cut->first;
-	bool holes = list->image != ECO_NONE && (list->attributes & ECO_ATTR_UV) && probe->cut[list->image];
-	size_t floats = lod_geometry_floats(list, count, holes);
-	struct lod_geometry geometry = { .color = NULL };
+	bool holes = list->image != ECO_NONE && (list->attributes & ECO_ATTR_UV) && probe->cut[list->image],
+		uv = holes || (probe->colored && list->image != ECO_NONE && (list->attributes & ECO_ATTR_UV));
 	if (!count)
 		return;
-	reserve(probe, floats);
+	reserve(probe, lod_geometry_floats(list, count, uv) + (probe->colored ? count : 0));
 	struct lod_drawing *drawing = &probe->drawings[probe->drawing_count++];
-	*drawing = (struct lod_drawing){ .list = list, .floats = probe->float_count, .uv = holes,
+	*drawing = (struct lod_drawing){ .list = list, .floats = probe->float_count, .count = count, .uv = uv,
+		.item = probe->item_count,
 		.area = list->unit_area * cut->scale,
 		.cutout = holes ? &probe->model->images[probe->plant->images[list->image]] : NULL };
 	drawing->mask = lod_model_mask(probe->model, probe->masks, drawing->cutout);
-	lod_geometry_lay(&geometry, list, count, holes, probe->floats + drawing->floats);
-	drawing->count = lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale,
-		&geometry);
-	probe->float_count += floats;
-	probe->primitive_count += drawing->count;
+	struct lod_geometry geometry = lod_probe_geometry(probe, drawing);
+	lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale, &geometry);
+	probe->float_count += lod_geometry_floats(list, count, uv) + (probe->colored ? count : 0);
+	probe->primitive_count += count;
+	probe->item_count += count;
+}
+
+struct lod_geometry lod_probe_geometry(const struct lod_probe *probe, const struct lod_drawing *drawing)
+{
+	struct lod_geometry geometry = { .color = NULL };
+	float *floats = probe->floats + drawing->floats;
+	lod_geometry_lay(&geometry, drawing->list, drawing->count, drawing->uv, floats);
+	if (probe->colored)
+		geometry.color = (int32_t *)(floats + lod_geometry_floats(drawing->list, drawing->count, drawing->uv));
+	return geometry;
 }
 
 /* ---- Drawing ---- */
 
-static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
+void lod_probe_draw(const struct lod_probe *probe, struct lod_raster *raster)
 {
+	float leaf = probe->colored ? (float)(probe->plant->plant.leaf_width * ECO_LEAF_UNIT_M) : 0;
 	for (uint32_t i = 0; i < probe->drawing_count; i++) {
 		const struct lod_drawing *drawing = &probe->drawings[i];
-		struct lod_geometry geometry = { .color = NULL };
-		lod_geometry_lay(&geometry, drawing->list, drawing->count, drawing->uv,
-			probe->floats + drawing->floats);
+		struct lod_geometry geometry = lod_probe_geometry(probe, drawing);
+		geometry.color = NULL;
 		lod_raster_list(raster, drawing->list, &geometry,
 			&(struct lod_raster_batch){ .count = drawing->count, .cutout = drawing->cutout,
-			.mask = drawing->mask, .area = drawing->area, .owner = 1 });
+			.mask = drawing->mask, .area = drawing->area, .item = drawing->item, .owner = 1, .leaf = leaf });
 	}
 	if (probe->impostor)
-		lod_raster_impostor(raster, probe->impostor, &(struct lod_raster_batch){ .owner = 1 });
+		lod_raster_impostor(raster, probe->impostor, &(struct lod_raster_batch){ .owner = 1,
+			.item = probe->item_count, .leaf = leaf });
 }
 
 static void draw_model(const struct lod_probe *probe, struct lod_raster *raster)
@@ -250,7 +261,7 @@ static bool any_covered(const struct lod_probe *probe)
 
 bool lod_probe_keep(struct lod_probe *probe)
 {
-	draw_views(&(struct drawing_views){ probe, 1, draw_all, keep_view }, probe->primitive_count);
+	draw_views(&(struct drawing_views){ probe, 1, lod_probe_draw, keep_view }, probe->primitive_count);
 	return any_covered(probe);
 }
 
@@ -272,7 +283,7 @@ void lod_probe_compare(struct lod_probe *probe, uint32_t stride, struct lod_prob
 {
 	uint32_t used = 0;
 	*result = (struct lod_probe_result){ 0 };
-	draw_views(&(struct drawing_views){ probe, stride, draw_all, score_view }, probe->primitive_count);
+	draw_views(&(struct drawing_views){ probe, stride, lod_probe_draw, score_view }, probe->primitive_count);
 	for (uint32_t view = 0; view < probe->views; view += stride) {
 		if (!probe->reference_pixels[view])
 			continue;

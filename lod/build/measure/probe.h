@@ -15,12 +15,23 @@
 
 #include "ecofiles/format/plan.h"
 #include "lod/build/plant.h"
+#include "lod/geometry.h"
 #include "lod/impostor.h"
 #include "lod/raster/raster.h"
 
 struct lod_probe_options {
 	uint32_t views, pixels;      /* pictures of pixels x pixels around the plant's bounding sphere */
 	lod_each *each; void *ctx;   /* draws several views at a time; may be NULL */
+};
+
+struct lod_drawing {                 /* one cut; `floats`: where its geometry begins in the probe's floats */
+	const struct eco_list *list;
+	uint32_t count, item;        /* item: number of its first primitive among all */
+	size_t floats;
+	bool uv;
+	const struct eco_image *cutout;
+	const struct lod_mask *mask;
+	float area;
 };
 
 struct lod_probe {
@@ -43,7 +54,9 @@ struct lod_probe {
 	uint64_t *reference_pixels;
 	struct lod_drawing *drawings;    uint32_t drawing_count, drawing_capacity;
 	float *floats;                   size_t float_count, float_capacity;
-	uint64_t primitive_count;        /* of the drawings */
+	uint64_t primitive_count;        /* of the drawings, an impostor among them; ... */
+	uint32_t item_count;             /* ... or not */
+	bool colored;                    /* drawings have colours, textures, and leaves on splats and points */
 	const struct lod_impostor *impostor;     /* drawn with them; NULL: none */
 	struct lod_score *scores;        /* per view, of the last comparison */
 };
@@ -58,9 +71,15 @@ void lod_probe_clear(struct lod_probe *probe);
 #define LOD_PROBE_AROUND -0.2, 0.95
 #define LOD_PROBE_ABOVE 0.6, 0.95
 void lod_probe_look(struct lod_probe *probe, double low, double high);
+/* Other eyes, likewise, for pictures of pixels x pixels. */
+void lod_probe_eyes(const struct lod_probe *probe, struct lod_eye *eyes, uint32_t count, uint32_t pixels, double low,
+	double high);
 
 /* Adds a cut (list, first, end, scale) of the plant's lists. */
 void lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut);
+/* Its primitives; valid until the next one is added. */
+struct lod_geometry lod_probe_geometry(const struct lod_probe *probe, const struct lod_drawing *drawing);
+void lod_probe_draw(const struct lod_probe *probe, struct lod_raster *raster);
 /* Adds an impostor, which must stay until lod_probe_clear. */
 void lod_probe_add_impostor(struct lod_probe *probe, const struct lod_impostor *impostor);
 /* The ranges added so far become the reference. False if it covers nothing in any view. */

@@ -115,15 +115,15 @@ static struct eco_request request_of(const struct scene_builder *t, uint64_t ver
 		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
-static const struct eco_curve flat[] = { { 0.002f, 1, 0.005f, 0.3f, 0.3f }, { 0.1f, 1, 0.3f, 0.3f, 0.3f },
-	{ 1, 1, 1, 0.3f, 0.3f } };
-static const struct eco_curve convex[] = { { 0.002f, 1, 0.005f, 0.4f, 0.599f },
-	{ 0.1f, 1, 0.3f, 0.4f, 0.59f }, { 0.5f, 1, 0.9f, 0.4f, 0.5f },
-	{ 1, 1, 1, 0, 0 } };
-static const struct eco_curve rising[] = { { 0.002f, 1, 0.005f, 0, 0.1f }, { 0.1f, 1, 0.3f, 0.2f, 0.5f },
-	{ 1, 1, 1, 0.5f, 0.9f } };
-static const struct eco_curve point[] = { { 1, 1, 1, 0, 0 } };
-static const struct eco_curve early_point[] = { { 0.01f, 1, 0.02f, 0.1f, 0.2f } };
+static const struct eco_curve flat[] = { SCENE_CURVE(0.002f, 1, 0.005f, 0.3f, 0.3f), SCENE_CURVE(0.1f, 1, 0.3f, 0.3f, 0.3f),
+	SCENE_CURVE(1, 1, 1, 0.3f, 0.3f) };
+static const struct eco_curve convex[] = { SCENE_CURVE(0.002f, 1, 0.005f, 0.4f, 0.599f),
+	SCENE_CURVE(0.1f, 1, 0.3f, 0.4f, 0.59f), SCENE_CURVE(0.5f, 1, 0.9f, 0.4f, 0.5f),
+	SCENE_CURVE(1, 1, 1, 0, 0) };
+static const struct eco_curve rising[] = { SCENE_CURVE(0.002f, 1, 0.005f, 0, 0.1f), SCENE_CURVE(0.1f, 1, 0.3f, 0.2f, 0.5f),
+	SCENE_CURVE(1, 1, 1, 0.5f, 0.9f) };
+static const struct eco_curve point[] = { SCENE_CURVE(1, 1, 1, 0, 0) };
+static const struct eco_curve early_point[] = { SCENE_CURVE(0.01f, 1, 0.02f, 0.1f, 0.2f) };
 #define KIND(name, n, weight) { name, sizeof name / sizeof *name, n, weight }
 
 static void make_usual(struct scene_builder *t)
