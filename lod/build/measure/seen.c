@@ -232,7 +232,7 @@ static void color_drawings(struct lod_seen *seen)
 
 /* ---- A view ---- */
 
-/* What light is left at a place in the crown, a ball of leaves that is stretched: from above and from below. */
+/* Sets the light that is left at a place in the crown, a ball of leaves that is stretched: from above, and from below. */
 static void crown_light(const struct lod_seen *seen, const double at[3], const double to_eye[3], double deeper, float left[2])
 {
 	const struct eco_anchor *whole = &seen->probe->plant->anchors[0];
@@ -430,7 +430,7 @@ static void compare_pixels(const struct pixel *a, const struct pixel *b, uint32_
 enum drawing_as { AS_BACK, AS_REFERENCE, AS_TEST };
 struct drawing_views { struct lod_seen *seen; enum drawing_as as; };
 
-/* What is drawn becomes what all else is drawn before. */
+/* Keeps the drawing: all others are drawn before it. */
 static void take_back(struct lod_seen *seen, uint32_t view)
 {
 	struct lod_seen_view *v = &seen->views[view];

@@ -1,4 +1,4 @@
-/* What is seen of a plant's lists, beside what they cover: pictures in colour, all around, under light from the
+/* Errors that are seen in a plant's lists, beside what they cover: pictures in colour, all around, under light from the
  * sky.
  *
  *   lod_seen_init(&seen, &probe, &options);
