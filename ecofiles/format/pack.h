@@ -80,7 +80,7 @@ enum eco_ladder_flag {
  * that the reference covers: distance of mean colours of blocks of 16 x 16 pixels, and of deviations of lightness within
  * them (lod/build/measure/seen.h). [0]: before plants that look alike; [1]: before ground and sky. */
 #define ECO_SEEN_SIZES 3u
-#define ECO_SEEN_PX(size) (256u >> 2 * (size))
+#define ECO_SEEN_PX(size) (192u >> 2 * (size))
 #define ECO_SEEN_UNIT (1.0 / 256)
 struct eco_seen { uint16_t color[ECO_SEEN_SIZES][2], contrast[ECO_SEEN_SIZES][2]; };
 

@@ -111,7 +111,7 @@ LOD_INLINE float shell_depth(const struct disc *disc, uint32_t shell, float u, f
 {
 	const struct lod_ellipse *e = &disc->outline.ellipse;
 	float w = disc->w + e->aside * u + e->below * v
-		- e->bulge * sqrtf(leaf_height2(disc->leaves, shell, u, v));
+		- e->bulge * sqrtf(fmaxf(leaf_height2(disc->leaves, shell, u, v), 0));   /* its rim is rounded */
 	return 1 / (w > disc->near_w ? w : disc->near_w);
 }
 

@@ -29,7 +29,7 @@
 #define VIEWS_DRAFT 6u
 #define PIXELS_DRAFT 96u
 #define SEEN_EVERY 3u                /* samples between: errors that are seen are measured of one of so many */
-#define SEEN_VIEWS_FEW 3u            /* of drafts */
+#define SEEN_VIEWS_FEW 2u            /* of drafts */
 
 /* ---- Shares ---- */
 
@@ -475,7 +475,7 @@ static void see_all(struct lod_plant *plant, struct lod_probe *probe, const stru
 	probe->colored = true;
 	bool few = options->draft || (options->views && options->views < LOD_SEEN_VIEWS_MAX);
 	lod_seen_init(&seen, probe, &(struct lod_seen_options){ few ? SEEN_VIEWS_FEW : LOD_SEEN_VIEWS_MAX,
-		few ? 256 : 512 });
+		few ? 1 : 2 });
 	memset(done, 0, plant->ladder_count * sizeof *done);
 	for (uint32_t i = 0; i < plant->ladder_count; i++) {
 		struct lod_curve_organ curve;
@@ -531,7 +531,7 @@ static enum eco_code measure_plant(struct lod_plant *plant, const struct eco_mod
 	bool *done = eco_alloc(plant->ladder_count + 1u, sizeof *done);
 	uint32_t *members = eco_alloc(plant->ladder_count + 1u, sizeof *members);
 	bool good = measure_all(plant, &probe, &progress, done, members);
-	if (good)
+	if (good && plant->curve_count)
 		see_all(plant, &probe, options, done, members);
 	free(done);
 	free(members);

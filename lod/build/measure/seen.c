@@ -12,7 +12,7 @@
 #include "lod/raster/texel.h"
 #include "lod/vector.h"
 
-#define FINEST 256u              /* pixels a side of the largest size */
+#define FINEST ECO_SEEN_PX(0)    /* pixels a side of the largest size */
 
 /* Light that comes from the whole sky, from overhead, and from the ground, about as on a fine day (client-min/draw/view_light.c),
  * but alike from all sides; and what plants are seen before: the ground, the sky and their means. */
@@ -47,7 +47,8 @@ static size_t first_of(uint32_t size)
 	return sum;
 }
 
-static size_t samples_of(const struct lod_seen *seen) { return (size_t)seen->options.samples * seen->options.samples; }
+static uint32_t samples_across(const struct lod_seen *seen) { return FINEST * seen->options.samples; }
+static size_t samples_of(const struct lod_seen *seen) { return (size_t)samples_across(seen) * samples_across(seen); }
 
 /* ---- Colour ---- */
 
@@ -304,7 +305,7 @@ static void light_sample(const struct lod_seen *seen, const struct lod_eye *eye,
 		memcpy(light, behind[sample], sizeof behind[sample]);
 		return;
 	}
-	uint32_t side = seen->options.samples;
+	uint32_t side = samples_across(seen);
 	double u = ((double)(sample % side) + 0.5) / side * 2 - 1, v = 1 - ((double)(sample / side) + 0.5) / side * 2,
 		w = 1 / (double)raster->depth[sample], at[3], to_eye[3], length = sqrt(1 + (u * u + v * v) * eye->tan_x * eye->tan_x);
 	for (int k = 0; k < 3; k++) {
@@ -328,7 +329,7 @@ static void take_pixels(const struct lod_seen *seen, uint32_t view, struct pixel
 {
 	const struct lod_seen_view *v = &seen->views[view];
 	const struct lod_raster *raster = &v->raster;
-	uint32_t side = seen->options.samples, each = side / FINEST;
+	uint32_t side = samples_across(seen), each = seen->options.samples;
 	float part = 1.0f / (float)(each * each);
 	memset(pixels, 0, first_of(ECO_SEEN_SIZES) * sizeof *pixels);
 	for (size_t i = 0; i < samples_of(seen); i++) {
@@ -453,7 +454,7 @@ static void take_reference(struct lod_seen *seen, uint32_t view)
 		all += v->raster.cover[i] != 0;
 		own += v->raster.cover[i] && v->raster.item[i] != BACK;
 	}
-	v->covered = fmax(own, SHARE_LEAST * all) / (seen->options.samples / FINEST * (seen->options.samples / FINEST));
+	v->covered = fmax(own, SHARE_LEAST * all) / (seen->options.samples * seen->options.samples);
 }
 
 static void take_errors(struct lod_seen *seen, uint32_t view)
@@ -552,10 +553,10 @@ void lod_seen_init(struct lod_seen *seen, struct lod_probe *probe, const struct 
 		v->reference = lod_arena_take(&seen->arena, first_of(ECO_SEEN_SIZES), sizeof *v->reference);
 		v->pixels = lod_arena_take(&seen->arena, first_of(ECO_SEEN_SIZES), sizeof *v->pixels);
 		v->light = lod_arena_take(&seen->arena, samples_of(seen), sizeof *v->light);
-		lod_raster_init(&v->raster, &(struct lod_raster_options){ .width = options->samples, .height = options->samples, .item = true });
-		lod_raster_init(&v->back, &(struct lod_raster_options){ .width = options->samples, .height = options->samples, .item = true });
+		lod_raster_init(&v->raster, &(struct lod_raster_options){ .width = samples_across(seen), .height = samples_across(seen), .item = true });
+		lod_raster_init(&v->back, &(struct lod_raster_options){ .width = samples_across(seen), .height = samples_across(seen), .item = true });
 	}
-	lod_probe_eyes(probe, seen->eyes, options->views, options->samples, LOD_PROBE_AROUND);
+	lod_probe_eyes(probe, seen->eyes, options->views, samples_across(seen), LOD_PROBE_AROUND);
 }
 
 void lod_seen_free(struct lod_seen *seen)

@@ -16,9 +16,9 @@
 
 #include "lod/build/measure/probe.h"
 
-#define LOD_SEEN_VIEWS_MAX 6u
+#define LOD_SEEN_VIEWS_MAX 4u
 
-/* samples: a side of a picture, 256 or 512. */
+/* samples: a side of a pixel of the largest size. */
 struct lod_seen_options { uint32_t views, samples; };
 
 struct lod_seen {
