@@ -98,7 +98,7 @@ void eco_source_free(struct eco_source *source);
 /* The frame that inventories are converted to; lives as long as the source. */
 struct eco_frame eco_source_frame(const struct eco_source *source);
 
-#define ECO_UNITS "m, cm, mm, in, ft, US survey ft"
+#define ECO_UNITS "m, dm, cm, mm, in, ft, US survey ft"
 /* Metres in the unit of that name; false: no such unit. */
 bool eco_unit_metres(const char *name, double *metres);
 /* "x", "y" or "z". */

@@ -219,7 +219,7 @@ bool eco_up_of(const char *name, enum eco_up *up)
 bool eco_unit_metres(const char *name, double *metres)
 {
 	static const struct { const char *name; double metres; } units[] =
-		{ { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },
+		{ { "m", 1 }, { "dm", 0.1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },
 		{ "ft", 0.3048 }, { "US survey ft", 1200.0 / 3937 } };
 
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++)

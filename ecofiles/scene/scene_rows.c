@@ -21,7 +21,7 @@ static const struct eco_field row_fields[] = {
 	FIELD("from", PATH, 0, 0, path), COLUMN("layer", layer), COLUMN("x", x), COLUMN("y", y), COLUMN("z", z),
 	FIELD("unit", UNIT, 0, 0, unit_m), ECO_OTHER("polar"), ECO_OTHER("quadrat"), FIELD("crs", CRS, 0, 0, crs),
 	FIELD("vertical", TEXT, 0, 0, vertical), ECO_OTHER("separator"), ECO_OTHER("decimal"),
-	ECO_OTHER("thousands"), ECO_OTHER("species"), ECO_OTHER("map"), ECO_OTHER("plant"),
+	ECO_OTHER("thousands"), ECO_OTHER("species"), FIELD("codes", TEXT, 0, 0, codes), ECO_OTHER("map"), ECO_OTHER("plant"),
 	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"),
 	FIELD("levels", WHOLE, 1, 1024, levels), COLUMN("scale", scale), COLUMN("yaw_deg", yaw_deg),
 	ECO_OTHER("duplicates"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END

@@ -108,7 +108,7 @@ same greedy.eco "greedy is the default"
 
 # ---- What is in a model ----
 expect 2 'the model file is missing' model
-expect 2 'unknown; units: m, cm, mm' model --unit parsec "$DIR/blade.obj"
+expect 2 'unknown; units: m, dm, cm, mm' model --unit parsec "$DIR/blade.obj"
 expect 2 'x, y or z' model --up w "$DIR/blade.obj"
 expect 0 'ecopack model FILE' model --help
 expect 0 'triangles_kept +3' model "$DIR/blade.obj"

@@ -272,11 +272,12 @@ is '[.crs, .instances[0].crs]' '["EPSG:25832","EPSG:25832"]'
 start 0 'crs of the scene EPSG:32633 .as you say' zone.csv --crs EPSG:25832 --scene-crs EPSG:32633
 is .crs '"EPSG:32633"'
 sed 's/height_m/height/' "$DIR/zone.csv" | awk -F, 'BEGIN { OFS = "," } NR > 1 { $4 = 15 + NR } { print }' >"$DIR/unit.csv"
-start 1 'in which unit is "height".* if in m, .* if in ft; say --height-unit' unit.csv --crs EPSG:25832
+start 1 'in which unit is "height".* if in m, .* if in ft; say --height-unit' unit.csv --crs EPSG:26917
+start 0 '"height" in m' unit.csv --crs EPSG:25832
 start 0 '"height" in ft' unit.csv --crs EPSG:25832 --height-unit ft
 awk -F, 'BEGIN { OFS = "," } NR > 1 { $4 = 110 + NR } { print }' "$DIR/zone.csv" >"$DIR/tall.csv"
 start 1 'in which unit is "height_m".*122 m if in m, .* if in ft; say --height-unit' tall.csv --crs EPSG:25832
-start 2 'the units are m, cm' tall.csv --crs EPSG:25832 --height-unit yards
+start 2 'the units are m, dm, cm' tall.csv --crs EPSG:25832 --height-unit yards
 start 1 'no such column; there are: species, x, y, height_m' zone.csv --crs EPSG:25832 --species-column kind
 start 1 'the CRS "EPSG:1" is not known' zone.csv --crs EPSG:1
 sed 's/species/what/; s/^oak/7/' "$DIR/zone.csv" >"$DIR/nameless.csv"

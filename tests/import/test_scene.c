@@ -168,7 +168,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{'ground': {'heights': []}}", ":1:24:", "names no raster" },
 	{ "{'ground': {'heights': ['a', 3]}}", ":1:30:", "must be a text" },
 	{ "{'ground': {'heights': 'a', 'scale': 0}}", ":1:38:", "would make all heights one" },
-	{ "{'ground': {'heights': 'a', 'unit': 'yd'}}", ":1:37:", "is not one of m, cm" },
+	{ "{'ground': {'heights': 'a', 'unit': 'yd'}}", ":1:37:", "is not one of m, dm, cm" },
 	{ "{'ground': {'heights': 'a', 'pixel': 3}}", ":1:12:", "go together" },
 	{ "{'ground': {'heights': ['a', 'b'], 'pixel': 3, 'north_west': [1, 2]}}", ":1:62:", "a world file" },
 	{ "{'plants': {'oak': {'model': 'o', 'height': 3}}}", ":1:35:",
@@ -203,7 +203,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'column': 'd', 'value': 3}}]}", ":2:", "exactly one" },
 	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'column': 'd', "
 		"'unit': 'yd'}}]}", ":2:",
-		"not one of m, cm" },
+		"not one of m, dm, cm" },
 	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'from_dbh_mm': "
 		"'d', 'unit': 'cm', 'max': 9, 'rate': 1}}]}", ":2:", "leave out \"unit\"" },
 	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'separator': 'ab'}]}", ":2:",

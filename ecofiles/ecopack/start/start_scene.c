@@ -143,8 +143,14 @@ static void say_heights(struct start *s)
 		else
 			start_guess(s, "without a size", took, "\"height_m\" in the scene", "the middle of the heights "
 				"that are known");
-	} else if (s->trunk.column == ECO_NONE && s->columns.of[ECO_ROLE_AGE] == ECO_NONE
-			&& s->columns.of[ECO_ROLE_PLANTED] == ECO_NONE)
+	} else if (s->trunk.column != ECO_NONE || s->columns.of[ECO_ROLE_AGE] != ECO_NONE
+			|| s->columns.of[ECO_ROLE_PLANTED] != ECO_NONE) {
+		enum eco_form form = s->models[s->fallback].flora.form;
+		s->height_m = eco_form_size(form == ECO_FORM_UNKNOWN ? ECO_FORM_BROAD : form).typical_m;
+		snprintf(took, sizeof took, "%.3g m", s->height_m);
+		start_guess(s, "without a size", took, "\"height_m\" in the scene", "usual for a %s",
+			eco_form_names[form]);
+	} else
 		start_guess(s, "heights", "the models' own", "--height-column, --dbh-column", "no "
 			"column of heights or trunks was found");
 }
@@ -264,6 +270,7 @@ static json_t *entry_json(const struct start *s)
 		set_text(entry, "plant", s->models[s->fallback].name);
 	} else {
 		json_object_set_new(entry, "species", species_json(s));
+		set_text(entry, "codes", s->hint.codes);
 		json_object_set_new(entry, "map", map_json(s));
 	}
 	json_t *heights = heights_json(s);

@@ -15,27 +15,33 @@
 
 #define GAP 8.0                  /* between usual values and those of another unit */
 
+/* Of a column with values in two units, as metres and centimetres, the lower ones decide: shares of the rows. */
+static const double lower[] = { 0.9, 0.75, 0.6 };
+
+/* Outside America sizes are metric, if nothing says otherwise. */
+static const char *system_of(const struct start *s, const char *beside)
+{
+	enum eco_region region = eco_region_of(s->place.degrees[0], s->place.degrees[1]);
+	return beside || region == ECO_REGION_UNKNOWN || region == ECO_REGION_AMERICA ? beside : "m";
+}
+
 /* Leaves the unit NULL where it has to be asked for. A few values in another unit do not hide the right one. */
 static void guess_unit(struct start_size *size, enum eco_quantity quantity, const char *name, const char *beside,
 	struct eco_spread *spread)
 {
-	struct eco_size_numbers numbers = { eco_spread_quantile(spread, 0.5), eco_spread_quantile(spread, 0.98) },
-		most = { numbers.middle, eco_spread_quantile(spread, 0.9) };
+	struct eco_size_numbers numbers = { eco_spread_quantile(spread, 0.5), eco_spread_quantile(spread, 0.98) };
+	static const char *const says[] = { "height", "trunk", "trunk", "crown" };
 	size->unit = eco_unit_guess(quantity, name, beside, &numbers);
-	if (size->unit.unit || size->unit.by_name)
-		return;
-	/* a gap between them shows two units, as metres and centimetres: those that one table mixes */
-	bool gap = numbers.high > GAP * most.high;
-	struct eco_unit_guess again = eco_unit_guess(quantity, name, beside || !gap ? beside : "m", &most);
-	char own[sizeof again.why];
-	if (!again.unit)
-		return;
-	snprintf(own, sizeof own, "half of them are above %.4g, nine of ten below %.4g; some are up to %.4g, which is no %s "
-		"in %s", most.middle, most.high, numbers.high,
-		quantity == ECO_QUANTITY_HEIGHT ? "height" : quantity == ECO_QUANTITY_CROWN ? "crown" : "trunk",
-		again.unit);
-	size->unit = again;
-	memcpy(size->unit.why, own, sizeof own);
+	for (size_t i = 0; i < sizeof lower / sizeof *lower && !size->unit.unit && !size->unit.by_name; i++) {
+		struct eco_size_numbers most = { eco_spread_quantile(spread, 0.5 * lower[i]),
+			eco_spread_quantile(spread, lower[i]) };
+		struct eco_unit_guess again = eco_unit_guess(quantity, name, beside ? beside : "m", &most);
+		if (!again.unit || numbers.high < GAP * most.high)
+			continue;
+		size->unit = again;
+		snprintf(size->unit.why, sizeof size->unit.why, "%.0f %% of them are below %.4g; some are up to %.4g, which is "
+			"no %s in %s", 100 * lower[i], most.high, numbers.high, says[quantity], again.unit);
+	}
 }
 
 static void measure(struct start *s, struct start_size *size, enum eco_quantity quantity,
@@ -55,7 +61,7 @@ static void measure(struct start *s, struct start_size *size, enum eco_quantity 
 	else if (own_unit > 0.5)
 		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which counts" };
 	else
-		guess_unit(size, quantity, name, beside, &spread);
+		guess_unit(size, quantity, name, system_of(s, beside), &spread);
 	eco_spread_free(&spread);
 }
 

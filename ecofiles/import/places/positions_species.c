@@ -93,7 +93,7 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 /* Only names that say a genus or a form grow by the tables. */
 const struct eco_flora *eco_species_flora(struct eco_species_table *table, const char *text)
 {
-	const struct eco_flora_hint hint = { .spelling = true };
+	const struct eco_flora_hint hint = { .spelling = true, .codes = table->spec->codes };
 	uint32_t number = table->texts.count < KNOWN_MAX ? eco_string_number(&table->texts, text) : KNOWN_MAX;
 	if (number >= table->texts.count || !table->known || table->known[number].text != table->texts.items[number])
 		return NULL;

@@ -48,7 +48,7 @@ static size_t best_unit(enum eco_quantity quantity, const struct eco_size_number
 {
 	size_t best = UNITS;
 	for (size_t i = 0; i < UNITS; i++)
-		if (i != except &&
+		if (i != except && strcmp(units_rows[i].unit, "dm") != 0 &&
 			(best == UNITS ||
 				misfit(quantity, units_rows[i].metres, n) <
 					misfit(quantity, units_rows[best].metres, n)))
