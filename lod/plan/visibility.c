@@ -17,6 +17,8 @@
 #define CLUMPED 0.6              /* leaves stand along twigs: a picture shows as many as of so many random ones
                                   * (Nilson 1971; forests: 0.5 to 0.7) */
 #define NEAR 2.0                 /* half axes of a crown, to an eye that looks through it ray by ray */
+#define SHADOW 0.003             /* of the pixels of its leaves: so many a near plant shows at least, for the shadow
+                                  * that it casts from above the picture or beside it */
 #define STEM_ROWS 2              /* half as high, in rows: a stem shows beside its crown */
 #define TRUNK 0.1                /* of a crown's half extent across: wood is no nearer than this */
 #define CLEAR_LEAST 1e-6f        /* light through the own crown below which that of others is not told */
@@ -466,7 +468,11 @@ static void take(const struct lod_screen *screen, uint32_t index, float *light)
 		v->shown = crown.cells > 0 ? (float)(crown.all / crown.cells) : 0;
 		v->pixels = (float)(cell * (crown.all + stem.all));
 	}
-	v->share = v->pixels > 0 ? (float)fmin(1, cell * (crown.lit + stem.lit) / (double)v->pixels) : 0;
+	double seen = cell * (crown.lit + stem.lit);
+	if (v->near)
+		seen = fmax(seen, SHADOW * fmin((double)v->leaves, cell * screen->columns * screen->rows));
+	v->pixels = fmaxf(v->pixels, (float)seen);
+	v->share = v->pixels > 0 ? (float)seen / v->pixels : 0;
 }
 
 uint64_t lod_screen_cells(const struct lod_screen *screen)
