@@ -1,4 +1,5 @@
-/* Visibilities on the coarse screen: see lod/plan/visibility.h. */
+/* Visibilities on the coarse screen: see lod/plan/visibility.h. Longer than 600 lines: cells of outlines serve light and
+ * prediction, and no other file sees them. */
 #include "lod/plan/visibility.h"
 
 #include <math.h>
