@@ -508,4 +508,28 @@ rm -rf "$DIR/my"
 tr -s '\n ' ' ' <"$DIR/out" | grep -q 'stand of a model in oak y points up .its file does not say so, its shape hardly tells' ||
 	complain "a sheet: $(cat "$DIR/out")"
 
+# ---- Genus, epithet and cultivar in columns of their own; a status; a crown; a year of planting ----
+printf 'Gattung;Art;Sorte;Zustand;Kronendurchmesser (m);Pflanzjahr;lon;lat\nQuercus;robur;;vital;9;1950;11.5;48.1\n' >"$DIR/joined.csv"
+printf 'Quercus;robur;Fastigiata;vital;3;;11.501;48.1\nPicea;abies;;gef\303\244llt;4;1990;11.502;48.1\n' >>"$DIR/joined.csv"
+start 0 '1 row where "Zustand" is' joined.csv
+is '.instances[0] | [.species, .skip.Zustand]' '[["Gattung","Art","Sorte"],["gefällt"]]'
+is '.instances[0].crown_m | [.column, .is, .unit, .otherwise]' '["Kronendurchmesser (m)","diameter","m","species"]'
+is '.instances[0].height_m[0] | [.from_year, .by]' '["Pflanzjahr","species"]'
+
+# ---- Codes of forestry; an unknown name whose form stands beside it ----
+printf '%s\n' 'drevina,vyska_m,lon,lat' 'SM,20,14.4,50.1' 'BK,22,14.401,50.1' 'DBZ,18,14.402,50.1' 'BO,17,14.403,50.1' >"$DIR/codes.csv"
+start 0 '"SM" is meant as picea abies .a code of cz' codes.csv
+is '[.instances[0].codes, .instances[0].map.SM]' '["cz","norway_spruce"]'
+printf '%s\n' 'species,tree type,lon,lat' 'Zzyzx plonk,Conifer,11.5,48.1' 'Quercus alba,Broadleaf,11.501,48.1' >"$DIR/beside.csv"
+start 0 'this one has their form.*Zzyzx plonk' beside.csv
+is '.instances[0].map | [."Zzyzx plonk", ."Quercus alba"]' '["norway_spruce","stieleiche"]'
+
+# ---- The place of another scene ----
+rm -rf "$DIR/first"
+"$PACK" start "$DIR/beside.csv" "$DIR/models" -o "$DIR/first" >/dev/null 2>&1
+printf '%s\n' 'species,lon,lat' 'oak,11.51,48.105' >"$DIR/later.csv"
+start 0 '.' later.csv --same-place-as "$DIR/first/scene.json"
+[ "$(jq -c '[.crs, .origin]' "$DIR/first/scene.json")" = "$(jq -c '[.crs, .origin]' "$DIR/my/scene.json")" ] || complain 'another place'
+[ "$(jq -cS . "$DIR/first/camera.json")" = "$(jq -cS . "$DIR/my/camera.json")" ] || complain 'another camera'
+
 exit $failed
