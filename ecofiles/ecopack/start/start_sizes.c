@@ -15,7 +15,7 @@
 
 #define GAP 8.0                  /* between usual values and those of another unit */
 
-/* A column may hold values in two units, as metres and centimetres. The lower ones decide: shares of the rows. */
+/* The lower values decide over a column with values in two units, as metres and centimetres: shares of the rows. */
 static const double lower[] = { 0.9, 0.75, 0.6 };
 
 /* Outside America sizes are metric, if nothing says otherwise. */
