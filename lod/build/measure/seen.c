@@ -14,18 +14,20 @@
 
 #define FINEST ECO_SEEN_PX(0)    /* pixels a side of the largest size */
 
-/* Light that comes from the whole sky, from overhead, and from the ground, about as on a fine day (client-min/draw/view_light.c),
- * but alike from all sides; and what plants are seen before: the ground, the sky and their means. */
-static const float sky[3] = { 0.36f, 0.42f, 0.52f }, overhead[3] = { 0.95f, 0.88f, 0.75f }, earth[3] = { 0.20f, 0.19f, 0.11f };
+/* Light that comes from the whole sky, from overhead, and from the ground, about as on a fine day
+ * (client-min/draw/view_light.c), but alike from all sides; and what plants are seen before: the ground,
+ * the sky and their means. */
+static const float sky[3] = { 0.36f, 0.42f, 0.52f }, overhead[3] = { 0.95f, 0.88f, 0.75f },
+			earth[3] = { 0.20f, 0.19f, 0.11f };
 static const float before_open[3] = { 0.22f, 0.27f, 0.26f };
 #define SEEN_DEPTH 0.14          /* radii of a splat: how far behind it its leaves are in the mean */
-#define IMPOSTOR_REACH 0.3f      /* the same for an impostor, in radii of the crown (client-min/view_record.c) */
+#define IMPOSTOR_REACH 0.3f /* the same for an impostor, in radii of the crown (client-min/view_record.c) */
 #define TAKES 0.8f               /* of a crown: Beer's exponent for a radius of the way out upwards */
 
 struct pixel { float light[3], cover; };        /* means over samples; light of what is covered */
 struct errors { double color, contrast; };       /* sums over pixels */
-/* back: what is drawn before all else, if it is; its samples have item BACK, and light. covered: pixels of the finest size that
- * the reference covers beside it. */
+/* back: what is drawn before all else, if it is; its samples have item BACK, and light. covered: pixels of
+ * the finest size that the reference covers beside it. */
 struct lod_seen_view {
 	struct lod_raster raster, back;
 	float (*light)[3];
@@ -48,7 +50,10 @@ static size_t first_of(uint32_t size)
 }
 
 static uint32_t samples_across(const struct lod_seen *seen) { return FINEST * seen->options.samples; }
-static size_t samples_of(const struct lod_seen *seen) { return (size_t)samples_across(seen) * samples_across(seen); }
+static size_t samples_of(const struct lod_seen *seen)
+{
+	return (size_t)samples_across(seen) * samples_across(seen);
+}
 
 /* ---- Colour ---- */
 
@@ -76,7 +81,8 @@ static void lab_of(const float light[3], float lab[3])
 {
 	float x = lab_part((0.412453f * light[0] + 0.357580f * light[1] + 0.180423f * light[2]) / 0.950456f),
 		y = lab_part(0.212671f * light[0] + 0.715160f * light[1] + 0.072169f * light[2]),
-		z = lab_part((0.019334f * light[0] + 0.119193f * light[1] + 0.950227f * light[2]) / 1.088754f);
+		z = lab_part((0.019334f * light[0] + 0.119193f * light[1] + 0.950227f * light[2])
+			/ 1.088754f);
 	lab[0] = 116 * y - 16;
 	lab[1] = 500 * (x - y);
 	lab[2] = 200 * (y - z);
@@ -94,7 +100,8 @@ static float fade(float x)
 	return e * e;
 }
 
-/* Height of the seen side's normal; light from overhead on it, and through it; radius of what stands for leaves, over the crown's. */
+/* Height of the seen side's normal; light from overhead on it, and through it; radius of what stands for
+ * leaves, over the crown's. */
 struct look { float n_z, on, through, reach; };
 
 static struct look facet_look(float n_z)
@@ -102,11 +109,13 @@ static struct look facet_look(float n_z)
 	return (struct look){ n_z, fmaxf(n_z, 0), fmaxf(-n_z, 0), 0 };
 }
 
-/* The mean over leaves of all directions of which a share lies level; as view_light.glsl has it for a sun overhead. */
+/* The mean over leaves of all directions of which a share lies level; as view_light.glsl has it for a sun
+ * overhead. */
 static struct look cloud_look(float level, float rise)
 {
-	float c = fminf(fmaxf(rise, -1), 1), sine = sqrtf(fmaxf(1 - c * c, 0)), away = (float)lod_arc_cosine((double)c),
-		u = 0.2122066f, lying = level * fabsf(rise), side = rise < 0 ? -1 : 1;
+	float c = fminf(fmaxf(rise, -1), 1), sine = sqrtf(fmaxf(1 - c * c, 0)),
+		away = (float)lod_arc_cosine((double)c), u = 0.2122066f, lying = level * fabsf(rise),
+		side = rise < 0 ? -1 : 1;
 	struct look all = { 0.667f * rise, u * (sine + (3.1415927f - away) * c), u * (sine - away * c), 0 };
 	lying /= lying + fmaxf(0.5f * (1 - level), 1e-3f);
 	return (struct look){ all.n_z + lying * (side - all.n_z), all.on + lying * (fmaxf(side, 0) - all.on),
@@ -115,7 +124,8 @@ static struct look cloud_look(float level, float rise)
 
 static struct look mixed(struct look a, struct look b, float t)
 {
-	return (struct look){ a.n_z + t * (b.n_z - a.n_z), a.on + t * (b.on - a.on), a.through + t * (b.through - a.through), 0 };
+	return (struct look){ a.n_z + t * (b.n_z - a.n_z), a.on + t * (b.on - a.on),
+		a.through + t * (b.through - a.through), 0 };
 }
 
 static void cross3(const float a[3], const float b[3], float out[3])
@@ -132,7 +142,8 @@ static float unit_z(const float n[3], const double to_eye[3])
 }
 
 /* A triangle's normal, or a line's that faces the eye. */
-static struct look solid_look(const struct lod_drawing *d, const float *position, uint32_t i, const double to_eye[3])
+static struct look solid_look(const struct lod_drawing *d, const float *position, uint32_t i,
+	const double to_eye[3])
 {
 	const float *p = position + (d->list->kind == ECO_LIST_LINES ? 6 : 9) * (size_t)i;
 	float a[3] = { p[3] - p[0], p[4] - p[1], p[5] - p[2] }, n[3], square = 0, along = 0;
@@ -165,7 +176,8 @@ static void ball_normal(const float *half, const float *center, const double at[
 }
 
 /* A leaf on a splat or a point, as clients draw it. */
-static struct look leaf_look_of(struct look smooth, float level, const float *normal, uint32_t leaf, const double to_eye[3])
+static struct look leaf_look_of(struct look smooth, float level, const float *normal, uint32_t leaf,
+	const double to_eye[3])
 {
 	uint32_t number = leaf_look(leaf), side = leaf_side(number);
 	float turn[3], square = 0;
@@ -184,8 +196,8 @@ static struct look leaf_look_of(struct look smooth, float level, const float *no
 	return facet_look(unit_z(turn, to_eye));
 }
 
-static struct look soft_look(const struct lod_drawing *d, const struct lod_geometry *g, uint32_t i, uint32_t leaf,
-	const double at[3], const double to_eye[3])
+static struct look soft_look(const struct lod_drawing *d, const struct lod_geometry *g, uint32_t i,
+	uint32_t leaf, const double at[3], const double to_eye[3])
 {
 	float level = g->wood && g->wood[i] > 0 ? 0 : (float)eco_level_share(d->list->level), normal[3];
 	struct look look = cloud_look(level, (float)to_eye[2]);
@@ -197,14 +209,15 @@ static struct look soft_look(const struct lod_drawing *d, const struct lod_geome
 }
 
 /* The own colour of a primitive: of the palette, times its texture's mean. */
-static void own_color(const struct lod_seen *seen, const struct lod_drawing *d, const struct lod_geometry *g, uint32_t i,
-	uint8_t rgb[3])
+static void own_color(const struct lod_seen *seen, const struct lod_drawing *d, const struct lod_geometry *g,
+	uint32_t i, uint8_t rgb[3])
 {
 	static const uint8_t plain[3] = { 95, 127, 79 }, white[3] = { 255, 255, 255 };
 	const struct lod_plant *plant = seen->probe->plant;
 	int32_t color = g->color[i];
-	memcpy(rgb, color >= 0 && (uint32_t)color < d->list->palette_count
-		? plant->palette[d->list->palette_first + (uint32_t)color] : d->list->image != ECO_NONE ? white : plain, 3);
+	bool listed = color >= 0 && (uint32_t)color < d->list->palette_count;
+	memcpy(rgb, listed ? plant->palette[d->list->palette_first + (uint32_t)color]
+		: d->list->image != ECO_NONE ? white : plain, 3);
 	if (!g->uv)
 		return;
 	int32_t uv[6];
@@ -228,13 +241,16 @@ static void color_drawings(struct lod_seen *seen)
 			own_color(seen, d, &g, k, seen->rgb[d->item + k]);
 	}
 	if (probe->impostor)
-		memcpy(seen->rgb + probe->item_count, probe->impostor->rgb, probe->impostor->cell_count * sizeof *seen->rgb);
+		memcpy(seen->rgb + probe->item_count, probe->impostor->rgb,
+			probe->impostor->cell_count * sizeof *seen->rgb);
 }
 
 /* ---- A view ---- */
 
-/* Sets the light that is left at a place in the crown, a ball of leaves that is stretched: from above, and from below. */
-static void crown_light(const struct lod_seen *seen, const double at[3], const double to_eye[3], double deeper, float left[2])
+/* Sets the light that is left at a place in the crown, a ball of leaves that is stretched: from above, and
+ * from below. */
+static void crown_light(const struct lod_seen *seen, const double at[3], const double to_eye[3],
+	double deeper, float left[2])
 {
 	const struct eco_anchor *whole = &seen->probe->plant->anchors[0];
 	double p[3] = { (at[0] - (double)whole->center[0]) / seen->half_width - deeper * to_eye[0],
@@ -272,8 +288,8 @@ static float reach_of(const struct lod_drawing *d, const struct lod_geometry *g,
 	return volume > 0 ? cube_root(volume) / half_width : 0;
 }
 
-static struct look look_of(const struct lod_seen *seen, uint32_t item, uint32_t leaf, float *tone, const double at[3],
-	const double to_eye[3])
+static struct look look_of(const struct lod_seen *seen, uint32_t item, uint32_t leaf, float *tone,
+	const double at[3], const double to_eye[3])
 {
 	const struct lod_probe *probe = seen->probe;
 	const float deviation = (float)probe->plant->plant.leaf_tone / ECO_TONE_ONE;
@@ -297,8 +313,8 @@ static struct look look_of(const struct lod_seen *seen, uint32_t item, uint32_t 
 	return look;
 }
 
-static void light_sample(const struct lod_seen *seen, const struct lod_eye *eye, const struct lod_raster *raster,
-	float (*behind)[3], size_t sample, float light[3])
+static void light_sample(const struct lod_seen *seen, const struct lod_eye *eye,
+	const struct lod_raster *raster, float (*behind)[3], size_t sample, float light[3])
 {
 	uint32_t item = raster->item[sample];
 	if (item == BACK) {
@@ -306,8 +322,9 @@ static void light_sample(const struct lod_seen *seen, const struct lod_eye *eye,
 		return;
 	}
 	uint32_t side = samples_across(seen);
-	double u = ((double)(sample % side) + 0.5) / side * 2 - 1, v = 1 - ((double)(sample / side) + 0.5) / side * 2,
-		w = 1 / (double)raster->depth[sample], at[3], to_eye[3], length = sqrt(1 + (u * u + v * v) * eye->tan_x * eye->tan_x);
+	double u = ((double)(sample % side) + 0.5) / side * 2 - 1,
+		v = 1 - ((double)(sample / side) + 0.5) / side * 2, w = 1 / (double)raster->depth[sample],
+		at[3], to_eye[3], length = sqrt(1 + (u * u + v * v) * eye->tan_x * eye->tan_x);
 	for (int k = 0; k < 3; k++) {
 		double ray = eye->forward[k] + eye->tan_x * (u * eye->right[k] + v * eye->up[k]);
 		at[k] = eye->at[k] + w * ray;
@@ -320,7 +337,8 @@ static void light_sample(const struct lod_seen *seen, const struct lod_eye *eye,
 		float up = 0.5f + 0.5f * look.n_z, above = sky[k] * left[0], below = earth[k] * left[1],
 			front = up * above + (1 - up) * below + overhead[k] * look.on * left[0],
 			back = up * below + (1 - up) * above + overhead[k] * look.through * left[0];
-		light[k] = tone * (float)lod_light_of[seen->rgb[item][k]] / 65535 * (0.7f * front + (k < 2 ? 0.3f : 0.1f) * back);
+		light[k] = tone * (float)lod_light_of[seen->rgb[item][k]] / 65535 *
+			(0.7f * front + (k < 2 ? 0.3f : 0.1f) * back);
 	}
 }
 
@@ -399,7 +417,8 @@ static void compare_block(const struct pixel *a, const struct pixel *b, uint32_t
 	const struct pixel *pixels[2][LOD_BLOCK_SIDE * LOD_BLOCK_SIDE];
 	float covered = 0;
 	for (int32_t i = 0; i < (int32_t)(LOD_BLOCK_SIDE * LOD_BLOCK_SIDE); i++) {
-		int32_t x = at[0] + i % (int32_t)LOD_BLOCK_SIDE, y = at[1] + i / (int32_t)LOD_BLOCK_SIDE, s = (int32_t)side;
+		int32_t x = at[0] + i % (int32_t)LOD_BLOCK_SIDE, y = at[1] + i / (int32_t)LOD_BLOCK_SIDE,
+			s = (int32_t)side;
 		bool inside = x >= 0 && y >= 0 && x < s && y < s;
 		pixels[0][i] = inside ? &a[y * s + x] : &empty;
 		pixels[1][i] = inside ? &b[y * s + x] : &empty;
@@ -413,7 +432,8 @@ static void compare_block(const struct pixel *a, const struct pixel *b, uint32_t
 	compare_blocks(errors, &blocks[0], &blocks[1]);
 }
 
-/* Plants stand anywhere in blocks: of small ones the mean of four ways is taken, each half a block further. */
+/* Plants stand anywhere in blocks: of small ones the mean of four ways is taken, each half a block
+ * further. */
 static void compare_pixels(const struct pixel *a, const struct pixel *b, uint32_t side, const float before[3],
 	struct errors *errors)
 {
@@ -464,8 +484,8 @@ static void take_errors(struct lod_seen *seen, uint32_t view)
 	for (uint32_t size = 0; size < ECO_SEEN_SIZES; size++)
 		for (int open = 0; open < 2; open++) {
 			v->errors[size][open] = (struct errors){ .color = 0 };
-			compare_pixels(v->pixels + first_of(size), v->reference + first_of(size), side_of(size),
-				open ? before_open : seen->alike, &v->errors[size][open]);
+			compare_pixels(v->pixels + first_of(size), v->reference + first_of(size),
+				side_of(size), open ? before_open : seen->alike, &v->errors[size][open]);
 		}
 }
 
@@ -540,21 +560,29 @@ void lod_seen_init(struct lod_seen *seen, struct lod_probe *probe, const struct 
 {
 	const struct eco_anchor *whole = &probe->plant->anchors[0];
 	const struct eco_model *model = probe->model;
-	float half = 0.5f * probe->plant->plant.height_m, square = whole->radius * whole->radius - half * half,
-		least = 0.12f * whole->radius;
-	*seen = (struct lod_seen){ .probe = probe, .options = *options, .half_height = half > 0 ? half : whole->radius,
+	float half = 0.5f * probe->plant->plant.height_m, least = 0.12f * whole->radius,
+		square = whole->radius * whole->radius - half * half;
+	*seen = (struct lod_seen){ .probe = probe, .options = *options,
+		.half_height = half > 0 ? half : whole->radius,
 		.half_width = square > least * least ? sqrtf(square) : least };
 	seen->texels = lod_arena_take(&seen->arena, model->image_count, sizeof *seen->texels);
 	for (uint32_t i = 0; i < model->image_count; i++)
-		lod_texels_open(&seen->texels[i], &model->images[i], eco_image_has_holes(&model->images[i]), &seen->arena);
+		lod_texels_open(&seen->texels[i], &model->images[i], eco_image_has_holes(&model->images[i]),
+			&seen->arena);
 	seen->views = lod_arena_take(&seen->arena, options->views, sizeof *seen->views);
 	for (uint32_t i = 0; i < seen->options.views; i++) {
 		struct lod_seen_view *v = &seen->views[i];
 		v->reference = lod_arena_take(&seen->arena, first_of(ECO_SEEN_SIZES), sizeof *v->reference);
 		v->pixels = lod_arena_take(&seen->arena, first_of(ECO_SEEN_SIZES), sizeof *v->pixels);
 		v->light = lod_arena_take(&seen->arena, samples_of(seen), sizeof *v->light);
-		lod_raster_init(&v->raster, &(struct lod_raster_options){ .width = samples_across(seen), .height = samples_across(seen), .item = true });
-		lod_raster_init(&v->back, &(struct lod_raster_options){ .width = samples_across(seen), .height = samples_across(seen), .item = true });
+		lod_raster_init(&v->raster,
+			&(struct lod_raster_options){ .width = samples_across(seen),
+				.height = samples_across(seen),
+				.item = true });
+		lod_raster_init(&v->back,
+			&(struct lod_raster_options){ .width = samples_across(seen),
+				.height = samples_across(seen),
+				.item = true });
 	}
 	lod_probe_eyes(probe, seen->eyes, options->views, samples_across(seen), LOD_PROBE_AROUND);
 }

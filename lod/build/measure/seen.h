@@ -1,16 +1,17 @@
-/* Errors that are seen in a plant's lists, beside what they cover: pictures in colour, all around, under light from the
- * sky.
+/* Errors that are seen in a plant's lists, beside what they cover: pictures in colour, all around, under
+ * light from the sky.
  *
  *   lod_seen_init(&seen, &probe, &options);
- *   lod_seen_back(&seen);                              the probe's drawings, if any, are part of all that follows
- *   lod_seen_keep(&seen);                              the probe's drawings become the reference
- *   lod_seen_compare(&seen, &error);                   others against it; without any, what full detail is worth
- *   lod_seen_free(&seen);
+ *   lod_seen_back(&seen);                              the probe's drawings, if any, are part of all that
+ * follows   lod_seen_keep(&seen);                              the probe's drawings become the reference
+ *   lod_seen_compare(&seen, &error);                   others against it; without any, what full detail is
+ * worth   lod_seen_free(&seen);
  *
- * A picture is divided into blocks of 16 x 16 pixels (lod/raster/blocks.h). Its errors are those of the blocks'
- * mean colours and of their deviations of lightness, over the pixels that show the reference: both add up over
- * plants, and neither asks where in a block a leaf is. They depend on how large the plant is in the picture, so
- * the same samples are taken as pixels of ECO_SEEN_SIZES widths. Leaves are drawn on splats and points. */
+ * A picture is divided into blocks of 16 x 16 pixels (lod/raster/blocks.h). Its errors are those of the
+ * blocks' mean colours and of their deviations of lightness, over the pixels that show the reference: both
+ * add up over plants, and neither asks where in a block a leaf is. They depend on how large the plant is
+ * in the picture, so the same samples are taken as pixels of ECO_SEEN_SIZES widths. Leaves are drawn on
+  * splats and points. */
 #ifndef LOD_SEEN_H
 #define LOD_SEEN_H
 
