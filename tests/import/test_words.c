@@ -72,7 +72,8 @@ static int compare_texts(const void *a, const void *b)
 
 static void check_seen(struct table *t)
 {
-	qsort(t->seen, t->seen_count, sizeof *t->seen, compare_texts);
+	if (t->seen_count)
+		qsort(t->seen, t->seen_count, sizeof *t->seen, compare_texts);
 	for (uint32_t i = 1; i < t->seen_count; i++)
 		if (strcmp(t->seen[i - 1], t->seen[i]) == 0)
 			say(t, "stands twice: %s", t->seen[i]);
