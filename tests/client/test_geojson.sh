@@ -3,7 +3,7 @@
 # row that it comes from, where the row says.
 set -u
 dir=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$dir"' EXIT
+trap 'jobs -p >"$dir/jobs"; kill $(cat "$dir/jobs") 2>/dev/null; rm -rf "$dir"' EXIT     # dash knows no jobs in $(...)
 fail() { echo "test_geojson: $*"; exit 1; }
 
 # three stand side by side, one behind another, one behind the eye

@@ -3,7 +3,7 @@
 # that alone. Between the two a proxy replaces the pack before it hands on the request of a frame, so that it is always the same one.
 set -u
 dir=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$dir"' EXIT
+trap 'jobs -p >"$dir/jobs"; kill $(cat "$dir/jobs") 2>/dev/null; rm -rf "$dir"' EXIT     # dash knows no jobs in $(...)
 fail() { echo "test_replaced: $*"; exit 1; }
 
 for height in 1 2; do

@@ -3,7 +3,7 @@
 # for a code that the map has not, and for a row that states none.
 set -u
 dir=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$dir"' EXIT
+trap 'jobs -p >"$dir/jobs"; kill $(cat "$dir/jobs") 2>/dev/null; rm -rf "$dir"' EXIT     # dash knows no jobs in $(...)
 fail() { echo "test_rows_kept: $*"; exit 1; }
 BUILD=$(realpath "$BUILD")
 cd "$dir" || exit 1

@@ -6,7 +6,7 @@ case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
 DIR=$(mktemp -d)
 failed=0
 tried=0
-trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$DIR"' EXIT
+trap 'jobs -p >"$DIR/jobs"; kill $(cat "$DIR/jobs") 2>/dev/null; rm -rf "$DIR"' EXIT     # dash knows no jobs in $(...)
 complain() { echo "$NAME: $*"; failed=1; }
 
 # sanitizers have an allocator of their own

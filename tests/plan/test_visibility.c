@@ -154,8 +154,8 @@ UNIT_TEST(plants_show_no_more_pixels_than_the_picture_has)
 	}
 }
 
-/* Past the eye, one and two radii aside, or through it. What stands beside the eye is not in the picture, but what
- * the eye is within. */
+/* Past the eye, one and two radii aside, or through it. Plants beside the eye are not in the picture; a plant around
+ * the eye is. */
 UNIT_TEST(what_passes_the_eye_goes_little_by_little)
 {
 	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .fov_y_deg = 50,
