@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_store.h"
 #include "ecofiles/format/wire.h"
 #include "lod/plan/planner.h"
 #include "server/stream.h"
@@ -12,167 +13,47 @@
 #define ROUNDS 24u
 #define OWNED_MAX 64u
 
-/* A client that only keeps books: parses a stream, remembers what it holds, and fails if a stream sends something
- * twice, out of order, or a plan that draws what has not been sent. */
-struct stream_reader {
-	const struct eco_scene *truth;       /* the pack's tables */
-	uint32_t *have;                      /* chunks per list */
-	bool *knows_list, *knows_plant;
-	uint64_t budget_vertices;
-	uint32_t plans, chunks, lists, plants;       /* frames seen in this stream */
-	uint64_t vertices;                   /* of the last plan */
-	bool ended;
-};
-
-static void stream_reader_init(struct stream_reader *r, const struct eco_scene *truth)
-{
-	*r = (struct stream_reader){ .truth = truth };
-	r->have = calloc(truth->list_count + 1, sizeof *r->have);
-	r->knows_list = calloc(truth->list_count + 1, sizeof *r->knows_list);
-	r->knows_plant = calloc(truth->plant_count + 1, sizeof *r->knows_plant);
-}
-
-static void stream_reader_free(struct stream_reader *r)
-{
-	free(r->have);
-	free(r->knows_list);
-	free(r->knows_plant);
-}
-
-static enum eco_code reader_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
-	const struct eco_anchor *anchors, struct eco_error *e)
-{
-	struct stream_reader *r = ctx;
-	const struct eco_plant *truth = &r->truth->plants[id];
-	if (plant->anchor_first != truth->anchor_first || plant->anchor_count != truth->anchor_count
-		|| memcmp(anchors, r->truth->anchors + truth->anchor_first,
-		truth->anchor_count * sizeof *anchors) != 0)
-		return eco_fail(e, ECO_DAMAGED, "plant %u is not what the pack has", id);
-	r->knows_plant[id] = true;
-	r->plants++;
-	return ECO_OK;
-}
-
-static enum eco_code reader_list(void *ctx, uint32_t id, const struct eco_list *list,
-	const uint8_t (*palette)[3], const struct eco_group *groups, struct eco_error *e)
-{
-	struct stream_reader *r = ctx;
-	const struct eco_group *truth = list->group_count ? eco_list_groups(r->truth, id) : NULL;
-	if (r->knows_list[id])
-		return eco_fail(e, ECO_DAMAGED, "list %u is described twice", id);
-	if (list->kind != r->truth->lists[id].kind || list->chunk_count != r->truth->lists[id].chunk_count)
-		return eco_fail(e, ECO_DAMAGED, "list %u is not what the pack has", id);
-	for (uint32_t g = 0; g < list->group_count; g++)
-		if (groups[g].plant != truth[g].plant || groups[g].first != truth[g].first
-				|| groups[g].count != truth[g].count)
-			return eco_fail(e, ECO_DAMAGED, "group %u of list %u is not the pack's", g, id);
-	r->knows_list[id] = true;
-	r->lists++;
-	return ECO_OK;
-}
-
-static enum eco_code reader_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
-	const uint8_t *payload, struct eco_error *e)
-{
-	struct stream_reader *r = ctx;
-	if (!r->knows_list[list])
-		return eco_fail(e, ECO_DAMAGED, "a chunk of list %u before its description", list);
-	if (ordinal != r->have[list])
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u, of which %u are held", ordinal, list,
-			r->have[list]);
-	if (chunk->size_bytes != r->truth->chunks[r->truth->lists[list].chunk_first + ordinal].size_bytes)
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u is not what the pack has", ordinal,
-			list);
-	r->have[list]++;
-	r->chunks++;
-	return ECO_OK;
-}
-
-static enum eco_code reader_needs(struct stream_reader *r, const struct eco_plan *plan, struct eco_error *e)
-{
-	struct eco_holdings needs;
-	enum eco_code code = lod_plan_needs(r->truth, plan, &needs, e);
-	for (uint32_t i = 0; !code && i < needs.count; i++) {
-		uint32_t id = needs.items[i].list;
-		const struct eco_list *list = &r->truth->lists[id];
-		uint32_t plant = list->kind == ECO_LIST_INSTANCES || list->attributes & ECO_ATTR_PLANT
-			? ECO_NONE : list->owner;
-		if (needs.items[i].chunks > r->have[id])
-			code = eco_fail(e, ECO_DAMAGED, "the plan needs %u chunks of list %u, %u are held",
-				needs.items[i].chunks, id, r->have[id]);
-		else if (list->kind != ECO_LIST_GROUND && plant != ECO_NONE && !r->knows_plant[plant])
-			code = eco_fail(e, ECO_DAMAGED, "the plan draws list %u of an unknown plant", id);
-		for (uint32_t g = 0; !code && g < list->group_count; g++)
-			if (!r->knows_plant[eco_list_groups(r->truth, id)[g].plant])
-				code = eco_fail(e, ECO_DAMAGED, "the plan draws unknown plants of list %u",
-					id);
-	}
-	free(needs.items);
-	return code;
-}
-
-static enum eco_code reader_plan(void *ctx, struct eco_plan *plan, struct eco_error *e)
-{
-	struct stream_reader *r = ctx;
-	enum eco_code code = reader_needs(r, plan, e);
-	if (!code && plan->vertices > r->budget_vertices)
-		code = eco_fail(e, ECO_DAMAGED, "the plan draws %llu of %llu vertices",
-			(unsigned long long)plan->vertices, (unsigned long long)r->budget_vertices);
-	r->vertices = plan->vertices;
-	r->plans++;
-	eco_plan_free(plan);
-	return code;
-}
-
-static enum eco_code reader_end(void *ctx, uint64_t vertices, struct eco_error *e)
-{
-	struct stream_reader *r = ctx;
-	r->ended = true;
-	return vertices == r->vertices ? ECO_OK : eco_fail(e, ECO_DAMAGED, "END is not of the last plan");
-}
-
-/* Reads one whole stream on top of what is held already; counts restart. */
-static enum eco_code stream_reader_read(struct stream_reader *r, const void *bytes, size_t size,
-	uint64_t budget_vertices, struct eco_error *error)
-{
-	static const struct eco_wire_events events = { .plant = reader_plant, .list = reader_list,
-		.chunk = reader_chunk,
-		.plan = reader_plan, .end = reader_end };
-	struct eco_wire_parser *parser;
-	r->plans = r->chunks = r->lists = r->plants = 0;
-	r->ended = false;
-	r->budget_vertices = budget_vertices;
-	enum eco_code code = eco_wire_parser_new(&parser, &events, r, error);
-	if (code)
-		return code;
-	code = eco_wire_feed(parser, bytes, size, error);
-	if (!code)
-		code = eco_wire_finish(parser, error);
-	eco_wire_parser_free(parser);
-	return code;
-}
-
-/* The holdings, as the body of the next request. */
-static struct eco_writer stream_reader_holdings(const struct stream_reader *r)
-{
-	struct eco_holdings holdings = { .items = calloc(r->truth->list_count + 1, sizeof *holdings.items) };
-	struct eco_writer w = { 0 };
-	for (uint32_t i = 0; i < r->truth->list_count; i++)
-		if (r->have[i])
-			holdings.items[holdings.count++] = (struct eco_holding){ i, r->have[i] };
-	eco_wire_write_holdings(&w, &holdings);
-	free(holdings.items);
-	return w;
-}
-
-/* A scene as the store would hold it, without a store; a client; and what was made for them. */
+/* A scene as the store of a server would hold it; a client that counts what comes, and fails where a chunk comes
+ * twice or out of order, or a plan that draws what has not been sent; and what was made for them. */
 struct bench {
 	struct random_pack *pack;
 	struct srv_scene scene;
-	struct stream_reader reader;
+	struct view_store *client;
+	uint64_t budget_vertices;
+	uint32_t plans, lists;               /* of the last stream */
+	uint64_t chunks;
 	void *owned[OWNED_MAX];
 	uint32_t owned_count;
 };
+
+static struct bench *reading;
+
+static enum eco_code on_list(void *store, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
+	const struct eco_group *groups, struct eco_error *error)
+{
+	reading->lists++;
+	return view_store_events.list(store, id, list, palette, groups, error);
+}
+
+static enum eco_code on_plan(void *store, struct eco_plan *plan, struct eco_error *error)
+{
+	struct eco_holdings needs, held;
+	assert_good(lod_plan_needs(&reading->pack->pack.scene, plan, &needs, &cause));
+	assert_good(view_store_holdings(store, &held, &cause));
+	for (uint32_t i = 0; i < needs.count; i++)
+		assert_true(needs.items[i].chunks <= eco_holdings_chunks(&held, needs.items[i].list));
+	assert_true(plan->vertices <= reading->budget_vertices);
+	reading->plans++;
+	free(needs.items);
+	free(held.items);
+	return view_store_events.plan(store, plan, error);
+}
+
+static void begin_client(struct bench *b)
+{
+	view_store_free(b->client);
+	assert_good(view_store_new(&b->client, &(struct view_store_options){ .counts = true }, &cause));
+}
 
 static void own(struct bench *b, void *memory)
 {
@@ -185,7 +66,7 @@ static struct bench bench_make(uint64_t seed, uint32_t factor)
 	struct bench b = { .pack = random_pack_make(seed, seed % 3 ? 0 : 2, factor) };
 	b.scene = (struct srv_scene){ .name = "random", .pack = &b.pack->pack };
 	b.scene.checked = calloc(b.pack->pack.scene.chunk_count + 1, 1);
-	stream_reader_init(&b.reader, &b.pack->pack.scene);
+	begin_client(&b);
 	return b;
 }
 
@@ -194,7 +75,7 @@ static void bench_free(struct bench *b)
 	while (b->owned_count)
 		free(b->owned[--b->owned_count]);
 	free(b->scene.checked);
-	stream_reader_free(&b->reader);
+	view_store_free(b->client);
 	random_pack_free(b->pack);
 }
 
@@ -225,19 +106,32 @@ static struct body build(struct bench *b, const struct eco_request *request, con
 
 static void read_all(struct bench *b, const struct body *body, uint64_t vertices)
 {
-	assert_good(stream_reader_read(&b->reader, body->bytes, body->size, vertices, &cause));
-	assert_true(b->reader.ended);
-	assert_int_equal(b->reader.plans, body->steps);
+	struct eco_wire_events events = view_store_events;
+	struct eco_wire_parser *parser;
+	uint64_t before = view_store_stats(b->client).chunks;
+	events.list = on_list;
+	events.plan = on_plan;
+	reading = b;
+	b->budget_vertices = vertices;
+	b->plans = b->lists = 0;
+	view_store_begin(b->client);
+	assert_good(eco_wire_parser_new(&parser, &events, b->client, &cause));
+	assert_good(eco_wire_feed(parser, body->bytes, body->size, &cause));
+	assert_good(eco_wire_finish(parser, &cause));
+	eco_wire_parser_free(parser);
+	b->chunks = view_store_stats(b->client).chunks - before;
+	assert_true(view_store_complete(b->client) && !view_store_stats(b->client).chunks_twice);
+	assert_int_equal(b->plans, body->steps);
 }
 
 /* The client's holdings as the server reads them from a request. */
 static struct eco_holdings held_by(struct bench *b)
 {
-	struct eco_writer w = stream_reader_holdings(&b->reader);
+	FREED(eco_writer) w = { 0 };
 	struct eco_holdings holdings;
+	assert_good(view_store_write_holdings(b->client, &w, &cause));
 	assert_good(eco_wire_read_holdings(w.bytes, w.size, &holdings, &cause));
-	assert_good(srv_holdings_check(b->reader.truth, &holdings, &cause));
-	eco_writer_free(&w);
+	assert_good(srv_holdings_check(&b->pack->pack.scene, &holdings, &cause));
 	own(b, holdings.items);
 	return holdings;
 }
@@ -260,8 +154,8 @@ UNIT_TEST(what_is_held_is_not_sent_again)
 		struct eco_holdings held = held_by(&b);
 		struct body again = build(&b, &request, &held);
 		read_all(&b, &again, request.vertices);
-		assert_int_equal(b.reader.chunks, 0);
-		assert_int_equal(b.reader.lists, 0);
+		assert_int_equal(b.chunks, 0);
+		assert_int_equal(b.lists, 0);
 		assert_true(again.size <= first.size);
 		/* a walk through the scene: every stream on top of what is held by then */
 		for (int i = 0; i < 6; i++) {
@@ -289,8 +183,7 @@ UNIT_TEST(byte_budgets_are_never_exceeded_and_well_used)
 		for (int i = 0; i < 20; i++) {
 			request.bytes = random_below(&b.pack->r, i ? (uint32_t)whole.size + 1000
 				: (uint32_t)none.smallest);
-			stream_reader_free(&b.reader);
-			stream_reader_init(&b.reader, &b.pack->pack.scene);
+			begin_client(&b);
 			struct body body = build(&b, &request, NULL);
 			assert_int_equal(body.fits, request.bytes >= none.smallest);
 			if (body.fits) {
@@ -335,14 +228,14 @@ UNIT_TEST(what_has_no_room_in_an_answer_comes_in_parts)
 			if (body.fits) {
 				assert_true(body.size <= request.bytes);
 				read_all(&b, &body, request.vertices);
-				parts += visit > 0 && b.reader.chunks > 0;
+				parts += visit > 0 && b.chunks > 0;
 			}
 		}
 		request.bytes = ECO_BYTES_UNBOUNDED;
 		struct eco_holdings held = held_by(&b);
 		struct body rest = build(&b, &request, &held);
 		read_all(&b, &rest, request.vertices);
-		whole_at_last += b.reader.chunks == 0;
+		whole_at_last += b.chunks == 0;
 		bench_free(&b);
 	}
 	print_message("          %u of 30 have all at last; %u answers brought parts\n", whole_at_last,
@@ -419,7 +312,7 @@ UNIT_TEST(the_next_view_comes_last_and_within_the_same_bytes)
 		struct eco_holdings held = held_by(&b);
 		struct body then = build(&b, &there, &held);
 		read_all(&b, &then, there.vertices);
-		assert_int_equal(b.reader.chunks, 0);
+		assert_int_equal(b.chunks, 0);
 		saved += whole.size > alone.size;
 		assert_int_equal(whole.bytes[alone.size - ECO_END_FRAME_BYTES], whole.size > alone.size
 			? ECO_FRAME_AHEAD : ECO_FRAME_END);
