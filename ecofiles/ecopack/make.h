@@ -167,6 +167,7 @@ void make_image_look(struct make *m);        /* reports errors before plants are
 /* Packs the image of the ground, if the scene names one, once tiles and ground are there. */
 void make_image(struct make *m);
 void make_plants(struct make *m);            /* finds, builds and packs them */
+void make_plants_pack(struct make *m);       /* those that are built: m->plants */
 void make_plants_free(struct make *m);
 
 /* opens each inventory and takes its first plant; reads areas and masks */

@@ -302,7 +302,6 @@ static void build_plant(void *ctx)
 	main_times_stage(MAIN_STAGE_TEXTURES);
 	keep_textures(plant, &model, &job->error);
 	main_times_stage(MAIN_STAGE_NONE);
-	measure_body(plant);
 	eco_model_free(&model);
 }
 
@@ -425,19 +424,25 @@ static void pack_plant(struct make *m, uint32_t id)
 	free(p.lists);
 }
 
-void make_plants(struct make *m)
+void make_plants_pack(struct make *m)
 {
-	find_plants(m);
-	build_plants(m);
 	main_times_stage(MAIN_STAGE_PACKING);
 	m->table = eco_alloc(m->plant_count, sizeof *m->table);
 	make_textures(m);
 	for (uint32_t i = 0; i < m->plant_count; i++) {
 		main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count);
+		measure_body(&m->plants[i]);
 		pack_plant(m, i);
 	}
 	m->scene.plants = m->table;
 	m->scene.plant_count = m->plant_count;
+}
+
+void make_plants(struct make *m)
+{
+	find_plants(m);
+	build_plants(m);
+	make_plants_pack(m);
 }
 
 void make_plants_free(struct make *m)

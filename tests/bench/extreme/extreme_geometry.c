@@ -66,7 +66,7 @@ static uint64_t grow(struct extreme *x, struct extreme_stand *stand)
 	struct eco_request request =
 		{ .view = { { c[0] - 3 * r, c[1] - 2 * r, c[2] + r }, { c[0], c[1], c[2] }, { 0, 0, 1 }, 45,
 		200, 200 }, .bytes = ECO_BYTES_UNBOUNDED };
-	extreme_stand_place(stand, &(struct extreme_place){ .scale = 1 });
+	extreme_stand_place(stand, &(struct eco_source_instance){ .scale = 1 });
 	extreme_world_open(x, &world, stand, &(struct extreme_site){ 0 });
 	for (int i = 0; i < 4; i++) {
 		struct eco_plan plan = { 0 };
@@ -86,7 +86,7 @@ enum wanted { SEEN, REFUSED, ANSWERED };     /* ANSWERED: sound or refused */
 /* Builds the soup and frees it: the build must be refused with a reason, or the plant must be visible. */
 static void try_soup(struct extreme *x, struct soup *soup, const char *name, enum wanted wanted)
 {
-	struct extreme_stand stand = { .side = 20, .near_m = 1e-6 };
+	struct extreme_stand stand = { .plant_count = 0 };
 	struct eco_error error = { 0 };
 	enum eco_code code = extreme_stand_add(&stand, soup, name, &error);
 	if (wanted == REFUSED || (wanted == ANSWERED && code)) {

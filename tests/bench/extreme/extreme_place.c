@@ -71,10 +71,9 @@ static void make_unlike(struct extreme *x, struct extreme_stand *stand)
 		extreme_good(x, extreme_stand_add(stand, &soup, moss ? "moss" : "giant", &x->error));
 	}
 	for (uint32_t i = 0; i < 12; i++)
-		extreme_stand_place(stand,
-			&(struct extreme_place){ .plant = i > 3,
+		extreme_stand_place(stand, &(struct eco_source_instance){ .plant = i > 3,
 			.at = { i < 4 ? 40 * (i + 1.0) - 90 : 1e-3 * i - 8e-3, i < 4 ? 60 : 0, 0 },
-			.turn = (uint16_t)(5000 * i), .scale = 1 });
+			.yaw_deg = 27 * i, .scale = 1 });
 }
 
 static void look_unlike(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
@@ -101,7 +100,7 @@ static void look_unlike(struct extreme *x, const struct extreme_world *world, co
  * nothing, and harms nothing. */
 static void unlike(struct extreme *x)
 {
-	struct extreme_stand stand = { .side = 200, .near_m = 1e-4 };
+	struct extreme_stand stand = { .plant_count = 0 };
 	struct extreme_world world = { 0 };
 	struct eco_request near = extreme_request(20000), far = near;
 	near.view.target[2] = 5e-4;

@@ -9,16 +9,13 @@
 
 #include "client-min/view_select.h"
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/wire.h"
-#include "lod/build/summary.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/support/files.h"
-#include "tests/support/scene_builder.h"
 
-#define TILES 4u
-#define LISTS_MOST 256u          /* of a plant */
-#define STEP_M 0x1p-13           /* of instance grids */
-#define BODY_M 1.5               /* plants reach so many times their radius from their place */
+#define TILE_PLANTS 20u          /* so that the shared stand has four tiles */
 
 /* ---- Stands ---- */
 
@@ -34,13 +31,13 @@ enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, 
 		code = lod_plant_measure(plant, &soup->model, &options, error);
 	stand->plant_count += !code;
 	soup_free(soup);
-	return code ? code : plant->list_count <= LISTS_MOST ? ECO_OK
-		: eco_fail(error, ECO_TOO_LARGE, "%u lists", plant->list_count);
+	return code;
 }
 
-void extreme_stand_place(struct extreme_stand *stand, const struct extreme_place *place)
+void extreme_stand_place(struct extreme_stand *stand, const struct eco_source_instance *place)
 {
-	stand->places[stand->place_count++] = *place;
+	stand->places[stand->place_count] = *place;
+	stand->places[stand->place_count++].height_m = NAN;
 }
 
 /* `count` of a plant anywhere in the square, sizes 0.8 to 1.2. */
@@ -50,16 +47,16 @@ static void scatter(struct extreme_stand *stand, uint32_t plant, uint32_t count,
 		double unit[4];
 		for (int k = 0; k < 4; k++)
 			unit[k] = eco_random_unit(seed = lod_mix(seed + 1));
-		extreme_stand_place(stand, &(struct extreme_place){ .plant = plant,
-			.at = { (unit[0] - 0.5) * stand->side, (unit[1] - 0.5) * stand->side, 0 },
-			.turn = (uint16_t)(unit[2] * 65535), .scale = 0.8 + 0.4 * unit[3] });
+		extreme_stand_place(stand, &(struct eco_source_instance){ .plant = plant,
+			.at = { (unit[0] - 0.5) * EXTREME_SIDE_M, (unit[1] - 0.5) * EXTREME_SIDE_M, 0 },
+			.yaw_deg = 360 * unit[2], .scale = 0.8 + 0.4 * unit[3] });
 	}
 }
 
 static void make_stand(struct extreme *x, struct extreme_stand *stand)
 {
 	struct soup soup;
-	*stand = (struct extreme_stand){ .side = EXTREME_SIDE_M, .near_m = 0.05, .summaries = true };
+	*stand = (struct extreme_stand){ .place_count = 0 };
 	soup_tree(&soup, 1500, 60, false);
 	extreme_good(x, extreme_stand_add(stand, &soup, "tree", &x->error));
 	soup_begin(&soup);
@@ -117,221 +114,51 @@ struct extreme_world *extreme_world(struct extreme *x)
 
 /* ---- Packs ---- */
 
-/* a scene while it is written: its root places a tile that has the stand's four */
-struct packing {
-	const struct extreme_stand *stand;
-	const struct extreme_site *site;
-	struct scene_builder b;
-	uint32_t palette_first[EXTREME_PLANTS];
-};
-
-static uint32_t add_list(struct packing *p, uint32_t id, uint32_t i, const uint32_t *lists)
+/* Packs a file that nests the one of the stand, of plants that are built, as ecopack would. */
+static void pack(void *make)
 {
-	const struct lod_plant *plant = &p->stand->plants[id];
-	const struct lod_list_draft *draft = &plant->lists[i], *like = draft->list.partner == ECO_NONE ? draft
-		: &plant->lists[draft->list.partner];
-	struct eco_list list = draft->list;
-	list.owner = id;
-	list.image = ECO_NONE;
-	list.palette_first += list.palette_count ? p->palette_first[id] : 0;
-	list.partner = list.partner == ECO_NONE ? ECO_NONE : lists[list.partner];
-	uint32_t added = scene_add_made(&p->b, list, draft->elements);
-	p->b.ends[added] = (struct scene_ends){ like->ends, like->end_count, NULL };
-	return added;
-}
-
-static uint32_t add_impostor(struct packing *p, uint32_t id)
-{
-	const struct lod_plant *plant = &p->stand->plants[id];
-	struct scene_row row = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .owner = id,
-		.other = ECO_NONE };
-	if (!plant->impostor_count)
-		return ECO_NONE;
-	struct eco_list list = scene_list(&p->b, &row);
-	for (int k = 0; k < 3; k++)
-		list.grid_step[k] = 1;
-	uint32_t added = scene_add_list(&p->b, list);
-	p->b.ends[added] = (struct scene_ends){ NULL, plant->impostor_count, plant->impostor };
-	return added;
-}
-
-static uint32_t moved(const uint32_t *ids, uint32_t index)
-{
-	return index == ECO_NONE ? ECO_NONE : ids[index];
-}
-
-/* Elements and ends of its lists stay the stand's. */
-static void add_plant(struct packing *p, uint32_t id)
-{
-	const struct lod_plant *plant = &p->stand->plants[id];
-	struct scene_builder *b = &p->b;
-	uint32_t lists[LISTS_MOST + 1], anchors = b->scene.anchor_count, curves = b->scene.curve_count;
-	p->palette_first[id] = b->scene.palette_count;
-	scene_add_colors(b, plant->palette, plant->palette_count);
-	for (int forms = 0; forms < 2; forms++)
-		for (uint32_t i = 0; i < plant->list_count; i++)
-			if ((plant->lists[i].list.partner != ECO_NONE) == forms)
-				lists[i] = add_list(p, id, i, lists);
-	lists[plant->list_count] = add_impostor(p, id);
-	scene_add_plant(b, plant->plant);
-	for (uint32_t i = 0; i < plant->plant.anchor_count; i++)
-		scene_add_anchor(b, plant->anchors[i]);
-	for (uint32_t i = 0; i < plant->curve_count; i++)
-		scene_add_curve(b, plant->curves[i]);
-	for (uint32_t i = 0; i < plant->ladder_count; i++) {
-		struct eco_ladder l = plant->ladders[i];
-		l.plant = id;
-		l.anchor += anchors;
-		l.curve_first += curves;
-		l.points = moved(lists, l.points);
-		l.lines = moved(lists, l.lines);
-		l.simple = moved(lists, l.simple);
-		l.triangles = moved(lists, l.triangles);
-		l.impostor = moved(lists, l.impostor);
-		scene_add_ladder(b, l);
-	}
-	b->scene.needs |= ECO_NEED_SPLATS | ECO_NEED_IMPOSTORS;
-	b->scene.needs |= plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
-}
-
-/* Extends the tile by plants within these bounds. */
-static void grow_tile(struct eco_tile *tile, const double low[3], const double high[3], uint64_t count,
-	double area)
-{
-	for (int i = 0; i < 3; i++) {
-		tile->low[i] = tile->instance_count ? fmin(tile->low[i], low[i]) : low[i];
-		tile->high[i] = tile->instance_count ? fmax(tile->high[i], high[i]) : high[i];
-	}
-	tile->instance_count += count;
-	tile->area += area;
-}
-
-static void grow_by_plant(struct packing *p, uint32_t tile, const struct extreme_place *place)
-{
-	const struct eco_plant *plant = &p->b.plants[place->plant];
-	const struct eco_anchor *anchor = &p->b.anchors[plant->anchor_first];
-	double reach = BODY_M * (anchor->radius + hypot(anchor->center[0], anchor->center[1])) * place->scale,
-		low[3], high[3];
-	for (int i = 0; i < 3; i++) {
-		double at = place->at[i] + (p->site->plain ? p->site->at[i] : 0);
-		low[i] = at - reach;
-		high[i] = at + (i < 2 ? reach : (anchor->center[2] + anchor->radius) * BODY_M * place->scale);
-	}
-	grow_tile(&p->b.tiles[tile], low, high, 1, (double)plant->area * place->scale * place->scale);
-}
-
-/* The plants of one species in one quarter, if there are any. */
-static void add_group(struct packing *p, uint32_t quarter, uint32_t tile, uint32_t plant)
-{
-	struct eco_list list =
-		scene_list(&p->b, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE,
-		tile, ECO_NONE, 0, 0 });
-	struct eco_elements e = elements_make(&list, p->stand->place_count, 1);
-	double corner = p->stand->side / 2;
-	uint32_t count = 0;
-	for (int i = 0; i < 3; i++) {
-		list.grid_step[i] = STEP_M;
-		list.grid_origin[i] = (i < 2 ? -corner : 0) + (p->site->plain ? p->site->at[i] : 0);
-	}
-	for (uint32_t i = 0; i < p->stand->place_count; i++) {
-		const struct extreme_place *place = &p->stand->places[i];
-		if (place->plant != plant || (place->at[0] >= 0) + 2u * (place->at[1] >= 0) != quarter)
-			continue;
-		for (uint32_t k = 0; k < 3; k++)
-			e.position[3 * count + k] =
-				(int32_t)floor((place->at[k] + (k < 2 ? corner : 0)) / STEP_M + 0.5);
-		e.extra[2 * count] = place->turn;
-		e.extra[2 * count + 1] = (int32_t)(place->scale * 65536 + 0.5);
-		grow_by_plant(p, tile, place);
-		count++;
-	}
-	e.element_count = e.corner_count = e.primitive_count = count;
-	if (count)
-		scene_add_instances(&p->b, scene_add_made(&p->b, list, e), plant);
-	else
-		eco_elements_free(&e);
-}
-
-static void add_root(struct packing *p)
-{
-	const struct extreme_site *site = p->site;
-	double scale = site->scale > 0 ? site->scale : 1, far = 0;
-	struct eco_child child = { .tile = 1, .placed = true, .scale = 1 };
-	if (!site->plain)
-		child = (struct eco_child){ 1, true, { site->at[0], site->at[1], site->at[2] }, site->turn,
-			(float)scale };
-	scene_add_child(&p->b, 0, child);
-	for (uint32_t t = 2; t < p->b.scene.tile_count; t++) {
-		const struct eco_tile *tile = &p->b.tiles[t];
-		if (!tile->instance_count)
-			continue;
-		grow_tile(&p->b.tiles[1], tile->low, tile->high, tile->instance_count, tile->area);
-		scene_add_child(&p->b, 1, (struct eco_child){ .tile = t, .scale = 1 });
-	}
-	struct eco_tile *root = &p->b.tiles[0], *stand = &p->b.tiles[1];
-	for (int i = 0; i < 3; i++)
-		far = fmax(far, fmax(fabs(stand->low[i]), fabs(stand->high[i])));
-	for (int i = 0; i < 3; i++) {
-		root->low[i] = child.at[i] - 2 * scale * far;
-		root->high[i] = child.at[i] + 2 * scale * far;
-	}
-	root->area = stand->area * scale * scale;
-	root->instance_count = stand->instance_count;
-	p->b.scene.near_m = fmax(p->stand->near_m * scale, 1e-9);
-}
-
-static void add_summary(struct packing *p, const struct lod_pool *pools, uint32_t tile)
-{
-	struct lod_summary summary = { 0 };
-	struct eco_list list;
-	struct eco_elements e = { 0 };
-	lod_summary_make(&summary, &(struct lod_summary_input){ .scene = &p->b.scene, .pools = pools,
-		.tile = tile,
-		.count = lod_summary_count(&p->b.tiles[tile]), .seed = 1 });
-	if (summary.count) {
-		lod_summary_list(&summary, &p->b.scene, tile, p->b.scene.palette_count, &list, &e);
-		p->b.tiles[tile].summary = scene_add_made(&p->b, list, e);
-	}
-	free(summary.points);
-}
-
-static void add_summaries(struct packing *p)
-{
-	struct lod_pool pools[EXTREME_PLANTS] = { { 0 } };
-	for (uint32_t i = 0; i < p->stand->plant_count; i++)
-		lod_pool_make(&pools[i], &p->stand->plants[i], p->palette_first[i], 512);
-	for (uint32_t t = 1; t < p->b.scene.tile_count; t++)
-		if (p->b.tiles[t].instance_count)
-			add_summary(p, pools, t);
-	for (uint32_t i = 0; i < p->stand->plant_count; i++)
-		lod_pool_free(&pools[i]);
+	make_create(make);
+	make_plants_pack(make);
+	make_places(make);
+	make_tiles(make);
+	make_commit(make, json_object());
 }
 
 static enum eco_code write_pack(const struct extreme_stand *stand, const struct extreme_site *site,
 	const char *path, struct eco_error *error)
 {
-	struct packing p =
-		{ .stand = stand, .site = site,
-		.b.scene = { .name = "extreme", .needs = ECO_NEED_POINTS | ECO_NEED_LINES | ECO_NEED_TRIANGLES
-			| ECO_NEED_PLACEMENTS | (stand->summaries ? ECO_NEED_SUMMARIES : 0) } };
-	for (uint32_t i = 0; i < stand->plant_count; i++)
-		add_plant(&p, i);
-	uint32_t borrowed = p.b.scene.list_count;
-	for (uint32_t t = 0; t < 2; t++)
-		scene_add_tile(&p.b, (struct eco_tile){ .summary = ECO_NONE });
-	for (uint32_t t = 0; t < TILES; t++) {
-		uint32_t tile =
-			scene_add_tile(&p.b,
-			(struct eco_tile){ .summary = ECO_NONE, .group_first = p.b.scene.group_count });
-		for (uint32_t plant = 0; plant < stand->plant_count; plant++)
-			add_group(&p, t, tile, plant);
+	static char *model[] = { "soup" };
+	uint32_t own[EXTREME_PLANTS] = { 0, 1, 2, 3 }, *plant_of[] = { NULL, own };
+	struct eco_source_plant plants[EXTREME_PLANTS];
+	struct eco_source_instance instances[EXTREME_PLACES];
+	struct eco_source_child child = { .source = 1, .scale = site->scale > 0 && !site->plain ? site->scale : 1,
+		.yaw_deg = site->plain ? 0 : site->turn * 360.0 / 65536 };
+	struct eco_source files[] = { { .path = "site", .tile_instances = ECO_TILE_INSTANCES, .children = &child,
+		.child_count = 1 },
+		{ .path = "stand", .tile_instances = TILE_PLANTS, .plants = plants, .plant_count = stand->plant_count,
+		.instances = instances, .instance_count = stand->place_count } };
+	struct make_options options = { .pack = path, .jobs = 1 };
+	struct make m = { .options = &options, .error = error, .sources = { files, 2 }, .plant_of = plant_of,
+		.plants = eco_alloc(EXTREME_PLANTS, sizeof *m.plants), .plant_count = stand->plant_count,
+		.scene.name = "extreme" };
+	for (uint32_t i = 0; i < stand->plant_count; i++) {
+		plants[i] = (struct eco_source_plant){ .models = model, .model_count = 1 };
+		m.plants[i] = (struct make_plant){ .source = &plants[i], .built = stand->plants[i], .importance = 1 };
+		memcpy(plants[i].name, stand->plants[i].plant.name, sizeof plants[i].name);
+		memcpy(m.plants[i].name, plants[i].name, sizeof plants[i].name);
 	}
-	add_root(&p);
-	if (stand->summaries)
-		add_summaries(&p);
-	enum eco_code code = scene_write(&p.b, path, "{\"name\":\"extreme\"}", NULL, error);
-	memset(p.b.elements, 0, borrowed * sizeof *p.b.elements);
-	scene_free(&p.b);
+	memcpy(instances, stand->places, sizeof instances);
+	for (int k = 0; k < 3; k++) {
+		child.at[k] = site->plain ? 0 : site->at[k];
+		for (uint32_t i = 0; i < stand->place_count && site->plain; i++)
+			instances[i].at[k] += site->at[k];
+	}
+	main_progress_quiet(true);
+	enum eco_code code = eco_try(pack, &m, error);
+	for (uint32_t i = 0; i < stand->plant_count; i++)
+		free(m.plants[i].images);
+	make_places_free(&m);
+	make_tables_free(&m);
 	return code;
 }
 

@@ -16,6 +16,7 @@
 
 #include "client-min/draw/view_picture.h"
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
 #include "lod/eye.h"
 #include "lod/plan/planner.h"
@@ -24,19 +25,15 @@
 #include "tests/support/plant_models.h"
 
 #define EXTREME_PLANTS 4u
-#define EXTREME_SIDE_M 40.0      /* of the shared stand */
-
-struct extreme_place { uint32_t plant; double at[3]; uint16_t turn; double scale; };
+#define EXTREME_PLACES 60u
+#define EXTREME_SIDE_M 40.0      /* of the shared stand: a square around the origin */
 
 struct extreme_stand {
 	struct lod_plant plants[EXTREME_PLANTS];     uint32_t plant_count;
-	struct extreme_place places[60];             uint32_t place_count;
-	double side;                                 /* m: a square around the origin, cut into four tiles */
-	double near_m;
-	bool summaries;
+	struct eco_source_instance places[EXTREME_PLACES];   uint32_t place_count;
 };
 
-/* Site of a stand. plain: by the numbers of its tiles and lists, not by a transform. Zero: at the origin. */
+/* Site of a stand. plain: by the numbers of its places, not by a transform. Zero: at the origin. */
 struct extreme_site { double at[3]; uint16_t turn; double scale; bool plain; };
 
 struct extreme_world { struct srv_store store; struct srv_scene *scene; };
@@ -48,7 +45,7 @@ static inline const struct eco_scene *extreme_tables(const struct extreme_world 
 /* Builds one more plant of a soup, in an order that takes little time, and frees the soup. */
 enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, const char *name,
 	struct eco_error *error);
-void extreme_stand_place(struct extreme_stand *stand, const struct extreme_place *place);
+void extreme_stand_place(struct extreme_stand *stand, const struct eco_source_instance *place);
 void extreme_stand_free(struct extreme_stand *stand);
 /* Made when first asked for, and never freed by cases. */
 const struct extreme_stand *extreme_stand(struct extreme *x);
