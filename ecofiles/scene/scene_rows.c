@@ -24,7 +24,7 @@ static const struct eco_field row_fields[] = {
 	ECO_OTHER("thousands"), ECO_OTHER("species"), FIELD("codes", TEXT, 0, 0, codes), ECO_OTHER("map"), ECO_OTHER("plant"),
 	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"),
 	FIELD("levels", WHOLE, 1, 1024, levels), COLUMN("scale", scale), COLUMN("yaw_deg", yaw_deg),
-	ECO_OTHER("duplicates"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
+	ECO_OTHER("duplicates"), ECO_OTHER("grown"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
 };
 static const struct eco_field polar_fields[] = {
 	FIELD("azimuth", COLUMN | ECO_IS_REQUIRED, 0, 0, polar.azimuth),
@@ -429,12 +429,15 @@ void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json
 {
 	static const char *const duplicates[] = { "keep", "skip", NULL };
 	struct eco_json from = eco_json_member(at, "from");
-	unsigned skip = 0;
+	static const char *const grown[] = { "open", "stand", NULL };
+	unsigned skip = 0, stand = 0;
 	eco_json_place(&from, &spec->line, &spec->column);
 	eco_scene_fields(source, at, row_fields, spec);
 	parse_signs(at, spec);
 	eco_scene_choice(at, "duplicates", duplicates, "\"keep\" or \"skip\"", &skip);
+	eco_scene_choice(at, "grown", grown, "\"open\" or \"stand\"", &stand);
 	spec->skip_duplicates = skip;
+	spec->stand = stand;
 	parse_species(source, at, spec);
 	parse_height(source, at, spec);
 	parse_crown(source, at, spec);

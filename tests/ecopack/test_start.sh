@@ -46,8 +46,9 @@ awk 'BEGIN { printf "\357\273\277Baum-Nr;Baumart (botanisch);H\303\266he (m);Sta
 start 0 'decimal commas' de.csv
 is '[.crs, .origin]' '["EPSG:25832",[691630,5334730]]'
 is '.instances[0] | [.x, .y, .crs, .decimal, .species]' '["Ostwert_25832","Nordwert_25832","EPSG:25832",",","Baumart (botanisch)"]'
-is '.instances[0].height_m' '[{"column":"Höhe (m)","unit":"m"},{"by":"species","from_girth":"Stammumfang [cm]","unit":"cm","spread":0.15,"max":25,"rate":0.002},13.5]'
+is '.instances[0].height_m' '[{"column":"Höhe (m)","unit":"m"},{"by":"species","from_girth":"Stammumfang [cm]","unit":"cm","spread":0.15},13.5]'
 is '.instances[0].map' '{"Quercus robur":"stieleiche","Tilia cordata":"linden","*":"stieleiche"}'
+is '.instances[0].grown' '"stand"'
 is '.plants.linden.variants | length' 2
 camera 0 0
 file "$DIR/my/map.png" 2>/dev/null | grep -q PNG || [ "$(head -c 4 "$DIR/my/map.png" | tail -c 3)" = PNG ] || complain "map.png is none"
@@ -129,6 +130,7 @@ start 0 'Lambert-93, by the columns. names' fr.tsv
 is '[.crs, .instances[0].x]' '["EPSG:2154","X_L93"]'
 is '.instances[0].map | [."Houx", ."Épicéa commun"]' '["holly_bush","norway_spruce"]'
 is '.instances[0].height_m[1] | [.from_girth, .unit]' '["circonférence","cm"]'
+is '.instances[0].grown' null
 is '.instances[0].height_m[1].per_plant' '{"holly_bush":{"max":12,"rate":0.002}}'
 camera 0 0
 

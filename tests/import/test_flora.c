@@ -1,7 +1,8 @@
 /* Names of plants: genera, common names, codes, forms, leaves. */
+#include <math.h>
 #include <string.h>
 
-#include "ecofiles/import/places/flora.h"
+#include "ecofiles/import/places/growth.h"
 #include "tests/support/unit_test.h"
 
 static struct eco_flora spelt(const char *name)
@@ -168,4 +169,52 @@ UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
 	assert_string_equal(spelt("Norway mapel").genus, "acer");
 	assert_null(spelt("Pirus alba").genus);           /* Pinus has no such species, nor has Pyrus */
 	assert_string_equal(spelt("Pinus sp.").genus, "pinus");
+}
+
+/* ---- Sizes of plants from others of theirs ---- */
+
+/* As the published equations give at these trunks, within what lines between the table's places lose. */
+UNIT_TEST(curves_are_those_that_were_published)
+{
+	static const struct { const char *name; bool stand; double cm, height_m, crown_m; unsigned rank; } cases[] = {
+		{ "Fagus sylvatica", false, 40, 16.72, 11.81, 0 },       /* UTD, Pacific Northwest, and Hasenauer */
+		{ "Quercus alba", true, 25.4, 19.2, 6.45, 0 },            /* FVS SN, Bechtold 2003 */
+		{ "Carpinus betulus", true, 50, 35.7, 12.26, 0 },        /* SILVA, TreeGrOSS */
+		{ "Picea abies", false, 30, 8.9, 6.47, 1 } };            /* the genus's; Hasenauer */
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_flora flora = eco_flora_of(cases[i].name, NULL);
+		struct eco_grower plant = { &flora, cases[i].stand };
+		double height = eco_growth_height(plant, cases[i].cm / 100), crown = eco_growth_crown(plant, NAN, cases[i].cm / 100);
+		if (fabs(height / cases[i].height_m - 1) > 0.03 || fabs(crown / cases[i].crown_m - 1) > 0.1
+				|| eco_growth_rank(plant) != cases[i].rank)
+			fail_msg("%s: %.2f m high, %.2f m wide, rank %u", cases[i].name, height, crown, eco_growth_rank(plant));
+	}
+}
+
+UNIT_TEST(plants_grow_and_end_where_their_like_end)
+{
+	static const char *const names[] = { "Quercus robur", "Abies alba", "Prunus laurocerasus", "Malus", "Phoenix",
+		"Acer platanoides 'Globosum'", "Salix babylonica", "Populus nigra 'Italica'", "Hosta", "xyzzy" };
+	for (size_t i = 0; i < 2 * sizeof names / sizeof *names; i++) {
+		struct eco_flora flora = eco_flora_of(names[i / 2], NULL);
+		struct eco_grower plant = { i / 2 + 1 < sizeof names / sizeof *names ? &flora : NULL, i % 2 };
+		double last[3] = { 0, 0, 0 };
+		for (double by = 0; by <= 2; by += 0.01) {
+			double size[3] = { eco_growth_height(plant, by), eco_growth_height_at(plant, 100 * by),
+				eco_growth_crown(plant, NAN, by) };
+			for (int k = 0; k < 3; k++) {
+				assert_true(size[k] >= last[k] && size[k] < 80);
+				last[k] = size[k];
+			}
+			/* a plant of that height is as wide as one of the trunk that gives it, where the curve still rises */
+			if (eco_growth_height(plant, by + 0.001) > size[0])
+				assert_true(fabs(eco_growth_crown(plant, size[0], NAN) - size[2]) < 1e-6);
+		}
+		assert_true(last[0] < 2.5 * fmax(flora.height_m, 25));
+	}
+	struct eco_flora tree = eco_flora_of("Acer platanoides", NULL), globe = eco_flora_of("Acer platanoides 'Globosum'", NULL),
+		column = eco_flora_of("Quercus robur 'Fastigiata'", NULL);
+	assert_true(eco_growth_height((struct eco_grower){ &globe, false }, 0.4)
+		< 0.6 * eco_growth_height((struct eco_grower){ &tree, false }, 0.4));
+	assert_true(eco_growth_crown((struct eco_grower){ &column, false }, 20, NAN) < 6);
 }

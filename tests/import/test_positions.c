@@ -338,8 +338,8 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 	{ "ages_and_species_give_sizes", "", "s,x,y,a,p,r,q\noak,1,1,30,,2,4\noak,2,2,,1996-04-01,,\noak,3,3,,,,6\n",
 		"'species':'s','height_m':[{'from_age':'a','max':20,'rate':0.02},"
 		"{'from_year':'p','now':2026,'by':'species'}],'crown_m':{'column':['r','q'],'is':'radius',"
-		"'otherwise':'species'}", "oak 1 1 h9.847 c3 / oak 2 2 h15.261 c4.091 / oak 3 3 c6",
-		"heights: 2 by age, 1 as the model; crowns: 2 measured, 1 by the species" },
+		"'otherwise':'species'}", "oak 1 1 h9.847 c3 / oak 2 2 h17.131 c6.981 / oak 3 3 c6",
+		"heights: 2 by age, 1 as the model; crowns: 2 measured, 1 guessed" },
 	{ "several_stems_are_one_trunk", "", "x,y,d\n1,1,12;15;9\n2,2,20+18 cm\n3,3,3x10\n4,4,21.213\n",
 		"'height_m':{'from_dbh_cm':'d','max':35,'rate':0.004}",
 		"oak 1 1 h20.575 / oak 2 2 h23.513 / oak 3 3 h18.144 / oak 4 4 h20.575", "3  kept: several stems in a field" },

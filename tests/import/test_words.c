@@ -82,6 +82,27 @@ static void check_seen(struct table *t)
 	free(t->seen);
 }
 
+/* "open height quercus robur", and at most 13 values, none below the one before it. */
+static void check_curve(const struct table *t, const char *name, const char *text)
+{
+	const char *plant = strchr(text, ' ') ? strchr(strchr(text, ' ') + 1, ' ') : NULL;
+	if (strcmp(name, "curve") == 0) {
+		if (!plant || (!eco_flora_of(plant + 1, NULL).genus && !is_one_of(plant + 1, eco_form_names, ECO_FORM_COUNT)))
+			say(t, "no plant of genera.tsv in \"%s\"", text);
+		return;
+	}
+	unsigned count = 0;
+	double last = 0;
+	for (char *end; *text; text = end, count++) {
+		double value = strtod(text, &end);
+		if (end == text || value < last)
+			say(t, "not numbers that rise: \"%s\"", text);
+		last = value;
+	}
+	if (count < 2 || count > 13)
+		say(t, "%u values, not 2 to 13", count);
+}
+
 static void check_field(struct table *t, const char *name, char *text, const char *key, bool number)
 {
 	char *end;
@@ -92,8 +113,7 @@ static void check_field(struct table *t, const char *name, char *text, const cha
 	if (strcmp(name, "role") == 0 && !is_one_of(text, eco_role_names, ECO_ROLE_COUNT))
 		say(t, "no role is \"%s\"", text);
 	if (strcmp(name, "form") == 0 && !is_one_of(text, eco_form_names + 1, ECO_FORM_COUNT - 1)
-			&& !(strcmp(text, "-") == 0 && strstr(t->path, "growth.tsv"))
-			&& !(strcmp(text, "plant") == 0 && strstr(t->path, "heights.tsv")))
+			&& !(strcmp(text, "-") == 0 && strstr(t->path, "growth.tsv")))
 		say(t, "no form is \"%s\"", text);
 	if (strcmp(name, "leaf") == 0 && !is_one_of(text, (const char *const[]){ "evergreen", "deciduous", "-" }, 3))
 		say(t, "no leaf is \"%s\"", text);
@@ -103,6 +123,8 @@ static void check_field(struct table *t, const char *name, char *text, const cha
 	if ((strcmp(name, "genus") == 0 || strcmp(name, "taxon") == 0) && !eco_flora_of(text, NULL).genus
 			&& !is_one_of(text, eco_form_names, ECO_FORM_COUNT))
 		say(t, "no genus of genera.tsv is \"%s\"", text);
+	if (strcmp(name, "curve") == 0 || strcmp(name, "values") == 0)
+		check_curve(t, name, text);
 	if (is_one_of(name, (const char *const[]){ "words", "epithets" }, 2))
 		check_list(t, key, text, false);
 	if (is_one_of(name, (const char *const[]){ "names", "phrases", "cultivars" }, 3) && strcmp(text, "-") != 0)
@@ -112,7 +134,7 @@ static void check_field(struct table *t, const char *name, char *text, const cha
 /* Tables that are searched by halves are in the order of their bytes. */
 static void check_order(struct table *t, const char *first)
 {
-	if (strstr(t->path, "genera.tsv") || strstr(t->path, "species.tsv")) {
+	if (strstr(t->path, "genera.tsv") || strstr(t->path, "species.tsv") || strstr(t->path, "curves.tsv")) {
 		if (strcmp(t->first, first) >= 0)
 			say(t, "%s stands behind %s", first, t->first);
 		snprintf(t->first, sizeof t->first, "%s", first);

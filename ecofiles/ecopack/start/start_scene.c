@@ -19,11 +19,8 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/scene/scene.h"
 
-/* Heights from trunks where there is nothing better: trees of a city, of which the tallest reach 25 m, half
- * of that at a diameter of 0.3 m. */
-#define TALLEST_M 25.0
-#define RATE_PER_MM 0.002
-#define RATE_PER_YEAR 0.02       /* as words/heights.tsv has it for a broad-leaved tree */
+#define TREE_M 25.0              /* some trees reach it, no shrub */
+#define RATE_PER_MM 0.002        /* of shrubs and herbs: half of their height at a trunk of 0.3 m */
 #define SPREAD 0.15              /* of guessed sizes: trees of one trunk or age differ so */
 /* The share of rows below which known heights are those of odd plants: volunteers' maps have a height where a tree
  * was planted lately, or is a monument. */
@@ -124,14 +121,17 @@ static double metres(const char *unit)
 
 static void say_heights(struct start *s)
 {
+	const struct eco_place_guess *p = &s->place;
 	char took[120];
-	if (s->trunk.column != ECO_NONE) {
-		snprintf(took, sizeof took, "from the trunk, by species; else 1.3 + (%g - 1.3) (1 - exp(-%g mm))", TALLEST_M,
-			RATE_PER_MM);
-		start_guess(s, s->height.column == ECO_NONE ? "heights" : "other heights", took,
-			"\"height_m\" in the scene", "a usual curve of city trees, %g m at most, shrubs and "
-			"herbs as high as they grow; \"per_plant\" gives each kind its own", TALLEST_M);
-	}
+	if (s->trunk.column != ECO_NONE)
+		start_guess(s, s->height.column == ECO_NONE ? "heights" : "other heights", "from the trunk, by species, genus "
+			"or form", "\"height_m\" in the scene", "published curves; \"per_plant\" gives each kind its own");
+	if (p->per_ha > 0)
+		start_guess(s, "grown", p->stand ? "in a stand" : "in the open", "\"grown\" in the scene", "%.3g plants a "
+			"hectare; guessed heights and crowns follow from it", p->per_ha);
+	else if (p->stand)
+		start_guess(s, "grown", "in a stand", "\"grown\" in the scene", "plots of a survey; guessed heights and crowns "
+			"follow from it");
 	if (s->height.column != ECO_NONE) {
 		enum eco_form form = s->models[s->fallback].flora.form;
 		bool few = s->height.share < FEW_HEIGHTS;
@@ -155,13 +155,13 @@ static void say_heights(struct start *s)
 			"column of heights or trunks was found");
 }
 
-/* The curve of trees, ending at what a lower form of growth reaches; NULL: all models are trees. */
+/* Lower forms of growth, for rows whose species nobody knows: as high as these reach; NULL: all models are trees. */
 static json_t *low_plants_json(const struct start *s)
 {
 	json_t *plants = json_object();
 	for (uint32_t i = 0; i < s->model_count; i++) {
 		double most_m = eco_form_size(s->models[i].flora.form).most_m;
-		if (is_used(s, i) && s->models[i].flora.form != ECO_FORM_UNKNOWN && most_m < TALLEST_M)
+		if (is_used(s, i) && s->models[i].flora.form != ECO_FORM_UNKNOWN && most_m < TREE_M)
 			json_object_set_new(plants, s->models[i].name,
 				json_pack("{s:f, s:f}", "max", most_m, "rate", RATE_PER_MM));
 	}
@@ -179,18 +179,15 @@ static json_t *heights_json(const struct start *s)
 			"s:s}", "column", start_column(s, s->height.column),
 			"unit", s->height.unit.unit));
 	if (s->trunk.column != ECO_NONE)
-		json_array_append_new(heights, json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:o*}", "by", "species",
+		json_array_append_new(heights, json_pack("{s:s, s:s, s:s, s:f, s:o*}", "by", "species",
 			s->trunk_is_girth ? "from_girth" : "from_dbh", start_column(s, s->trunk.column),
-			"unit", s->trunk.unit.unit, "spread", SPREAD, "max", TALLEST_M, "rate", RATE_PER_MM,
-			"per_plant", low_plants_json(s)));
+			"unit", s->trunk.unit.unit, "spread", SPREAD, "per_plant", low_plants_json(s)));
 	if (s->columns.of[ECO_ROLE_AGE] != ECO_NONE)
-		json_array_append_new(heights, json_pack("{s:s, s:s, s:f, s:f, s:f}", "from_age",
-			start_column(s, s->columns.of[ECO_ROLE_AGE]), "by", "species", "spread", SPREAD, "max", 0.8 * TALLEST_M,
-			"rate", RATE_PER_YEAR));
+		json_array_append_new(heights, json_pack("{s:s, s:s, s:f}", "from_age",
+			start_column(s, s->columns.of[ECO_ROLE_AGE]), "by", "species", "spread", SPREAD));
 	if (s->columns.of[ECO_ROLE_PLANTED] != ECO_NONE)
-		json_array_append_new(heights, json_pack("{s:s, s:i, s:s, s:f, s:f, s:f}", "from_year",
-			start_column(s, s->columns.of[ECO_ROLE_PLANTED]), "now", s->now, "by", "species", "spread", SPREAD,
-			"max", 0.8 * TALLEST_M, "rate", RATE_PER_YEAR));
+		json_array_append_new(heights, json_pack("{s:s, s:i, s:s, s:f}", "from_year",
+			start_column(s, s->columns.of[ECO_ROLE_PLANTED]), "now", s->now, "by", "species", "spread", SPREAD));
 	if (s->height_m > 0)
 		json_array_append_new(heights, json_real(round_to(s->height_m, 0.1)));
 	return heights;
@@ -280,6 +277,7 @@ static json_t *entry_json(const struct start *s)
 	json_t *crown = crown_json(s);
 	if (json_object_size(crown) > 0)
 		json_object_set(entry, "crown_m", crown);
+	set_text(entry, "grown", p->stand ? "stand" : "");
 	json_decref(crown);
 	if (json_object_size(s->skip) > 0)
 		json_object_set(entry, "skip", s->skip);

@@ -1,80 +1,102 @@
-/* Sizes of plants from others of theirs. Results depend on exp and log, and are rounded where they are stored. */
+/* Sizes of plants from others of theirs. The curves are tables of values, so that no libm decides. */
 #include "ecofiles/import/places/growth.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "build/words/crowns.table"
-#include "build/words/heights.table"
+#include "build/words/curves.table"
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
-#define BREAST_M 1.3
-#define PLANTED_M 1.5
-#define CROWN_FROM_CM 12.7       /* below it no crown was measured: a line to CROWN_LEAST_M */
-#define CROWN_LEAST_M 0.5
 
-/* The row of the form; unknown forms have the last. */
-static size_t form_row(enum eco_form form)
+enum curve { HEIGHT, CROWN, TRUNK };
+
+/* Centimetres or years of a row's values. */
+static const double places[] = { 0, 5, 10, 15, 20, 30, 40, 50, 60, 80, 100, 120, 150 };
+
+static int compare_curve(const void *key, const void *row)
 {
-	size_t i = 0;
-	while (i + 1 < COUNT(heights_rows) && strcmp(heights_rows[i].form, eco_form_names[form]) != 0)
-		i++;
-	return i;
+	return strcmp(key, *(const char *const *)row);
 }
 
-static double greatest(const struct eco_flora *flora)
+/* The row of a plant; COUNT(curves_rows): none. */
+static size_t named(enum curve curve, bool stand, const char *genus, const char *epithet)
 {
-	double height_m = flora->height_m > 0 ? flora->height_m : heights_rows[form_row(flora->form)].height_m;
-	return fmax(height_m, BREAST_M + 0.2);
+	static const char *const names[] = { "height", "crown", "trunk" };
+	char key[128];
+	snprintf(key, sizeof key, "%s %s %s%s%s", stand ? "stand" : "open", names[curve], genus, *epithet ? " " : "",
+		epithet);
+	const void *row = bsearch(key, curves_rows, COUNT(curves_rows), sizeof *curves_rows, compare_curve);
+	return row ? (size_t)((const char *)row - (const char *)curves_rows) / sizeof *curves_rows : COUNT(curves_rows);
 }
 
-double eco_growth_height(const struct eco_flora *flora, double dbh_m)
+/* The row that serves a plant, *rank as eco_growth_rank. A species that grows as trees of its genus do not has the
+ * crown of its form. */
+static size_t row_of(struct eco_grower plant, enum curve curve, unsigned *rank)
 {
-	double above = greatest(flora) - BREAST_M;
-	return BREAST_M + above * (1 - exp(-heights_rows[form_row(flora->form)].slope * dbh_m / above));
+	const struct eco_flora *flora = plant.flora;
+	enum eco_form form = flora ? flora->form : ECO_FORM_UNKNOWN;
+	bool own = curve != CROWN || form == ECO_FORM_BROAD || form == ECO_FORM_CONIFER;
+	size_t row = COUNT(curves_rows);
+	for (unsigned other = 0; other < 2; other++)
+		for (*rank = 0; *rank < 2 && own && flora && flora->genus; ++*rank) {
+			row = named(curve, plant.stand != other, flora->genus, *rank == 0 ? flora->epithet : "");
+			if (row < COUNT(curves_rows) && (*rank == 1 || flora->epithet[0] != 0))
+				return row;
+		}
+	*rank = 2;
+	row = named(curve, plant.stand, eco_form_names[form], "");
+	return row < COUNT(curves_rows) ? row : named(curve, false, eco_form_names[form], "");
 }
 
-double eco_growth_height_at(const struct eco_flora *flora, double years)
+unsigned eco_growth_rank(struct eco_grower plant)
 {
-	size_t row = form_row(flora->form);
-	double most = fmax(heights_rows[row].share * greatest(flora), 0.1), planted = fmin(PLANTED_M, 0.5 * most);
-	return planted + (most - planted) * (1 - exp(-heights_rows[row].rate * fmax(years, 0)));
+	unsigned rank;
+	row_of(plant, HEIGHT, &rank);
+	return rank;
 }
 
-double eco_growth_trunk(const struct eco_flora *flora, double height_m)
+/* The value at a place, or with `inverse` the place of a value, between the two of the row beside it. */
+static double between(const char *values, double by, bool inverse)
 {
-	double above = greatest(flora) - BREAST_M, share = fmin((height_m - BREAST_M) / above, 0.95);
-	return share <= 0 ? 0 : -log(1 - share) * above / heights_rows[form_row(flora->form)].slope;
+	double x = 0, y = 0;
+	char *end;
+	for (size_t i = 0; i < COUNT(places) && *values; i++, values = end) {
+		double x1 = places[i], y1 = strtod(values, &end);
+		double from = inverse ? y : x, to = inverse ? y1 : x1, low = inverse ? x : y, high = inverse ? x1 : y1;
+		if (by <= to)
+			return i == 0 || to <= from ? high : low + (high - low) * (by - from) / (to - from);
+		x = x1;
+		y = y1;
+	}
+	return inverse ? x : y;
 }
 
-/* The row of a species, else of its genus, else of its form; COUNT(crowns_rows): none. */
-static size_t crown_row(const struct eco_flora *flora)
+/* Both axes are as much longer as the plant's greatest height is greater than that of those that were measured. */
+static double follow(struct eco_grower plant, enum curve curve, double by, bool inverse)
 {
-	char species[96];
-	snprintf(species, sizeof species, "%s %s", flora->genus ? flora->genus : "", flora->epithet);
-	const char *const names[] = { species, flora->genus ? flora->genus : "", eco_form_names[flora->form] };
-	bool usual = flora->form == ECO_FORM_BROAD || flora->form == ECO_FORM_CONIFER;
-	for (size_t k = 0; usual && k < 3; k++)
-		for (size_t i = 0; i < COUNT(crowns_rows); i++)
-			if (strcmp(crowns_rows[i].taxon, names[k]) == 0)
-				return i;
-	return COUNT(crowns_rows);
+	unsigned rank;
+	size_t row = row_of(plant, curve, &rank);
+	const char *values = curves_rows[row].values;
+	double most = plant.flora ? plant.flora->height_m : 0, measured = curves_rows[row].height_m;
+	double times = most > 0 && measured > 0 ? most / measured : 1, first = strtod(values, NULL);
+	if (inverse)
+		return times * between(values, first + (by - first) / times, true);
+	return first + times * (between(values, by / times, false) - first);
 }
 
-static double curve(size_t row, double cm)
+double eco_growth_height(struct eco_grower plant, double dbh_m)
 {
-	double d = fmin(cm, crowns_rows[row].most_cm);
-	return crowns_rows[row].a_m + d * (crowns_rows[row].b + d * crowns_rows[row].c);
+	return follow(plant, HEIGHT, 100 * dbh_m, false);
 }
 
-double eco_growth_crown(const struct eco_flora *flora, double height_m, double dbh_m)
+double eco_growth_height_at(struct eco_grower plant, double years)
 {
-	size_t row = crown_row(flora);
-	if (row == COUNT(crowns_rows))
-		return height_m * heights_rows[form_row(flora->form)].slender;
-	double cm = 100 * (isnan(dbh_m) ? eco_growth_trunk(flora, height_m) : dbh_m);
-	if (cm >= CROWN_FROM_CM)
-		return curve(row, cm);
-	return CROWN_LEAST_M + (curve(row, CROWN_FROM_CM) - CROWN_LEAST_M) * cm / CROWN_FROM_CM;
+	return follow(plant, HEIGHT, follow(plant, TRUNK, years, false), false);
+}
+
+double eco_growth_crown(struct eco_grower plant, double height_m, double dbh_m)
+{
+	return follow(plant, CROWN, isnan(dbh_m) ? follow(plant, HEIGHT, height_m, true) : 100 * dbh_m, false);
 }

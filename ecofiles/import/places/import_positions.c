@@ -216,7 +216,7 @@ static double guess_crown(struct eco_positions *p, const struct eco_size_row *ro
 		dbh_m = eco_size_trunk(&p->spec->heights[i], eco_row_field(p, ECO_COLUMN_HEIGHTS + i),
 			eco_row_decimal(p));
 	struct eco_size_row other = { .seed = row->seed + 1, .row = row->row };
-	double width = eco_growth_crown(row->flora, height_m, dbh_m) * eco_size_spread(&other, p->spec->crown.spread);
+	double width = eco_growth_crown(row->plant_of, height_m, dbh_m) * eco_size_spread(&other, p->spec->crown.spread);
 	return round(500 * width) / 1000;
 }
 
@@ -253,16 +253,19 @@ static bool needs_flora(const struct eco_positions_spec *s)
 static void read_sizes(struct eco_positions *p, struct eco_position *record)
 {
 	struct eco_size_row row = { .plant = record->plant, .seed = p->spec->seed, .row = p->rows->row,
-		.flora = needs_flora(p->spec) ? eco_species_flora(p->species, p->said) : NULL };
+		.plant_of = { needs_flora(p->spec) ? eco_species_flora(p->species, p->said) : NULL, p->spec->stand } };
+	uint64_t guessed = p->sizes[ECO_SIZED_TRUNK] + p->sizes[ECO_SIZED_AGE];
 	record->crown_radius_m = read_crown(p, &row);
 	record->height_m = read_height(p, &row, record->crown_radius_m);
 	if (!isnan(record->crown_radius_m)) {
 		p->sizes[ECO_SIZED_CROWN]++;
-	} else if (p->spec->crown.by_species && row.flora && !isnan(record->height_m)) {
+	} else if (p->spec->crown.by_species && row.plant_of.flora && !isnan(record->height_m)) {
 		record->crown_radius_m = guess_crown(p, &row, record->height_m);
 		record->crown_is_guess = true;
 		p->sizes[ECO_SIZED_CROWN_GUESS]++;
 	}
+	if (needs_flora(p->spec) && (record->crown_is_guess || p->sizes[ECO_SIZED_TRUNK] + p->sizes[ECO_SIZED_AGE] > guessed))
+		p->sizes[ECO_SIZED_BY_SPECIES + eco_growth_rank(row.plant_of)]++;
 }
 
 static double read_yaw(struct eco_positions *p)

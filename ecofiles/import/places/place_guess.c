@@ -22,6 +22,9 @@
 #define BARE_SOUTH -56.0         /* no tree stands beyond these latitudes */
 #define BARE_NORTH 75.0
 #define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
+#define STAND_PER_HA 150.0         /* plants; towns and parks have 5 to 100 */
+#define STAND_LEAST 50u              /* fewer plants are a group */
+#define DEGREE_M 111195.0            /* of a great circle */
 #define ONLY_SO_TERRAIN "only so does the terrain lie there"
 
 void eco_place_why(char why[ECO_WHY_BYTES], const char *format, ...)
@@ -501,6 +504,28 @@ static enum eco_code guess_crs(struct eco_place_look *l)
 	return ECO_OK;
 }
 
+/* Woods have more plants in an area than parks. A row of trees is as wide as a quarter of its length. Surveyors' plots and
+ * quadrats are in woods. */
+static void guess_stand(const struct eco_place_look *l)
+{
+	struct eco_place_guess *g = l->guess;
+	const char *crs = g->crs[0] ? g->crs : g->file_says ? l->asked->table->crs : NULL;
+	const double low[2] = { l->xy[g->swapped].low, l->xy[!g->swapped].low };
+	const double high[2] = { l->xy[g->swapped].high, l->xy[!g->swapped].high };
+	struct eco_crs_facts a, b;
+	double side[2] = { l->unit_m * (high[0] - low[0]), l->unit_m * (high[1] - low[1]) };
+	g->stand = g->offsets.polar || g->offsets.quadrat_m > 0;
+	if (g->stand)
+		return;
+	if (crs && eco_crs_look(crs, low, &a, NULL) == ECO_OK && eco_crs_look(crs, high, &b, NULL) == ECO_OK) {
+		side[0] = DEGREE_M * fabs(b.degrees[0] - a.degrees[0]) * cos(a.degrees[1] * M_PI / 180);
+		side[1] = DEGREE_M * fabs(b.degrees[1] - a.degrees[1]);
+	}
+	double length = fmax(side[0], side[1]), width = fmax(fmin(side[0], side[1]), length / 4);
+	g->per_ha = length > 0 ? 1e4 * (double)l->asked->table->rows / (length * width) : 0;
+	g->stand = g->per_ha > STAND_PER_HA && l->asked->table->rows >= STAND_LEAST;
+}
+
 enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_place_asked *asked,
 	struct eco_error *error)
 {
@@ -526,5 +551,7 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 		code = guess_crs(&l);
 	if (!code)
 		code = settle_axes(&l);
+	if (!code)
+		guess_stand(&l);
 	return code ? code : eco_place_scene(&l);
 }

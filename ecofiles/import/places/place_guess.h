@@ -34,6 +34,8 @@ struct eco_place_guess {
 	bool swapped;                /* x and y of the columns are to change places */
 	const char *unit;            /* of the columns x and y of a plot: "m", "ft", ... */
 	struct eco_offsets offsets;
+	bool stand;                  /* the plants stand as close as in a wood */
+	double per_ha;               /* plants, over the box of all but the outermost; 0: in plots of surveyors */
 	bool file_says;              /* the file states its CRS, so the entry need not */
 	char crs[32];                /* of the numbers; "": plain metres, or as the file says */
 	char scene_crs[32];          /* "": plain metres */

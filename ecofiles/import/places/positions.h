@@ -49,7 +49,7 @@ struct eco_size {                /* one source of a height or of a crown's radiu
 	double factor;
 	struct eco_allometry *rules; /* ECO_SIZE_DBH, ascending by plant */
 	uint32_t rule_count;
-	/* curves of the row's species, genus and form (growth.h) before the rules */
+	/* curves of the row's species, genus and form (growth.h); unknown species grow by the rules, if there are any */
 	bool by_species;
 	double now;                  /* ECO_SIZE_YEAR */
 	double spread;               /* heights from trunks and ages: evenly within 1 - spread to 1 + spread */
@@ -98,6 +98,7 @@ struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: n
 	/* the first that gives one counts; none: the plant's */
 	struct eco_size *heights;    uint32_t height_count;
 	struct eco_crown crown;
+	bool stand;                  /* guesses are by curves of plants in stands, not in the open */
 	/* 0: as they are; else heights of a plant are brought to at most so many values */
 	uint32_t levels;
 	char *yaw_deg;               /* 0: unlimited; else at most so many heights per plant */
@@ -164,7 +165,9 @@ struct eco_skipped {
 
 /* How the sizes of the plants became known. */
 enum eco_sized { ECO_SIZED_MEASURED, ECO_SIZED_TRUNK, ECO_SIZED_AGE, ECO_SIZED_NUMBER, ECO_SIZED_NOT, ECO_SIZED_CROWN,
-	ECO_SIZED_CROWN_GUESS, ECO_SIZED_COUNT };
+	ECO_SIZED_CROWN_GUESS,
+	ECO_SIZED_BY_SPECIES, ECO_SIZED_BY_GENUS, ECO_SIZED_BY_FORM, /* rows with a guess, by whose curve */
+	ECO_SIZED_COUNT };
 
 #define ECO_UNKNOWN_MOST 5u      /* unknown species named */
 

@@ -6,7 +6,7 @@
 
 #include "ecofiles/import/places/positions.h"
 #include "ecofiles/import/places/crs.h"
-#include "ecofiles/import/places/flora.h"
+#include "ecofiles/import/places/growth.h"
 #include "ecofiles/import/places/rows/rows.h"
 
 /* ---- Species (positions_species.c): the map's keys, and the key of each text met ---- */
@@ -42,7 +42,7 @@ void eco_levels_free(struct eco_levels *levels);
 
 struct eco_size_row {            /* the row that a size is read for */
 	uint32_t plant;
-	const struct eco_flora *flora;       /* of its species; NULL: not known */
+	struct eco_grower plant_of;          /* its species, where that is known, and where it grows */
 	uint64_t seed, row;          /* of the spread */
 };
 

@@ -164,18 +164,20 @@ static void unknown_lines(const struct report *r, const struct eco_positions_cou
 static void size_lines(const struct report *r)
 {
 	static const char *const names[ECO_SIZED_COUNT] = { "measured", "by the trunk", "by age", "as the scene says",
-		"as the model", "measured", "by the species" };
-	char texts[2][200] = { "", "" }, one[64], number[32];
+		"as the model", "measured", "guessed", "the species", "the genus", "the form" };
+	char texts[3][200] = { "", "", "" }, one[64], number[32];
 	for (int i = 0; i < ECO_SIZED_COUNT; i++) {
-		bool crown = i >= ECO_SIZED_CROWN;
+		int kind = (i >= ECO_SIZED_CROWN) + (i >= ECO_SIZED_BY_SPECIES);
 		snprintf(one, sizeof one, "%s %s", eco_phrase_count(r->reader->sizes[i], number), names[i]);
 		if (r->reader->sizes[i] > 0)
-			eco_phrase_add(texts[crown], sizeof texts[crown], one);
+			eco_phrase_add(texts[kind], sizeof texts[kind], one);
 	}
 	if (r->reader->spec->height_count > 0)
 		line(r, "%12s  heights: %s%s%s", "", texts[0], texts[1][0] ? "; crowns: " : "", texts[1]);
 	else if (texts[1][0] != 0)
 		line(r, "%12s  crowns: %s", "", texts[1]);
+	if (texts[2][0] != 0)
+		line(r, "%12s  guesses are by curves of %s", "", texts[2]);
 }
 
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),

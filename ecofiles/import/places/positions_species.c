@@ -177,16 +177,16 @@ static double by_rule(const struct eco_allometry *rule, double from_m, double by
 static double by_trunk(const struct eco_size *size, const struct eco_size_row *row, double dbh_m)
 {
 	const struct eco_allometry *rule = rule_of(size, row->plant);
-	if (size->by_species && row->flora)
-		return eco_growth_height(row->flora, dbh_m);
+	if (size->by_species && (row->plant_of.flora || !rule))
+		return eco_growth_height(row->plant_of, dbh_m);
 	return rule ? by_rule(rule, 1.3, 1000 * dbh_m) : NAN;
 }
 
 static double by_age(const struct eco_size *size, const struct eco_size_row *row, double years)
 {
 	const struct eco_allometry *rule = rule_of(size, row->plant);
-	if (size->by_species && row->flora)
-		return eco_growth_height_at(row->flora, years);
+	if (size->by_species && (row->plant_of.flora || !rule))
+		return eco_growth_height_at(row->plant_of, years);
 	return rule ? by_rule(rule, 1.5, years) : NAN;
 }
 
