@@ -337,6 +337,15 @@ build/words/%.table: $(PLACES)/words/%.tsv Makefile
 		END { print "};" }' >$@.part && mv $@.part $@
 $(call objects,$(wildcard $(PLACES)/*.c)): | $(WORDS)
 
+# Texts of shaders as strings, without their comments; with the texts that they include.
+SHADERS := $(wildcard client-min/*.glsl client-min/*/*.glsl)
+build/text/%.glsl: %.glsl $(SHADERS) Makefile
+	$(call say,sed,$<)
+	@mkdir -p $(@D)
+	@awk '/^#include/ { gsub(/"/, ""); file = $$2; while ((getline <file) > 0) print; next } { print }' $< | \
+		sed -e '/^[[:blank:]]*\/\*.*\*\/$$/d; /^[[:blank:]]*\/\*/,/\*\/$$/d; /^$$/d; s/\\/\\\\/g; s/"/\\"/g; s/.*/"&\\n"/' >$@
+$(B)/obj/client-min/draw/view_shader.o: | build/text/client-min/draw/view_shader.glsl
+
 # libFuzzer declares the function that it calls
 $(B)/obj/tests/fuzz/fuzz.o: CFLAGS_ALL += -Wno-missing-prototypes
 # cmocka's tests have a parameter that few of them look at

@@ -1,5 +1,5 @@
 /* The image on the ground, in words that C and GLSL share: view_image.c includes this text, and the client in
- * a browser compiles it as a part of a shader (client-min/web/web_light.c), so that there is one definition
+ * a browser compiles it as a part of a shader (client-min/web/web_light.glsl), so that there is one definition
  * of both. The rules of draw/view_light.glsl hold. Before it both say what tree and wide are, after it what
  * is in a tree. Places and widths are in sides of the root, from its south-west corner: wide numbers have as
  * many digits as the language has, as the smallest texel of a large image is a small part of its root. */

@@ -42,7 +42,4 @@ struct view_shader_text {
 /* 0, with *error: the driver refuses it. */
 unsigned view_shader_link(const struct view_shader_text *text, const char *what, struct eco_error *error);
 
-/* In view_shader_impostor.c. */
-extern const char view_shader_impostor_vertex[], view_shader_impostor_fragment[];
-
 #endif

@@ -1,8 +1,7 @@
 /* The place of a shadow map, and the light that it lets through, in words that C and GLSL share: view_shadow.c
- * includes this text, and the client in a browser compiles it as parts of shaders
- * (client-min/web/web_program.c), so that there is one definition of both. The rules of view_light.glsl hold.
- * Before it both define what cells and tops are, after it what is in them; parts for which one is not defined
- * are left out. */
+ * includes this text, and the client in a browser compiles it as parts of shaders (client-min/web/web_cells.glsl,
+ * web_light.glsl), so that there is one definition of both. The rules of view_light.glsl hold. Before it both
+ * define what cells and tops are, after it what is in them; parts for which one is not defined are left out. */
 
 /* The largest texel's side over the smallest's, at most; how many times as far as the farthest plant ground
  * is still shaded; how far the near plane is pulled back: about a texel a pixel near the eye

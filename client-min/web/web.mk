@@ -20,7 +20,7 @@ WEB_CHUNK := chunk chunk_columns chunk_decode chunk_ground chunk_mesh chunk_rows
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor list model pack_check pack_record plan splat texture \
 	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
 WEB_VIEW := cache ground list query record select store table
-WEB_DRAW := gl gpu light mesh picture shader shader_impostor shadow shadow_cast
+WEB_DRAW := gl gpu light mesh picture shader shadow shadow_cast
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
 	$(WEB_DRAW:%=client-min/draw/view_%.c) $(WEB_ROOMS)
 
@@ -50,7 +50,7 @@ WEB_EXPORTS := $(shell grep -v '^ \*' client-min/web/web_client.h | grep -oE '\b
 space := $(subst ,, )
 comma_join = $(subst $(space),$(comma),$(strip $(1)))
 
-WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh %/examples,$(wildcard client-min/web/*)))
+WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh %.glsl %/examples,$(wildcard client-min/web/*)))
 WEB_INDEX := $(W)/site/index.html
 WEB_FILES := $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm $(filter-out $(WEB_INDEX),$(WEB_PAGE))
 WEB_SITE := $(WEB_FILES) $(WEB_INDEX)
@@ -76,16 +76,7 @@ $(W)/include/draco/draco_features.h: $(W)/src/.done
 	cp /usr/include/xxhash.h /usr/include/xxh3.h $(W)/include/
 	mkdir -p $(W)/include/epoxy && echo '#include <GLES3/gl3.h>' >$(W)/include/epoxy/gl.h
 
-# what C and GLSL share, without its comments, as a string
-$(W)/include/view_light_text.h: client-min/draw/view_light.glsl
-$(W)/include/view_image_text.h: client-min/view_image.glsl
-$(W)/include/view_shadow_text.h: client-min/draw/view_shadow.glsl
-$(W)/include/view_light_text.h $(W)/include/view_image_text.h $(W)/include/view_shadow_text.h:
-	@mkdir -p $(@D)
-	@sed -e '/^[[:blank:]]*\/\*.*\*\/$$/d; /^\/\*/,/\*\/$$/d; /^$$/d; s/\\/\\\\/g; s/"/\\"/g; s/.*/"&\\n"/' $< >$@
-$(W)/obj/client-min/web/web_light.o: $(W)/include/view_light_text.h
-$(W)/obj/client-min/web/web_light.o: $(W)/include/view_image_text.h
-$(W)/obj/client-min/web/web_program.o: $(W)/include/view_shadow_text.h
+$(WEB_OBJECTS): | $(SHADERS:%=build/text/%)
 
 $(WEB_OBJECTS): | $(W)/include/draco/draco_features.h
 $(W)/obj/draco/%.o: | $(W)/include/draco/draco_features.h

@@ -8,6 +8,7 @@
 
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_light.h"
+#include "client-min/draw/view_shadow.h"
 #include "client-min/view_record.h"
 #include "client-min/web/web_program.h"
 #include "ecofiles/base/array_grow.h"
@@ -15,157 +16,12 @@
 #define PLANT_TEXELS 3
 #define BLOCK 1024u                      /* texels of the coarsest level of a tile of the ground's image */
 
-/* The language of view_light.glsl; places on the ground are metres from the eye. */
-static const char language[] = WEB_LANGUAGE
-	"#define ground_place vec2\n"
-	"float noise_at(vec2 at, int which, int finer);\n";
-
 static const char light_text[] =
-#include "view_light_text.h"
+#include "build/text/client-min/web/web_light.glsl"
 	;
-
-/* Values that all pixels share come to them from the vertices: software drivers look up a uniform for
- * each pixel (lod/EXPERIMENTS.md, A frame's time). u_frame: where the sun is and the day, its light and its
- * glow, the sky's and haze_m, the earth's and by_kind, from where feet are told to the eye and the shift of
- * plants, u_shade's corner from the eye and 1 / its side. u_part, u_cell: where the eye is in octaves, two a
- * vector. 14 vectors of the 15 that any driver has. */
-#define FRAME \
-	"FLAT vec4 v_frame[6], v_part[3];\n" \
-	"FLAT ivec4 v_cell[3];\n" \
-	"uniform usampler2D u_seen;\n"
-
-static const char more[] = FRAME
-	"uniform vec4 u_frame[6], u_part[3];\n"
-	"uniform ivec4 u_cell[3];\n"
-	"uniform mat3 u_ray;             // the image plane's half extents, and its middle\n"
-	"out vec3 v_ray;\n"
-	"out vec2 v_pixel;\n"
-	"void more() {\n"
-	"	v_frame = u_frame;\n"
-	"	v_part = u_part;\n"
-	"	v_cell = u_cell;\n"
-	"	v_ray = u_ray * vec3(gl_Position.x, -gl_Position.y, 1.0);\n"
-	"	v_pixel = (gl_Position.xy * 0.5 + 0.5) * vec2(textureSize(u_seen, 0));\n"
-	"}\n";
-
-static const char plain_text[] =
-	"vec3 ground_own(vec3 n, vec3 to) { return ground_albedo(to.xy, n.z, length(to)); }\n";
-
-/* vec3 ground_own(vec3 n, vec3 to), the ground's own colour, by its image. */
-static const char image_text[] = "#define wide float\n"
-	"#define widened(x) (x)\n"
-	"#define whole(x) uint(x)\n"
-	"#define tree ivec3\n"
-	"uniform usampler2D u_nodes;\n"
-	"uniform sampler2D u_texels;\n"
-	"uniform ivec3 u_tree;           // log2 of their widths, where blocks begin\n"
-	"uniform vec4 u_image;           // the eye in the root, 1 / its side, radians of a pixel\n"
-#include "view_image_text.h"
-	"ivec2 texel_of(int shift, uint i) { return ivec2(int(i) & ((1 << shift) - 1), int(i) >> shift); }\n"
-	"uint tree_node(tree t, uint i) { return texelFetch(u_nodes, texel_of(t.x, i), 0).x; }\n"
-	"uint tree_level(tree t, uint leaf, uint level) {\n"
-	"	return tree_node(t, uint(t.z) + 4u * (leaf & 0x1fffffffu) + level) * 1024u;\n"
-	"}\n"
-	"image_color tree_texel(tree t, uint of, uint texel) {\n"
-	"	vec4 c = texelFetch(u_texels, texel_of(t.y, of + texel), 0);\n"
-	"	return image_color(c.r * c.a, c.g * c.a, c.b * c.a, c.a, 0.0);\n"
-	"}\n"
-	"vec3 ground_own(vec3 n, vec3 to) {\n"
-	"	footprint foot = footprint_of(n, to, u_image.w);\n"
-	"	vec2 at = u_image.xy + to.xy * u_image.z, along = vec2(foot.x, foot.y) * u_image.z;\n"
-	"	image_color c = image_seen(u_tree, image_pixel(at.x, at.y, along.x, along.y,\n"
-	"		foot.across * u_image.z));\n"
-	"	return imaged_albedo(to.xy, n.z, length(to), vec3(c.red, c.green, c.blue), c.alpha,\n"
-	"		c.texel / u_image.z);\n"
-	"}\n";
-
-static const char unshadowed_text[] =
-	"vec2 cast_at(vec3 to, vec3 n, bool facet) { return vec2(-1.0, 0.0); }\n";
-
-static const char pixels[] = FRAME
-	"uniform sampler2D u_shade;\n"
-	"uniform usampler2D u_plants;\n"
-	"in vec3 v_ray;\n"
-	"in vec2 v_pixel;\n"
-	"out vec4 o_color;\n"
-	WEB_IS_SUMMARY
-	"sunlight sun() {\n"
-	"	return sunlight(v_frame[0].xyz, v_frame[1].xyz, v_frame[2].xyz, v_frame[3].xyz, v_frame[0].w,\n"
-	"		v_frame[1].w);\n"
-	"}\n"
-	"float haze_m() { return v_frame[2].w; }\n"
-	"bool by_kind() { return v_frame[3].w != 0.0; }\n"
-	"float noise_at(vec2 at, int which, int finer) {\n"
-	"	bool odd = (which & 1) == 1;\n"
-	"	vec4 part = v_part[which >> 1], metre = METRE[which];\n"
-	"	ivec4 base = v_cell[which >> 1];\n"
-	"	vec2 p = float(finer) * ((odd ? part.zw : part.xy) + metre.xy * at.x + metre.zw * at.y), cell = floor(p);\n"
-	"	uvec2 whole = uvec2(finer * (odd ? base.zw : base.xy) + ivec2(cell));\n"
-	"	return noise_in(whole.x, whole.y, p.x - cell.x, p.y - cell.y);\n"
-	"}\n"
-	"vec4 plant_texel(uint i) {\n"
-	"	int shift = int(v_frame[4].w);\n"
-	"	ivec2 at = ivec2(int(i) & ((1 << shift) - 1), int(i) >> shift);\n"
-	"	return uintBitsToFloat(texelFetch(u_plants, at, 0));\n"
-	"}\n"
-	WEB_SRGB
-	/* of a pixel; foot: of the plant, and its scale */
-	"plant plant_of(uvec4 seen, out vec4 foot) {\n"
-	"	foot = vec4(0.0, 0.0, 0.0, 1.0);\n"
-	"	if (is_summary(seen)) return plant(0.0, 0.0, 0.0, 0.0, 0.0, summary_tone(seen.x >> 2));\n"
-	"	uint at = (seen.x - 1u) * 3u;\n"
-	"	vec4 a = plant_texel(at), b = plant_texel(at + 2u);\n"
-	"	foot = plant_texel(at + 1u);\n"
-	"	return plant(a.x, a.y, a.z, a.w, b.x, b.y);\n"
-	"}\n"
-	/* sunshine: what a shadow map says, the share of sunlight that arrives and how large a texel is */
-	"vec3 plant_pixel(uvec4 seen, vec3 to, plant p, vec4 foot, face look, vec2 sunshine) {\n"
-	"	vec3 own = light_of_bytes(vec3(uvec3(seen.w, seen.w >> 8, seen.w >> 16) & 255u) / 255.0);\n"
-	"	return plant_color(sun(), p, own, look, (to + v_frame[4].xyz - foot.xyz) / foot.w, to,\n"
-	"		sunshine.x, sunshine.y, foot.w, haze_m(), by_kind());\n"
-	"}\n"
-	"vec3 ground_pixel(vec3 n, vec3 to, vec2 sunshine) {\n"
-	"	vec2 at = (to.xy - v_frame[5].xy) * v_frame[5].z, taken = vec2(0.0);\n"
-	"	if (all(greaterThan(at, vec2(0.0))) && all(lessThan(at, vec2(1.0))))\n"
-	"		taken = textureLod(u_shade, at, 0.0).rg;\n"
-	"	vec3 lit = ground_light(sun(), n, sunshine.x < 0.0 ? taken.x : 1.0 - sunshine.x, taken.y);\n"
-	"	lit *= ground_own(n, to);\n"
-	"	return ground_color(sun(), lit, to, haze_m(), by_kind());\n"
-	"}\n"
-	"vec3 color_of(uvec4 seen, vec3 to) {\n"
-	"	bool ground = seen.x == 0u && !is_summary(seen);\n"
-	"	vec4 foot;\n"
-	"	plant p = plant_of(seen, foot);\n"
-	"	face look = face(sunny(0.0, 0.0, 0.0), direction_of(seen.y), true, 0.0, 0.0);\n"
-	"	if (!ground) look = face_of(sun(), p, seen.y, -unit(to));\n"
-	"	vec2 sunshine = cast_at(to, look.n, look.facet);\n"
-	"	if (ground) return ground_pixel(look.n, to, sunshine);\n"
-	"	return plant_pixel(seen, to, p, foot, look, sunshine);\n"
-	"}\n"
-	"void main() {\n"
-	"	uvec4 seen = texelFetch(u_seen, ivec2(v_pixel), 0);\n"
-	"	float nearness = uintBitsToFloat(seen.z);\n"
-	"	vec3 color = nearness == 0.0 ? sky_color(sun(), v_ray, by_kind())\n"
-	"		: color_of(seen, v_ray / nearness);\n"
-	"	o_color = vec4(bytes_of_light(vec3(shown(color.x), shown(color.y), shown(color.z))), 1.0);\n"
-	"}\n";
-
-/* ---- A lit picture in the page ---- */
-
-static const char present_text[] = WEB_IS_SUMMARY
-	"uniform sampler2D u_lit;\n"
-	"uniform usampler2D u_seen;      // view_gl_target\n"
-	"uniform vec4 u_depth;           // a, b, whether there is a sky and ground\n"
-	"out vec4 o_color;\n"
-	"void main() {\n"
-	"	vec2 size = vec2(textureSize(u_seen, 0));\n"
-	"	uvec4 seen = texelFetch(u_seen, ivec2(min(v_at * size, size - 1.0)), 0);\n"
-	"	float nearness = uintBitsToFloat(seen.z);\n"
-	"	if (u_depth.w == 0.0 && seen.x == 0u && !is_summary(seen)) nearness = 0.0;\n"
-	"	if (nearness == 0.0 && u_depth.z == 0.0) discard;\n"
-	"	gl_FragDepth = nearness == 0.0 ? 1.0 : clamp(u_depth.x + u_depth.y * nearness, 0.0, 1.0);\n"
-	"	o_color = vec4(texture(u_lit, v_at).rgb, 1.0);\n"
-	"}\n";
+static const char present_text[] =
+#include "build/text/client-min/web/web_present.glsl"
+	;
 
 /* ---- The image on the ground ---- */
 
@@ -312,9 +168,8 @@ enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadow
 		return ECO_UNSUPPORTED;
 	if (!*program) {
 		say_metre(metre, sizeof metre);
-		*program = web_program(more, (const char *const[]){ metre, language, light_text,
-			image ? image_text : plain_text, shadows ? web_shadow_text : unshadowed_text,
-			pixels }, 6, "light", error);
+		*program = web_program(light_text, (const char *const[]){ metre, image ? "#define IMAGE\n" : "",
+			shadows ? "#define SHADOW\n" VIEW_SHADOW_DEPTH : "", light_text }, 4, "light", error);
 		if (!*program && shadows)
 			light->shadow.refused = true;
 	}

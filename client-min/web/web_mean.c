@@ -6,15 +6,9 @@
 #include "client-min/draw/view_gpu.h"
 #include "client-min/web/web_program.h"
 
-/* u_count 0: light of sRGB colours; else sRGB colours of the mean of so many. */
-static const char text[] = WEB_SRGB
-	"uniform sampler2D u_from;\n"
-	"uniform float u_count;\n"
-	"out vec4 o_color;\n"
-	"void main() {\n"
-	"	vec3 c = texelFetch(u_from, ivec2(gl_FragCoord.xy), 0).rgb;\n"
-	"	o_color = vec4(u_count > 0.0 ? bytes_of_light(c / u_count) : light_of_bytes(c), 1.0);\n"
-	"}\n";
+static const char text[] =
+#include "build/text/client-min/web/web_mean.glsl"
+	;
 
 /* WebGL draws half floats only where a page asks for one of these extensions. */
 static bool can_sum(void)

@@ -12,6 +12,7 @@
 
 static const char vertex_text[] = "#version 300 es\n"
 	"precision highp usampler2D;\n"
+	"#define VERTEX\n"
 	"#define FLAT flat out\n"
 	"out vec2 v_at;\n"
 	"void more();\n"
@@ -25,7 +26,9 @@ static const char fragment_head[] = "#version 300 es\n"
 	"precision highp float; precision highp int;\n"
 	"precision highp sampler2D; precision highp usampler2D;\n"
 	"#define FLAT flat in\n"
-	"in vec2 v_at;\n";
+	"in vec2 v_at;\n"
+#include "build/text/client-min/web/web_common.glsl"
+	;
 
 unsigned web_program(const char *more, const char *const *parts, int count, const char *what,
 	struct eco_error *error)
@@ -60,78 +63,9 @@ void web_program_fill(unsigned vertex_array, const int viewport[4])
 #define CELLS_WIDE "#define CELLS " TEXT(VIEW_SHADOW_CELLS) "\n"
 #define COUNT (VIEW_SHADOW_CELLS * VIEW_SHADOW_CELLS)
 
-/* ---- In shaders ---- */
-
-static const char shared_text[] =
-#include "view_shadow_text.h"
+static const char cells_text[] =
+#include "build/text/client-min/web/web_cells.glsl"
 	;
-
-/* A fragment a cell: 1 / distance of the nearest thing, the farthest, and the farthest plant. */
-static const char cells_text[] = WEB_IS_SUMMARY
-	"uniform usampler2D u_seen;\n"
-	"out uvec4 o_cell;\n"
-	"void main() {\n"
-	"	ivec2 size = textureSize(u_seen, 0), cell = ivec2(gl_FragCoord.xy);\n"
-	"	ivec2 from = cell * size / CELLS, end = (cell + 1) * size / CELLS;\n"
-	"	vec3 found = vec3(0.0, NOTHING, NOTHING);\n"
-	"	for (int y = from.y; y < end.y; y++)\n"
-	"		for (int x = from.x; x < end.x; x++) {\n"
-	"			uvec4 seen = texelFetch(u_seen, ivec2(x, y), 0);\n"
-	"			float near = uintBitsToFloat(seen.z);\n"
-	"			bool is_plant = seen.x != 0u || is_summary(seen);\n"
-	"			if (near > 0.0) found = vec3(max(found.x, near), min(found.y, near),\n"
-	"				is_plant ? min(found.z, near) : found.z);\n"
-	"		}\n"
-	"	o_cell = uvec4(floatBitsToUint(found), 0u);\n"
-	"}\n";
-
-/* A fragment a row of the map; each finds all of it. */
-static const char cells_language[] = CELLS_WIDE WEB_LANGUAGE "#define cells int\n";
-static const char rows_text[] =
-	"uniform usampler2D u_cells;\n"
-	"uniform ivec3 u_count;          // of cells; the picture's width and height\n"
-	"uniform mat3 u_axes;            // to the right, up, forward\n"
-	"uniform vec4 u_sun;             // and the map's size\n"
-	"uniform vec3 u_lens;            // tan_x, tan_y, whether the map has perspective\n"
-	"out uvec4 o_row;\n"
-	"int cells_count(int c) { return c; }\n"
-	"shadow_cell cells_at(int c, int i) {\n"
-	"	ivec2 cell = ivec2(i % CELLS, i / CELLS);\n"
-	"	vec2 part = 2.0 / vec2(u_count.yz), from = vec2(cell * u_count.yz / CELLS) * part,\n"
-	"		end = vec2((cell + 1) * u_count.yz / CELLS) * part;\n"
-	"	vec3 found = uintBitsToFloat(texelFetch(u_cells, cell, 0).xyz);\n"
-	"	return shadow_cell(from.x - 1.0, end.x - 1.0, 1.0 - end.y, 1.0 - from.y, found.x, found.y,\n"
-	"		found.z);\n"
-	"}\n"
-	"void main() {\n"
-	"	shadow_map m = map_of(u_count.x, shadow_eye(u_axes[0], u_axes[1], u_axes[2], u_lens.x,\n"
-	"		u_lens.y), u_sun.xyz, u_lens.z != 0.0, u_sun.w);\n"
-	"	int which = int(gl_FragCoord.x);\n"
-	"	shadow_row r = m.u;\n"
-	"	if (which == 1) r = m.v;\n"
-	"	if (which == 2) r = m.w;\n"
-	"	if (which == 3) r = m.up;\n"
-	"	o_row = floatBitsToUint(vec4(r.slope, r.at_eye));\n"
-	"}\n";
-
-const char web_shadow_text[] = "#define tops int\n"
-	VIEW_SHADOW_DEPTH
-	"uniform usampler2D u_rows;\n"
-	"uniform sampler2D u_tops;\n"
-	"uniform vec3 u_moved;           // the eye, since the map was made\n"
-#include "view_shadow_text.h"
-	"shadow_row row_of(int i) {\n"
-	"	vec4 r = uintBitsToFloat(texelFetch(u_rows, ivec2(i, 0), 0));\n"
-	"	return shadow_row(r.xyz, r.w);\n"
-	"}\n"
-	"bool tops_below(int t, float x, float y, float height) {\n"
-	"	return shadow_depth(height) >= texelFetch(u_tops, ivec2(int(x), int(y)), 0).r;\n"
-	"}\n"
-	"vec2 cast_at(vec3 to, vec3 n, bool facet) {\n"
-	"	shadow_light s = shadow_at(shadow_map(row_of(0), row_of(1), row_of(2), row_of(3),\n"
-	"		float(textureSize(u_tops, 0).x)), 0, to + u_moved, n, facet);\n"
-	"	return vec2(s.lit, s.texel_m);\n"
-	"}\n";
 
 /* ---- Life ---- */
 
@@ -150,9 +84,8 @@ static enum eco_code prepare(struct web_shadow *shadow, struct eco_error *error)
 	unsigned *cells = &shadow->programs[WEB_SHADOW_CELLS], *rows = &shadow->programs[WEB_SHADOW_ROWS];
 	if (shadow->vertex_array)
 		return ECO_OK;
-	*cells = web_program(NULL, (const char *const[]){ CELLS_WIDE "#define NOTHING 1e30\n", cells_text }, 2,
-		"what shadows fall on", error);
-	*rows = *cells ? web_program(NULL, (const char *const[]){ cells_language, shared_text, rows_text }, 3,
+	*cells = web_program(NULL, (const char *const[]){ CELLS_WIDE, cells_text }, 2, "what shadows fall on", error);
+	*rows = *cells ? web_program(NULL, (const char *const[]){ CELLS_WIDE "#define ROWS\n", cells_text }, 2,
 		"where shadows lie", error) : 0;
 	if (!*rows) {
 		web_shadow_free(shadow);
