@@ -325,17 +325,19 @@ PLACES := ecofiles/import/places
 # names.tsv has a row for each plant and language, its table one for each name, in their order
 names_by_name = awk -F '\t' '/^\#/ { next } !named++ { print "name\ttaxon\tlanguage\twhere"; fflush(); next } \
 	{ count = split($$4, name, "|"); for (i = 1; i <= count; i++) print name[i] "\t" $$1 "\t" $$2 "\t" $$3 | "LC_ALL=C sort" }'
-WORDS := $(patsubst $(PLACES)/words/%.tsv,build/words/%.table,$(wildcard $(PLACES)/words/*.tsv))
-build/words/%.table: $(PLACES)/words/%.tsv Makefile
+WORD_ROOMS := $(PLACES) ecofiles/generate
+WORDS := $(patsubst %.tsv,build/words/%.table,$(notdir $(wildcard $(WORD_ROOMS:%=%/words/*.tsv))))
+vpath %.tsv $(WORD_ROOMS:%=%/words)
+build/words/%.table: %.tsv Makefile
 	$(call say,awk,$<)
 	@mkdir -p $(@D)
-	$(Q)$(if $(filter names,$*),$(names_by_name),cat) $< | LC_ALL=C awk -F '\t' 'BEGIN { print "static const struct {" } /^#/ { next } { gsub(/[\\"]/, "\\\\&") } \
+	$(Q)$(if $(filter names,$*),$(names_by_name),cat) $< | LC_ALL=C awk -F '\t' 'BEGIN { print "static const struct $*_row {" } /^#/ { next } { gsub(/[\\"]/, "\\\\&") } \
 		!named { named = split($$0, name); next } \
 		!begun++ { for (i = 1; i <= named; i++) { number[i] = $$i ~ /^-?[0-9.]+$$/; \
 			print (number[i] ? "double " : "const char *") name[i] ";" } print "} $*_rows[] = {" } \
 		{ printf "{"; for (i = 1; i <= named; i++) printf number[i] ? " %s," : " \"%s\",", $$i; print " }," } \
 		END { print "};" }' >$@.part && mv $@.part $@
-$(call objects,$(wildcard $(PLACES)/*.c)): | $(WORDS)
+$(call objects,$(wildcard $(WORD_ROOMS:%=%/*.c))): | $(WORDS)
 
 # Texts of shaders as strings, without their comments; with the texts that they include.
 SHADERS := $(wildcard client-min/*.glsl client-min/*/*.glsl)

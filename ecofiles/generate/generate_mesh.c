@@ -148,6 +148,10 @@ static void add_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, 
 	memcpy(face->corner, corner, corners * sizeof *corner);
 }
 
+uint32_t gen_vertex(struct gen_mesh *mesh, struct gen_v3 at) { return add_vertex(mesh, at, 0, 0); }
+
+void gen_triangle(struct gen_mesh *mesh, uint8_t material, const uint32_t corner[3]) { add_face(mesh, material, 3, corner); }
+
 /* Rings are carried along without twist: the first direction of each is that of the ring before, made
  * square to the path. */
 void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tube)

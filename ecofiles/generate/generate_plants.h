@@ -63,6 +63,10 @@ uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint32_t rgb, cons
 uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, uint32_t dark, uint32_t bright,
 	uint32_t count);
 
+/* Parts of other shapes: a vertex, whose number is returned, and a triangle. */
+uint32_t gen_vertex(struct gen_mesh *mesh, struct gen_v3 at);
+void gen_triangle(struct gen_mesh *mesh, uint8_t material, const uint32_t corner[3]);
+
 /* A closed tube through points; radius 0 at the last point is a tip. */
 struct gen_tube { const struct gen_v3 *points; const double *radius; uint32_t count, sides; };
 void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tube);

@@ -188,6 +188,16 @@ static void take_genus(struct eco_flora *flora, size_t row)
 	flora->height_m = genera_rows[row].height_m;
 }
 
+const char *eco_flora_leaf(const char *genus, enum eco_form form, double *leaf_cm)
+{
+	size_t row = genus ? genus_row(genus) : COUNT(genera_rows);
+	bool known = row < COUNT(genera_rows);
+	*leaf_cm = known ? genera_rows[row].leaf_cm : form == ECO_FORM_CONIFER ? 3 : form == ECO_FORM_SHRUB ? 5
+		: form == ECO_FORM_GRASS ? 20 : form == ECO_FORM_PALM ? 250 : 9;
+	return known ? genera_rows[row].shape : form == ECO_FORM_CONIFER ? "needle" : form == ECO_FORM_PALM ? "palm"
+		: form == ECO_FORM_GRASS ? "blade" : "simple";
+}
+
 static void take_taxon(struct eco_flora *flora, const char *taxon)
 {
 	char genus[ECO_WORD_BYTES];

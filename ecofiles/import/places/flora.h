@@ -53,6 +53,9 @@ enum eco_form eco_form_of(const char *text, enum eco_leaf *leaf);
 
 /* Whether a genus is known to have a species of that epithet. */
 bool eco_flora_has_epithet(const char *genus, const char *epithet);
+/* The shape of a genus's leaves as genera.tsv names it, "needle", and their length; of a form where the genus is unknown
+ * or NULL. */
+const char *eco_flora_leaf(const char *genus, enum eco_form form, double *leaf_cm);
 /* Whether a name is a code of two or three letters of each word. */
 bool eco_flora_is_code(const char *name);
 /* Whether a system of codes.tsv has the code. */

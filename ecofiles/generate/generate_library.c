@@ -1,0 +1,266 @@
+/* The library's plants: which habit and look a genus has in a season, and the model that comes of them. */
+#include "ecofiles/generate/library.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "build/words/looks.table"
+#include "ecofiles/base/memory.h"
+#include "ecofiles/base/text.h"
+#include "ecofiles/generate/generate_growth.h"
+
+#define COUNT(table) (sizeof(table) / sizeof *(table))
+#define FRESH 0x9cbc54u    /* leaves that have just unfolded */
+#define WITHERED 0xac8438u /* autumn of most genera */
+#define STRAW 0xb8a070u    /* herbs in winter */
+#define SLENDER_LEAST 0.02 /* width of a crown as a share of its height */
+#define SLENDER_MOST 20.0
+
+const char *const eco_season_names[ECO_SEASON_COUNT + 1] = { "summer", "autumn", "winter", "spring", NULL };
+
+/* ---- Habits ---- */
+
+bool eco_library_habit(size_t i, struct eco_habit *habit)
+{
+	return gen_habit_facts(i, habit);
+}
+
+/* False: no such habit; *number is then their count. */
+static bool find_habit(const char *name, size_t *number, struct eco_habit *habit)
+{
+	for (*number = 0; eco_library_habit(*number, habit); ++*number)
+		if (strcmp(habit->name, name) == 0)
+			return true;
+	return false;
+}
+
+double eco_library_height(const char *name)
+{
+	struct eco_habit habit;
+	size_t number;
+	return find_habit(name, &number, &habit) ? habit.height_m : 0;
+}
+
+/* The row of a genus, else of a form, else the first. */
+static const struct looks_row *look_of(const char *genus, enum eco_form form)
+{
+	const char *const names[] = { genus ? genus : "", eco_form_names[form] };
+	for (size_t k = 0; k < 2; k++)
+		for (size_t i = 0; i < COUNT(looks_rows); i++)
+			if (strcmp(looks_rows[i].taxon, names[k]) == 0)
+				return &looks_rows[i];
+	return looks_rows;
+}
+
+/* A genus grows as its row says, but for columns, weeping trees and shrubs of genera that mostly do not. */
+const char *eco_library_habit_of(const struct eco_flora *flora, double height_m)
+{
+	struct eco_habit habit;
+	size_t number;
+	enum eco_form form = flora->form < ECO_FORM_NOTHING ? flora->form : ECO_FORM_UNKNOWN;
+	const struct looks_row *row = look_of(flora->genus, form);
+	bool known = find_habit(row->habit, &number, &habit);
+	bool other = form == ECO_FORM_COLUMN || form == ECO_FORM_WEEPING || form == ECO_FORM_SHRUB;
+	if (known && other && habit.like != form &&
+		(form != ECO_FORM_SHRUB || eco_form_is_tree(habit.like)) &&
+		!(form == ECO_FORM_COLUMN && habit.like == ECO_FORM_CONIFER))
+		known = find_habit(look_of(NULL, form)->habit, &number, &habit);
+	while (known && habit.grown && height_m > habit.most_m)
+		known = find_habit(habit.grown, &number, &habit);
+	return habit.name;
+}
+
+/* ---- Looks ---- */
+
+static uint32_t rgb_of(const char *text)
+{
+	return (uint32_t)strtoul(text + 1, NULL, 16);
+}
+
+static uint32_t mixed(uint32_t a, uint32_t b, uint32_t of_100)
+{
+	uint32_t out = 0;
+	for (int bit = 16; bit >= 0; bit -= 8)
+		out |= ((a >> bit & 255) * (100 - of_100) + (b >> bit & 255) * of_100 + 50) / 100 << bit;
+	return out;
+}
+
+static bool is_given(const char *color)
+{
+	return color[0] == '#';
+}
+
+/* The look of leaves in a season; herbs and grasses that are deciduous or yellow stay as straw. */
+static void set_season(struct gen_plant_look *look, const struct looks_row *row, bool deciduous, bool woody,
+	enum eco_season season)
+{
+	if (season == ECO_SEASON_SPRING)
+		look->leaf = mixed(look->leaf, FRESH, deciduous ? 45 : 12);
+	if (season == ECO_SEASON_AUTUMN && (deciduous || is_given(row->autumn))) {
+		look->leaf = is_given(row->autumn) ? rgb_of(row->autumn) : WITHERED;
+		look->is_motley = true;
+	}
+	if (season == ECO_SEASON_WINTER && !woody && (deciduous || is_given(row->autumn)))
+		look->leaf = STRAW;
+	look->is_bare = season == ECO_SEASON_WINTER && woody && deciduous;
+	if (strcmp(row->blooms, eco_season_names[season]) == 0)
+		look->flowers = row->share;
+}
+
+static struct gen_plant_look make_look(const struct eco_library_plant *plant, const struct eco_habit *habit)
+{
+	struct eco_flora flora = eco_flora_of(plant->genus, NULL);
+	const struct looks_row *row = look_of(flora.genus, habit->like);
+	bool woody = habit->like != ECO_FORM_HERB && habit->like != ECO_FORM_GRASS;
+	enum eco_leaf leaf = flora.genus                                          ? flora.leaf
+		: habit->like == ECO_FORM_CONIFER || habit->like == ECO_FORM_PALM ? ECO_LEAF_EVERGREEN
+										  : ECO_LEAF_DECIDUOUS;
+	struct gen_plant_look look = { .bark = rgb_of(row->bark),
+		.leaf = rgb_of(row->leaf),
+		.slim = row->slim,
+		.flower =
+			is_given(row->blossom) ? rgb_of(row->blossom) : mixed(rgb_of(row->leaf), STRAW, 60) };
+	look.shape = eco_flora_leaf(flora.genus, habit->like, &look.leaf_cm);
+	if (row->leaf_cm > 0)
+		look.leaf_cm = row->leaf_cm;
+	if (row->leaf_cm > 0 && row->slim > 0 && strcmp(look.shape, "compound") != 0)
+		look.slim = row->slim;
+	set_season(&look, row, leaf == ECO_LEAF_DECIDUOUS, woody, plant->season);
+	return look;
+}
+
+/* ---- Plants ---- */
+
+enum eco_code eco_library_check(const struct eco_library_plant *plant, struct eco_error *error)
+{
+	struct eco_habit habit;
+	size_t number;
+	char known[700] = "";
+	if (!find_habit(plant->habit, &number, &habit)) {
+		for (size_t i = 0; eco_library_habit(i, &habit); i++)
+			eco_phrase_add(known, sizeof known, habit.name);
+		return eco_fail(error, ECO_BAD_INPUT,
+			"no plant of the library grows as \"%.24s\"; these do: %s", plant->habit, known);
+	}
+	if (!(plant->height_m >= ECO_LIBRARY_LEAST_M && plant->height_m <= ECO_LIBRARY_MOST_M))
+		return eco_fail(error, ECO_BAD_INPUT,
+			"%s, %g m high: a plant of the library is %g to %g m high", habit.name,
+			plant->height_m, ECO_LIBRARY_LEAST_M, ECO_LIBRARY_MOST_M);
+	if (plant->crown_m != 0 &&
+		!(plant->crown_m >= SLENDER_LEAST * plant->height_m &&
+			plant->crown_m <= SLENDER_MOST * plant->height_m))
+		return eco_fail(error, ECO_BAD_INPUT,
+			"%s, %g m high with a crown of %g m: a crown is %g to %g times as wide as its plant "
+			"is high",
+			habit.name, plant->height_m, plant->crown_m, SLENDER_LEAST, SLENDER_MOST);
+	if (plant->individual > ECO_LIBRARY_INDIVIDUALS)
+		return eco_fail(error, ECO_BAD_INPUT, "individual %u: there are %u", plant->individual,
+			ECO_LIBRARY_INDIVIDUALS);
+	if ((unsigned)plant->season >= ECO_SEASON_COUNT)
+		return eco_fail(error, ECO_BAD_INPUT, "season %u: there are %u", (unsigned)plant->season,
+			(unsigned)ECO_SEASON_COUNT);
+	return ECO_OK;
+}
+
+/* The same skeleton in all seasons. */
+static uint64_t seed_of(const struct eco_library_plant *plant)
+{
+	uint64_t seed = (plant->individual ? plant->individual : 1) * 0x9E3779B97F4A7C15u +
+		(uint64_t)(plant->height_m * 100 + 0.5);
+	for (const char *c = plant->habit; *c; c++)
+		seed = seed * 131 + (unsigned char)*c;
+	for (const char *c = plant->genus; *c; c++)
+		seed = seed * 131 + ((unsigned char)*c | 32u);
+	return seed;
+}
+
+static float tidy(double v)
+{
+	return (float)(floor(v * 10000 + 0.5) / 10000);
+}
+
+static bool is_flat(const float *a, const float *b, const float *c)
+{
+	double u[3], v[3];
+	for (int k = 0; k < 3; k++) {
+		u[k] = (double)b[k] - (double)a[k];
+		v[k] = (double)c[k] - (double)a[k];
+	}
+	double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+	return !(x * x + y * y + z * z > 0);
+}
+
+static void add_triangle(struct eco_model *model, const uint32_t corner[3], uint32_t material, uint8_t organ)
+{
+	const float *p = model->position;
+	uint32_t t = model->triangle_count;
+	model->triangles_in++;
+	if (is_flat(p + 3 * (size_t)corner[0], p + 3 * (size_t)corner[1], p + 3 * (size_t)corner[2])) {
+		model->dropped[ECO_DROP_DEGENERATE]++;
+		return;
+	}
+	memcpy(model->index + 3 * (size_t)t, corner, 3 * sizeof *corner);
+	model->material[t] = material;
+	model->organ[t] = organ;
+	model->triangle_count++;
+}
+
+static void take_mesh(struct eco_model *model, const struct gen_mesh *mesh, const uint8_t organ[])
+{
+	model->position = eco_alloc(mesh->count, 3 * sizeof *model->position);
+	model->index = eco_alloc(2 * (size_t)mesh->face_count, 3 * sizeof *model->index);
+	model->material = eco_alloc(2 * (size_t)mesh->face_count, sizeof *model->material);
+	model->organ = eco_alloc(2 * (size_t)mesh->face_count, sizeof *model->organ);
+	model->materials = eco_alloc(mesh->material_count, sizeof *model->materials);
+	model->vertex_count = mesh->count;
+	model->material_count = mesh->material_count;
+	for (uint32_t i = 0; i < mesh->count; i++) {
+		float *p = model->position + 3 * (size_t)i;
+		p[0] = tidy(mesh->position[i].x);
+		p[1] = tidy(mesh->position[i].y);
+		p[2] = tidy(mesh->position[i].z);
+	}
+	for (uint32_t i = 0; i < mesh->material_count; i++) {
+		struct eco_material *m = &model->materials[i];
+		snprintf(m->name, sizeof m->name, "%s", mesh->materials[i].name);
+		memcpy(m->rgb, mesh->materials[i].rgb, sizeof m->rgb);
+		m->image = ECO_NONE;
+	}
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		const struct gen_face *face = &mesh->faces[f];
+		for (uint32_t k = 2; k < face->corners; k++)
+			add_triangle(model,
+				(uint32_t[]){ face->corner[0], face->corner[k - 1], face->corner[k] },
+				face->material, organ[face->material]);
+	}
+}
+
+enum eco_code eco_library_make(struct eco_model *model, const struct eco_library_plant *plant,
+	struct eco_error *error)
+{
+	struct eco_habit habit;
+	size_t number;
+	struct gen_mesh mesh = { 0 };
+	uint8_t organ[GEN_MATERIALS_MAX];
+	struct eco_library_plant sized = *plant;
+	enum eco_code code = eco_library_check(plant, error);
+	if (code)
+		return code;
+	find_habit(plant->habit, &number, &habit);
+	if (sized.crown_m == 0)
+		sized.crown_m = habit.crown * sized.height_m;
+	struct gen_plant_look look = make_look(plant, &habit);
+	gen_habit_grow(&mesh, organ, number, &sized, &look, seed_of(plant));
+	*model = (struct eco_model){ .scale = 1,
+		.source = { .up = ECO_UP_Z,
+			.up_how = ECO_HOW_GIVEN,
+			.unit_m = 1,
+			.unit_how = ECO_HOW_GIVEN,
+			.size = { sized.crown_m, sized.crown_m, sized.height_m } } };
+	snprintf(model->source.format, sizeof model->source.format, "library");
+	take_mesh(model, &mesh, organ);
+	gen_mesh_free(&mesh);
+	return ECO_OK;
+}

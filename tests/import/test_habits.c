@@ -1,0 +1,341 @@
+/* The library of plants: every row of its tables grows into a valid model of the size asked for, the same bytes each
+ * time; what is no plant gets an error that says what is one. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/memory.h"
+#include "ecofiles/format/pack.h"
+#include "ecofiles/generate/generate_growth.h"
+#include "ecofiles/generate/library.h"
+#include "tests/support/files.h"
+#include "tests/support/unit_test.h"
+
+static struct eco_library_plant plant_of(const char *habit, double height_m, double crown_m)
+{
+	struct eco_library_plant plant = { .height_m = height_m, .crown_m = crown_m };
+	snprintf(plant.habit, sizeof plant.habit, "%s", habit);
+	return plant;
+}
+
+static void make(struct eco_model *model, const struct eco_library_plant *plant)
+{
+	assert_good(eco_library_make(model, plant, &cause));
+}
+
+/* ---- Sizes ---- */
+
+static double width(const struct eco_model *m)
+{
+	double sum = 0;
+	for (int k = 0; k < 8; k++) {
+		struct gen_v3 way = gen_heading(22.5 * k, 0);
+		double low = 0, high = 0;
+		for (uint32_t i = 0; i < m->vertex_count; i++) {
+			double at =
+				way.x * (double)m->position[3 * i] + way.y * (double)m->position[3 * i + 1];
+			low = fmin(low, at);
+			high = fmax(high, at);
+		}
+		sum += (high - low) / 8;
+	}
+	return sum;
+}
+
+static double area_of(const struct eco_model *m, uint8_t organ)
+{
+	double sum = 0;
+	for (uint32_t t = 0; t < m->triangle_count; t++)
+		if (m->organ[t] == organ) {
+			struct gen_v3 p[3];
+			for (int c = 0; c < 3; c++) {
+				const float *at = m->position + 3 * (size_t)m->index[3 * t + c];
+				p[c] = gen_v3((double)at[0], (double)at[1], (double)at[2]);
+			}
+			sum += 0.5 * gen_length(gen_cross(gen_sub(p[1], p[0]), gen_sub(p[2], p[0])));
+		}
+	return sum;
+}
+
+static void check_valid(const struct eco_model *m, const char *what)
+{
+	if (m->vertex_count < 100 || m->vertex_count > 120000 ||
+		m->triangle_count > ECO_LIBRARY_TRIANGLES_MAX)
+		fail_msg("%s: %u vertices, %u triangles", what, m->vertex_count, m->triangle_count);
+	for (uint32_t i = 0; i < m->vertex_count; i++)
+		for (int k = 0; k < 3; k++)
+			assert_true(
+				isfinite(m->position[3 * i + k]) && (k < 2 || m->position[3 * i + k] >= 0));
+	for (uint32_t t = 0; t < m->triangle_count; t++) {
+		assert_true(m->material[t] < m->material_count && m->organ[t] < ECO_ORGAN_COUNT);
+		for (int c = 0; c < 3; c++)
+			assert_true(m->index[3 * t + c] < m->vertex_count);
+	}
+	assert_int_equal(m->triangles_in, m->triangle_count + m->dropped[ECO_DROP_DEGENERATE]);
+}
+
+/* At its usual size, its least, its greatest, and one that no such plant has. */
+UNIT_TEST(every_habit_has_the_size_asked_for)
+{
+	struct eco_habit habit;
+	for (size_t i = 0; eco_library_habit(i, &habit); i++) {
+		const double sizes[4][2] = { { habit.height_m, habit.crown * habit.height_m },
+			{ habit.least_m, 0 }, { habit.most_m, 0 },
+			{ habit.height_m, 2.5 * habit.crown * habit.height_m } };
+		for (int k = 0; k < 4; k++) {
+			struct eco_model model;
+			struct eco_library_plant plant = plant_of(habit.name, sizes[k][0], sizes[k][1]);
+			make(&model, &plant);
+			check_valid(&model, habit.name);
+			double crown = sizes[k][1] > 0 ? sizes[k][1] : habit.crown * sizes[k][0];
+			assert_true(fabs(eco_model_height(&model) / plant.height_m - 1) < 0.03);
+			if (!(fabs(width(&model) / crown - 1) < 0.03))
+				fail_msg("%s of %g m: a crown of %g m, not %g", habit.name, plant.height_m,
+					width(&model), crown);
+			eco_model_free(&model);
+		}
+	}
+}
+
+/* Between a quarter of and six times the area under the crown and beside it; none on bare wood. */
+UNIT_TEST(leaves_have_a_believable_area)
+{
+	struct eco_habit habit;
+	for (size_t i = 0; eco_library_habit(i, &habit); i++) {
+		struct eco_model model;
+		struct eco_library_plant plant = plant_of(habit.name, habit.height_m, 0);
+		make(&model, &plant);
+		double crown = habit.crown * habit.height_m,
+		       beside = 0.39 * crown * crown + 0.39 * crown * habit.height_m;
+		double share =
+			(area_of(&model, ECO_ORGAN_FOLIAGE) + area_of(&model, ECO_ORGAN_FLOWER)) / beside;
+		bool bare = strcmp(habit.name, "dead") == 0 || strcmp(habit.name, "bare") == 0 ||
+			strcmp(habit.name, "cactus") == 0;
+		if (bare ? share > 0 : share < 0.25 || share > 6)
+			fail_msg("%s: %g times the crown's area", habit.name, share);
+		eco_model_free(&model);
+	}
+}
+
+/* ---- Wood ---- */
+
+/* Each piece of wood (of many, one in eight) begins within a piece before it, or at the ground: by vertices that a tube's first ring lies among. */
+UNIT_TEST(wood_is_connected)
+{
+	struct eco_habit habit;
+	for (size_t i = 0; eco_library_habit(i, &habit); i++) {
+		struct eco_model m;
+		struct eco_library_plant plant = plant_of(habit.name, habit.height_m, 0);
+		make(&m, &plant);
+		uint32_t *root = eco_alloc(m.vertex_count, sizeof *root), loose = 0, pieces = 0;
+		for (uint32_t v = 0; v < m.vertex_count; v++)
+			root[v] = v;
+		for (uint32_t t = 0; t < m.triangle_count;
+			t++) { /* a piece's first vertex, as pieces are drawn in turn */
+			uint32_t *c = m.index + 3 * (size_t)t, least = root[c[0]];
+			for (int k = 0; k < 3; k++)
+				least = root[c[k]] < least ? root[c[k]] : least;
+			for (int k = 0; k < 3; k++)
+				root[c[k]] = least;
+		}
+		double near = 0.02 * habit.height_m + fmin(0.02 * habit.height_m, 0.08);
+		for (uint32_t t = 0; t < m.triangle_count; t++) {
+			uint32_t first = m.index[3 * (size_t)t];
+			bool begins = root[first] == first && m.organ[t] == ECO_ORGAN_WOOD &&
+				(t == 0 || m.index[3 * (size_t)t - 3] < first);
+			const float *p = m.position + 3 * (size_t)first;
+			double least = (double)p[2];
+			pieces += begins;
+			begins = begins && (pieces < 200 || pieces % 8 == 0);
+			for (uint32_t u = 0; begins && u < t && least > near; u++) {
+				if (m.organ[u] != ECO_ORGAN_WOOD)
+					continue;
+				struct gen_v3 q[3], at = gen_v3((double)p[0], (double)p[1], (double)p[2]);
+				for (int k = 0; k < 3; k++) {
+					const float *c = m.position + 3 * (size_t)m.index[3 * (size_t)u + k];
+					q[k] = gen_v3((double)c[0], (double)c[1], (double)c[2]);
+				}
+				for (int k = 0; k < 3; k++) {
+					struct gen_v3 edge = gen_sub(q[(k + 1) % 3], q[k]),
+						      to = gen_sub(at, q[k]);
+					double along = edge.x * to.x + edge.y * to.y + edge.z * to.z,
+					       length = gen_length(edge);
+					double share =
+						length > 0 ? gen_clamp(along / (length * length), 0, 1) : 0;
+					least = fmin(least,
+						gen_length(gen_sub(at, gen_mad(q[k], edge, share))));
+				}
+			}
+			loose += begins && least > near;
+		}
+		if (loose > 0)
+			fail_msg("%s: %u of %u pieces of wood hang in the air", habit.name, loose, pieces);
+		free(root);
+		eco_model_free(&m);
+	}
+}
+
+/* ---- Bytes ---- */
+
+static uint64_t digest(const struct eco_model *m)
+{
+	uint64_t hash = 1469598103934665603u;
+	const struct {
+		const void *at;
+		size_t bytes;
+	} parts[] = { { m->position, 12 * (size_t)m->vertex_count },
+		{ m->index, 12 * (size_t)m->triangle_count }, { m->material, 4 * (size_t)m->triangle_count },
+		{ m->materials, m->material_count * sizeof *m->materials } };
+	for (size_t k = 0; k < 4; k++)
+		for (size_t i = 0; i < parts[k].bytes; i++)
+			hash = (hash ^ ((const uint8_t *)parts[k].at)[i]) * 1099511628211u;
+	return hash;
+}
+
+static uint64_t digest_of(const struct eco_library_plant *plant)
+{
+	struct eco_model model;
+	make(&model, plant);
+	uint64_t hash = digest(&model);
+	eco_model_free(&model);
+	return hash;
+}
+
+UNIT_TEST(the_same_plant_is_the_same_bytes)
+{
+	struct eco_habit habit;
+	for (size_t i = 0; eco_library_habit(i, &habit); i++) {
+		struct eco_library_plant plant = plant_of(habit.name, habit.height_m, 0), other = plant;
+		uint64_t hash = digest_of(&plant);
+		other.individual = 2;
+		assert_true(hash == digest_of(&plant));
+		assert_true(hash != digest_of(&other));
+	}
+}
+
+/* ---- Genera ---- */
+
+static struct eco_model model_of(const char *habit, const char *genus, enum eco_season season)
+{
+	struct eco_model model;
+	struct eco_library_plant plant = plant_of(habit, 10, 0);
+	snprintf(plant.genus, sizeof plant.genus, "%s", genus);
+	plant.season = season;
+	make(&model, &plant);
+	return model;
+}
+
+UNIT_TEST(seasons_change_leaves_and_blossom)
+{
+	static const struct {
+		const char *habit, *genus;
+		enum eco_season season;
+		bool leaves, flowers;
+	} cases[] = { { "round", "Acer", ECO_SEASON_SUMMER, true, false },
+		{ "round", "Acer", ECO_SEASON_WINTER, false, false },
+		{ "round", "Prunus", ECO_SEASON_SPRING, true, true },
+		{ "round", "Prunus", ECO_SEASON_SUMMER, true, false },
+		{ "spruce", "Picea", ECO_SEASON_WINTER, true, false },
+		{ "larch", "Larix", ECO_SEASON_WINTER, false, false },
+		{ "multi-stemmed", "Hamamelis", ECO_SEASON_WINTER, false, true } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_model model = model_of(cases[i].habit, cases[i].genus, cases[i].season);
+		if ((area_of(&model, ECO_ORGAN_FOLIAGE) > 0) != cases[i].leaves ||
+			(area_of(&model, ECO_ORGAN_FLOWER) > 0) != cases[i].flowers)
+			fail_msg("%s in %s: %g m2 of leaves, %g of flowers", cases[i].genus,
+				eco_season_names[cases[i].season], area_of(&model, ECO_ORGAN_FOLIAGE),
+				area_of(&model, ECO_ORGAN_FLOWER));
+		eco_model_free(&model);
+	}
+}
+
+UNIT_TEST(a_genus_has_its_habit)
+{
+	static const struct {
+		const char *name, *habit;
+		double height_m;
+	} cases[] = { { "Zelkova serrata", "vase", 12 }, { "Picea abies", "spruce", 20 },
+		{ "Pinus sylvestris", "pine young", 5 }, { "Pinus sylvestris", "pine old", 18 },
+		{ "Quercus robur 'Fastigiata'", "columnar", 12 }, { "Washingtonia filifera", "fan palm", 9 },
+		{ "Phyllostachys", "bamboo", 6 }, { "Cupressus sempervirens", "cypress", 10 },
+		{ "Salix babylonica", "weeping", 9 }, { "Salix alba", "spreading", 15 },
+		{ "Calluna vulgaris", "heath", 0.4 }, { "tree", "round", 8 }, { "xyz", "round", 8 } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_flora flora = eco_flora_of(cases[i].name, NULL);
+		const char *habit = eco_library_habit_of(&flora, cases[i].height_m);
+		if (strcmp(habit, cases[i].habit) != 0)
+			fail_msg("%s: %s", cases[i].name, habit);
+	}
+}
+
+/* ---- What is no plant ---- */
+
+UNIT_TEST(what_is_no_plant_is_an_error)
+{
+	struct eco_model model;
+	struct eco_library_plant plant = plant_of("tree", 10, 0);
+	assert_code(eco_library_make(&model, &plant, &cause), ECO_BAD_INPUT, "weeping");
+	assert_code(eco_library_make(&model, &plant, &cause), ECO_BAD_INPUT, "crop rows");
+	static const double bad[] = { 0, -1, 1e9, NAN, INFINITY, 0.001 };
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		plant = plant_of("round", bad[i], 0);
+		assert_code(eco_library_make(&model, &plant, &cause), ECO_BAD_INPUT, "m high");
+		plant = plant_of("round", 10, bad[i]);
+		if (bad[i] != 0)
+			assert_code(eco_library_make(&model, &plant, &cause), ECO_BAD_INPUT, "crown");
+	}
+	plant = plant_of("round", 10, 0);
+	plant.individual = 17;
+	assert_code(eco_library_make(&model, &plant, &cause), ECO_BAD_INPUT, "individual");
+	plant.individual = 1;
+	plant.season = (enum eco_season)9;
+	assert_code(eco_library_make(&model, &plant, &cause), ECO_BAD_INPUT, "season");
+}
+
+/* ---- Tables ---- */
+
+/* Each column has a comment line, each row all fields; names of other tables are there; colours are colours. */
+UNIT_TEST(tables_are_whole)
+{
+	static const char *const tables[] = { "habits", "looks", "leaves" };
+	for (size_t k = 0; k < 3; k++) {
+		char path[100], *text = NULL, *names[64], *save = NULL;
+		size_t size = 0, count = 0, rows = 0;
+		snprintf(path, sizeof path, "ecofiles/generate/words/%s.tsv", tables[k]);
+		FILE *in = fopen(path, "r");
+		assert_non_null(in);
+		char comments[8192] = "";
+		while (getline(&text, &size, in) > 0) {
+			text[strcspn(text, "\n")] = 0;
+			if (text[0] == '#') {
+				snprintf(comments + strlen(comments), sizeof comments - strlen(comments),
+					"%s\n", text);
+				continue;
+			}
+			size_t fields = 1;
+			for (const char *c = text; *c; c++)
+				fields += *c == '\t';
+			if (count == 0)
+				for (char *name = strtok_r(text, "\t", &save); name;
+					name = strtok_r(NULL, "\t", &save)) {
+					names[count++] = eco_copy_text(name);
+					if (!strstr(comments, name))
+						fail_msg("%s: no comment says what %s is", path, name);
+				}
+			else if (fields != count)
+				fail_msg("%s: %zu fields, not %zu: %s", path, fields, count, text);
+			for (char *c = text; rows > 0 && (c = strchr(c, '#')); c++)
+				if (strspn(c + 1, "0123456789abcdef") != 6)
+					fail_msg("%s: no colour: %s", path, c);
+			rows++;
+		}
+		assert_true(rows > 6);
+		for (size_t i = 0; i < count; i++)
+			free(names[i]);
+		free(text);
+		fclose(in);
+	}
+}
+
+UNIT_MAIN(NULL, NULL)
