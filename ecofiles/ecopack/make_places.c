@@ -73,12 +73,45 @@ static uint32_t species_of(struct make *m, uint32_t source, uint32_t plant, cons
 		: *stated ? stated : ECO_INVENTORY_UNSTATED);
 }
 
+static bool is_of_library(const struct make *m, uint32_t source, uint32_t plant)
+{
+	return m->sources.items[source].plants[plant].model_count == 0;
+}
+
+static double times(double a, double b) { return fmax(a / b, b / a); }
+
+/* The size of a library's plant with the nearest height and proportions, in the individual that the hash took. */
+static uint32_t fitting_size(const struct make *m, uint32_t source, uint32_t plant, double height_m, double crown_m)
+{
+	const struct eco_source_plant *plants = m->sources.items[source].plants;
+	uint32_t first = plant - plants[plant].variant, count = plants[first].variant_count, best = plant;
+	double least = INFINITY;
+	for (uint32_t i = first; i < first + count && !isnan(height_m); i++) {
+		const struct eco_library_plant *l = &plants[i].library;
+		if (l->individual != plants[plant].library.individual)
+			continue;
+		double off = times(l->height_m, height_m), own = m->plants[m->plant_of[source][i]].crown / l->height_m;
+		if (!isnan(crown_m))
+			off *= times(own, crown_m / height_m);
+		if (off < least) {
+			least = off;
+			best = i;
+		}
+	}
+	return m->plant_of[source][best];
+}
+
+static uint32_t plant_of_size(const struct make *m, uint32_t source, uint32_t plant, double height_m)
+{
+	return is_of_library(m, source, plant) ? fitting_size(m, source, plant, height_m, NAN) : m->plant_of[source][plant];
+}
+
 static void place_instances(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	for (uint32_t i = 0; i < s->instance_count; i++) {
 		const struct eco_source_instance *instance = &s->instances[i];
-		uint32_t plant = m->plant_of[source][instance->plant];
+		uint32_t plant = plant_of_size(m, source, instance->plant, instance->height_m);
 		add_place(m, source, &(struct make_place){ .plant = plant,
 			.at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
 			.scale = scale_for(m, plant, instance->scale, instance->height_m),
@@ -94,6 +127,8 @@ static uint32_t fitting_variant(const struct make *m, uint32_t source, const str
 {
 	uint32_t best = row->plant;
 	double least = INFINITY;
+	if (is_of_library(m, source, row->plant))
+		return fitting_size(m, source, row->plant, row->height_m, row->crown_radius_m);
 	if (isnan(row->height_m) || isnan(row->crown_radius_m) || row->crown_is_guess)
 		return m->plant_of[source][row->plant];
 	for (uint32_t i = 0; i < row->variant_count; i++) {
@@ -196,7 +231,7 @@ static void place_scatters(struct make *m, uint32_t source)
 		char *path = s->scatters[i].path;
 		eco_check(eco_scatter_open(&scatter, &s->scatters[i], &frame, main_scatter_progress, path, m->error));
 		while (eco_scatter_next(scatter, &row)) {
-			uint32_t plant = m->plant_of[source][row.plant];
+			uint32_t plant = plant_of_size(m, source, row.plant, row.height_m);
 			add_place(m, source, &(struct make_place){ .plant = plant,
 				.at = { row.at[0], row.at[1], on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
 				.scale = scale_for(m, plant, 1, row.height_m),
@@ -287,12 +322,13 @@ void make_places_check(struct make *m)
 
 /* ---- Doubts: sizes that no such plant has; a line says what to add ---- */
 
-/* By the plant's name; of a name that says nothing, by its first file's. */
+/* By the plant's name; of a name that says nothing, by its first file's, or by its genus in the library. */
 static struct eco_flora flora_of(const struct make_plant *plant)
 {
 	struct eco_flora flora = eco_flora_of(plant->source->name, NULL);
 	return flora.genus || flora.form != ECO_FORM_UNKNOWN ? flora
-		: eco_flora_of(eco_path_last(plant->source->models[0]), NULL);
+		: eco_flora_of(plant->source->model_count ? eco_path_last(plant->source->models[0]) : plant->source->library.genus,
+			NULL);
 }
 
 static void doubt_height(const struct make *m, uint32_t id, double middle_m, uint64_t count)

@@ -45,10 +45,14 @@ static bool same_plant(const struct make_plant *plant, const struct eco_source_p
 		&& same_rules(s, source);
 }
 
-/* The files of a plant as one text: canonical paths, separated by newlines. */
+/* The files of a plant as one text: canonical paths, separated by newlines. Of a plant of the library: what it is. */
 static char *paths_of(const struct eco_source_plant *source)
 {
+	const struct eco_library_plant *l = &source->library;
 	char *all = NULL;
+	if (source->model_count == 0 && asprintf(&all, "library: %s, %s, %.10g m, crown %.10g m, %s, %u", l->habit, l->genus,
+			l->height_m, l->crown_m, eco_season_names[l->season], l->individual) < 0)
+		eco_end("no memory");
 	for (uint32_t i = 0; i < source->model_count; i++) {
 		char *canonical = realpath(source->models[i], NULL), *longer = NULL;
 		if (asprintf(&longer, "%s%s%s", all ? all : "", all ? "\n" : "", canonical ? canonical
@@ -265,6 +269,8 @@ static void build_or_recall(struct job *job, const struct eco_model *model)
 
 static enum eco_code import_model(struct make_plant *plant, struct eco_model *model, struct eco_error *error)
 {
+	if (plant->source->model_count == 0)
+		return eco_library_make(model, &plant->source->library, error);
 	return eco_model_import(model,
 		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models,
 		.path_count = plant->source->model_count, .height_m = plant->source->height_m,

@@ -17,6 +17,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ecofiles/generate/library.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/ground/ground_image_import.h"
 #include "ecofiles/import/model/model_import.h"
@@ -29,13 +30,15 @@
 #define ECO_SOURCES_MAX 4096u
 #define ECO_TILE_INSTANCES 128u          /* default of "tile": {"instances": N} */
 
-/* A plant with several variants is several of these in a row, with one name. An instance takes one of
- * them, by a hash of its position in the file. References name the first variant; the records and
+/* A plant with several variants is several of these in a row, with one name: files, or sizes of a plant of the library,
+ * each in all its individuals. An instance takes one of them, by a hash of its position in the file, and of the library
+ * the size that is nearest to its own. References name the first variant; the records and
  * instances handed out name the one taken. */
 struct eco_source_plant {
 	char name[64];
 	/* paths of the files that make up one plant, resolved against the file that names them */
-	char **models; uint32_t model_count;
+	char **models; uint32_t model_count; /* 0: a plant of the library */
+	struct eco_library_plant library;
 	double height_m;                     /* height to which the model is scaled; 0: by its unit */
 	double unit_m;                       /* metres per unit of the files; 0: theirs, else guessed */
 	enum eco_up up;

@@ -2,6 +2,7 @@
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/scene/scene_parse.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,16 +12,20 @@
 #define PLANTS_MAX 65536u
 #define VARIANTS_MAX 256u
 #define FILES_MAX 64u
+#define SIZES_MAX 16u
 #define RULES_MAX 1024u
 #define HEIGHT_MAX_M 1000.0
 
 #define IMPORTANCE(name, record, member) \
 	ECO_FIELD(name, NUMBER, ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST, record, member)
 static const struct eco_field plant_fields[] = {
-	ECO_OTHER("model"), ECO_OTHER("variants"),
-	ECO_FIELD("height_m", NUMBER, 0.001, HEIGHT_MAX_M, source_plant, height_m),
+	ECO_OTHER("model"), ECO_OTHER("variants"), ECO_OTHER("height_m"),
 	ECO_FIELD("unit", UNIT, 0, 0, source_plant, unit_m),
 	ECO_OTHER("up"), ECO_OTHER("grade"), ECO_OTHER("foot"), ECO_OTHER("parts"), ECO_OTHER("importance"), ECO_FIELDS_END
+};
+static const struct eco_field library_fields[] = {
+	ECO_OTHER("library"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("genus"), ECO_OTHER("season"),
+	ECO_OTHER("individual"), ECO_OTHER("importance"), ECO_FIELDS_END
 };
 static const struct eco_field importance_fields[] = {
 	IMPORTANCE("wood", source_plant, importance[ECO_ORGAN_WOOD]),
@@ -86,6 +91,15 @@ uint32_t eco_source_plant_of(const struct eco_source *source, const struct eco_j
 
 /* ---- Files ---- */
 
+static void spread_variants(struct eco_source *source, struct eco_source_plant *plant)
+{
+	source->plant_count += plant->variant_count - 1;
+	for (uint32_t i = 1; i < plant->variant_count; i++) {
+		plant[i] = *plant;
+		plant[i].variant = i;
+	}
+}
+
 static void parse_variants(struct eco_source *source, const struct eco_json *at,
 	struct eco_source_plant *plant)
 {
@@ -93,18 +107,14 @@ static void parse_variants(struct eco_source *source, const struct eco_json *at,
 	if ((model.value != NULL) == (variants.value != NULL))
 		eco_scene_fail(at, "a plant has either \"model\": \"FILE\" (or several files that make it up: "
 			"[\"wood.obj\", \"leaves.obj\"]), or \"variants\": [\"FILE\", ...], one for each "
-			"instance");
+			"instance, or \"library\": \"round\", a plant of the library");
 	if (variants.value) {
 		eco_scene_need(eco_json_array(&variants, VARIANTS_MAX));
 		plant->variant_count = (uint32_t)json_array_size(variants.value);
 	}
 	if (plant->variant_count == 0)
 		eco_scene_fail(&variants, "\"variants\" names no file");
-	source->plant_count += plant->variant_count - 1;
-	for (uint32_t i = 1; i < plant->variant_count; i++) {
-		plant[i] = *plant;
-		plant[i].variant = i;
-	}
+	spread_variants(source, plant);
 	for (uint32_t i = 0; i < plant->variant_count; i++) {
 		struct eco_json files = variants.value ? eco_json_item(&variants, i) : model;
 		eco_scene_parse_paths(source, &files, "file", FILES_MAX, &plant[i].models, &plant[i].model_count);
@@ -186,6 +196,55 @@ static void free_rules(struct eco_source_plant *plant)
 	free(plant->parts);
 }
 
+/* ---- Plants of the library ---- */
+
+/* Number i of an array, or the one number there is; absent: `otherwise`. */
+static double number_of(const struct eco_json *at, const char *key, size_t i, double otherwise)
+{
+	struct eco_json node = eco_json_member(at, key), one = node.value ? eco_scene_one(&node, i) : node;
+	if (node.value && !json_is_number(one.value))
+		eco_scene_fail(&one, "\"%s\" is a number, or an array of up to %u", key, SIZES_MAX);
+	return node.value ? json_number_value(one.value) : otherwise;
+}
+
+static size_t count_numbers(const struct eco_json *at, const char *key)
+{
+	struct eco_json node = eco_json_member(at, key);
+	size_t count = node.value ? eco_scene_several(&node) : 1;
+	if (count == 0 || count > SIZES_MAX)
+		eco_scene_fail(&node, "\"%s\" has 1 to %u numbers", key, SIZES_MAX);
+	return count;
+}
+
+static void parse_library(struct eco_source *source, const struct eco_json *at, struct eco_source_plant *plant)
+{
+	struct eco_json node = eco_json_member(at, "library");
+	const char *habit = NULL, *genus = "";
+	size_t sizes = count_numbers(at, "height_m"), crowns = count_numbers(at, "crown_m"), individuals = count_numbers(at, "individual");
+	struct eco_error why = { .code = ECO_OK };
+	unsigned season = ECO_SEASON_SUMMER;
+	eco_scene_need(eco_json_text(at, "library", sizeof plant->library.habit - 1, &habit)
+		&& eco_json_text(at, "genus", sizeof plant->library.genus - 1, &genus));
+	eco_scene_choice(at, "season", eco_season_names, "\"spring\", \"summer\", \"autumn\" or \"winter\"", &season);
+	if (crowns > 1 && crowns != sizes)
+		eco_scene_fail(at, "%zu heights with %zu crowns: each has its own, or all have one", sizes, crowns);
+	plant->library.season = (enum eco_season)season;
+	snprintf(plant->library.habit, sizeof plant->library.habit, "%s", habit);
+	snprintf(plant->library.genus, sizeof plant->library.genus, "%s", genus);
+	plant->variant_count = (uint32_t)(sizes * individuals);
+	spread_variants(source, plant);
+	for (uint32_t i = 0; i < plant->variant_count; i++) {
+		struct eco_library_plant *own = &plant[i].library;
+		double number = number_of(at, "individual", i % individuals, 1);
+		own->height_m = number_of(at, "height_m", i / individuals, eco_library_height(habit));
+		own->crown_m = number_of(at, "crown_m", i / individuals, 0);
+		own->individual = number >= 1 && number <= UINT16_MAX ? (uint32_t)number : UINT16_MAX;
+		plant[i].height_m = own->height_m;
+		if (own->individual != number || eco_library_check(own, &why))
+			eco_scene_fail(&node, "%s", why.code ? why.text : "\"individual\" is a whole number from 1 on");
+	}
+}
+
 /* ---- All ---- */
 
 static void parse_plant(struct eco_source *source, const struct eco_json *at)
@@ -194,7 +253,14 @@ static void parse_plant(struct eco_source *source, const struct eco_json *at)
 	plant->variant_count = 1;
 	eco_source_check_name(at, at->key, strlen(at->key));
 	memcpy(plant->name, at->key, strlen(at->key) + 1);
-	eco_scene_fields(source, at, plant_fields, plant);
+	bool library = eco_json_member(at, "library").value != NULL;
+	eco_scene_fields(source, at, library ? library_fields : plant_fields, plant);
+	if (library) {
+		parse_importance(source, at, plant);
+		parse_library(source, at, plant);
+		return;
+	}
+	eco_scene_need(eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant->height_m));
 	parse_up(at, &plant->up);
 	parse_grade(at, &plant->grade);
 	parse_foot(at, &plant->keep_origin);
@@ -209,9 +275,14 @@ static size_t count_variants(const json_t *plants)
 	json_t *plant;
 	size_t count = 0;
 	json_object_foreach((json_t *)plants, key, plant) {
-		size_t variants = json_array_size(json_object_get(plant, "variants"));
+		static const char *const several[] = { "variants", "height_m", "individual" };
 		(void)key;
-		count += variants > 1 ? variants : 1;
+		uint64_t all = 1;
+		for (size_t i = 0; i < 3; i++) {
+			size_t own = json_array_size(json_object_get(plant, several[i]));
+			all *= own > PLANTS_MAX ? PLANTS_MAX : own > 1 ? own : 1;
+		}
+		count += all > PLANTS_MAX ? PLANTS_MAX + 1 : (size_t)all;
 	}
 	return count;
 }

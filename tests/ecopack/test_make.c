@@ -156,6 +156,32 @@ UNIT_TEST(test_crowns_choose_the_variant_and_the_size)
 	eco_pack_close(pack);
 }
 
+/* No files: each row takes the size that is nearest to its own, and both individuals occur. */
+UNIT_TEST(test_the_library_grows_what_a_scene_names)
+{
+	char rows[4000] = "x,y,h\n";
+	uint32_t stands[4] = { 0 };
+	for (int i = 0; i < 40; i++)
+		snprintf(rows + strlen(rows), sizeof rows - strlen(rows), "%d,0,%d\n", 9 * i, i < 20 ? 1 : 2 + i % 2);
+	write_text("library.csv", rows);
+	write_text("library.json", "{\"plants\": {\"a\": {\"library\": \"fern\", \"height_m\": [1, 2.5], \"individual\": [1, 2]}}, "
+		"\"instances\": [{\"from\": \"library.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": "
+		"{\"column\": \"h\"}}]}");
+	struct eco_pack *pack = made("library.json", "library.eco");
+	const struct eco_scene *s = &pack->scene;
+	double at[40][3];
+	uint32_t plant[40], count = standing(s, at, plant, 40);
+	assert_int_equal(s->plant_count, 4);
+	assert_int_equal(count, 40);
+	for (uint32_t i = 0; i < count; i++) {
+		assert_true(fabs((double)s->plants[plant[i]].height_m - (at[i][0] < 9 * 20 - 1 ? 1 : 2.5)) < 0.01);
+		stands[plant[i]]++;
+	}
+	for (int i = 0; i < 4; i++)
+		assert_in_range(stands[i], 4, 16);
+	eco_pack_close(pack);
+}
+
 /* Heights and widths are apart; plants in their model's proportions store no width. */
 UNIT_TEST(test_crowns_have_a_width_of_their_own)
 {

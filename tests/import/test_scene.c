@@ -173,6 +173,17 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{'ground': {'heights': ['a', 'b'], 'pixel': 3, 'north_west': [1, 2]}}", ":1:62:", "a world file" },
 	{ "{'plants': {'oak': {'model': 'o', 'height': 3}}}", ":1:35:",
 		"known here: model, variants, height_m, unit, up, grade, foot, parts, importance" },
+	{ "{'plants': {'oak': {'library': 'oak'}}}", ":1:32:", "these do: round, oval, conical" },
+	{ "{'plants': {'oak': {'library': 'round', 'model': 'o'}}}", ":1:41:", "known here: library, height_m, crown_m" },
+	{ "{'plants': {'oak': {'library': 'round', 'height_m': 0}}}", ":1:32:", "is 0.02 to 150 m high" },
+	{ "{'plants': {'oak': {'library': 'round', 'height_m': [3, 1e9]}}}", ":1:32:", "is 0.02 to 150 m high" },
+	{ "{'plants': {'oak': {'library': 'round', 'height_m': 'tall'}}}", ":1:53:", "is a number, or an array" },
+	{ "{'plants': {'oak': {'library': 'round', 'height_m': []}}}", ":1:53:", "has 1 to 16 numbers" },
+	{ "{'plants': {'oak': {'library': 'round', 'height_m': [3, 4], 'crown_m': [1, 2, 3]}}}", ":1:20:", "each has its own" },
+	{ "{'plants': {'oak': {'library': 'round', 'crown_m': 1e9}}}", ":1:32:", "times as wide" },
+	{ "{'plants': {'oak': {'library': 'round', 'individual': 1.5}}}", ":1:32:", "is a whole number" },
+	{ "{'plants': {'oak': {'library': 'round', 'individual': 17}}}", ":1:32:", "there are 16" },
+	{ "{'plants': {'oak': {'library': 'round', 'season': 'monsoon'}}}", ":1:51:", "\"winter\"" },
 	{ "{'plants': {'oak': {'model': 'o', 'grade': 1}}}", ":1:44:", "is true or false" },
 	{ "{'plants': {'oak': {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{'plants': {'oak': {'model': []}}}", ":1:30:", "names no file" },
@@ -230,6 +241,26 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "\xff\xfe{", ":1:1:", "save it as UTF-8" },
 	{ "\xef\xbb\xbf{'name': 3}", ":1:10:", "must be a text" },
 };
+
+/* Sizes and individuals of a plant of the library are its variants, sizes first. */
+UNIT_TEST(plants_of_the_library_are_read)
+{
+	struct eco_source s;
+	parse_good(&s, "{'plants': {'elm': {'library': 'vase', 'genus': 'Ulmus', 'height_m': [8, 16], 'crown_m': [6, 11], "
+		"'individual': [1, 3], 'season': 'autumn', 'importance': {'wood': 2}}, 'reed': {'library': 'reed'}}, "
+		"'instances': [{'plant': 'elm', 'at': [0, 0], 'height_m': 9}]}");
+	assert_int_equal(s.plant_count, 5);
+	assert_int_equal(s.plants[0].variant_count, 4);
+	for (uint32_t i = 0; i < 4; i++) {
+		const struct eco_library_plant *l = &s.plants[i].library;
+		assert_true(s.plants[i].model_count == 0 && s.plants[i].variant == i && l->season == ECO_SEASON_AUTUMN);
+		assert_true(l->height_m == (i < 2 ? 8 : 16) && l->crown_m == (i < 2 ? 6 : 11) && l->individual == (i % 2 ? 3 : 1));
+		assert_true(s.plants[i].importance[ECO_ORGAN_WOOD] == 2);
+	}
+	assert_string_equal(s.plants[0].library.genus, "Ulmus");
+	assert_true(s.plants[4].library.height_m == eco_library_height("reed") && s.plants[4].library.season == ECO_SEASON_SUMMER);
+	eco_source_free(&s);
+}
 
 UNIT_TEST(what_may_not_be_said_has_a_line_and_a_column)
 {
