@@ -520,7 +520,7 @@ is '.instances[0].height_m[0] | [.from_year, .by]' '["Pflanzjahr","species"]'
 
 # ---- Codes of forestry; an unknown name whose form stands beside it ----
 printf '%s\n' 'drevina,vyska_m,lon,lat' 'SM,20,14.4,50.1' 'BK,22,14.401,50.1' 'DBZ,18,14.402,50.1' 'BO,17,14.403,50.1' >"$DIR/codes.csv"
-start 0 '"SM" is meant as picea abies .a code of cz' codes.csv
+start 0 '4 are codes of cz .as most rows have: SM: picea abies' codes.csv
 is '[.instances[0].codes, .instances[0].map.SM]' '["cz","norway_spruce"]'
 printf '%s\n' 'species,tree type,lon,lat' 'Zzyzx plonk,Conifer,11.5,48.1' 'Quercus alba,Broadleaf,11.501,48.1' >"$DIR/beside.csv"
 start 0 'this one has their form.*Zzyzx plonk' beside.csv

@@ -128,19 +128,21 @@ UNIT_TEST(species_and_cultivars_grow_in_their_own_way)
 	}
 }
 
-UNIT_TEST(codes_are_known_where_spelling_is_asked_for)
+UNIT_TEST(codes_of_first_letters_are_known_where_a_column_has_them)
 {
 	static const char *const codes[][2] = { { "piab", "picea abies" }, { "FASY", "fagus sylvatica" },
-		{ "quru", "quercus rubra" }, { "QUEROB", "quercus robur" }, { "litu", "liriodendron tulipifera" } };
+		{ "quru", "quercus rubra" }, { "QUEROB", "quercus robur" }, { "litu", "liriodendron tulipifera" },
+		{ "QUMA2", "quercus macrocarpa" }, { "PINNIGnig", "pinus nigra" }, { "ACE", "acer" }, { "MALPEReve", "malus perpetu" } };
+	const struct eco_flora_hint letters = { .codes = "letters" };
 	for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
-		struct eco_flora flora = spelt(codes[i][0]);
+		struct eco_flora flora = eco_flora_of(codes[i][0], &letters);
 		assert_string_equal(flora.coded, codes[i][1]);
 		assert_true(flora.genus && strncmp(flora.genus, codes[i][1], strlen(flora.genus)) == 0);
 		assert_true(eco_form_is_tree(flora.form));
-		assert_null(eco_flora_of(codes[i][0], NULL).genus);
+		assert_null(spelt(codes[i][0]).genus);
 	}
-	assert_string_equal(spelt("pine").coded, "");     /* a word, though pinus nes... */
-	assert_null(spelt("quxy").genus);
+	assert_null(eco_flora_of("quxy", &letters).genus);
+	assert_null(spelt("alba").genus);                 /* Aloidendron barberae in a column of codes alone */
 }
 
 UNIT_TEST(systems_of_codes_are_read_where_a_column_uses_them)
@@ -169,6 +171,8 @@ UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
 	assert_string_equal(spelt("Norway mapel").genus, "acer");
 	assert_null(spelt("Pirus alba").genus);           /* Pinus has no such species, nor has Pyrus */
 	assert_string_equal(spelt("Pinus sp.").genus, "pinus");
+	assert_string_equal(spelt("Handroathus vellosoi").genus, "handroanthus");
+	assert_null(spelt("morta").genus);                /* nearly a Polish mulberry */
 }
 
 /* ---- Sizes of plants from others of theirs ---- */

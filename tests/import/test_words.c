@@ -223,7 +223,8 @@ UNIT_TEST(names_become_words)
 		{ "\u0160\u0164\u0158\u0142\u0153", "strlo" }, { "\u4e2d x", "\u4e2d x" }, { "  ", "" },
 		{ "H\u00f6HE", "hohe" }, { "HH\u00f6he", "hhohe" }, { "H\u00c3\u00b6he", "hohe" },
 		{ "\u3051\u3084\u304d\uff08\u6b05\uff09", "\u30b1\u30e4\u30ad \u6b05" },
-		{ "20\u00a0m\u00b2", "20 m" }, { "Высота, м", "высота м" }, { "ЁЛКАКрона2", "елкакрона 2" } };
+		{ "20\u00a0m\u00b2", "20 m" }, { "\u6a39\u9ad8\uff08\uff4d\uff09", "\u6a39\u9ad8 m" },
+		{ "Πλάτανος", "πλατανοσ" }, { "ΠΕΥΚΟ", "πευκο" }, { "Высота, м", "высота м" }, { "ЁЛКАКрона2", "елкакрона 2" } };
 	char words[ECO_WORDS_BYTES];
 	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
 		assert_int_equal(eco_words_of(pairs[i][0], words, sizeof words), strlen(pairs[i][1]));
@@ -351,7 +352,12 @@ UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
 		{ "Large (over 60')", '.', ECO_FORM_OPEN, 60, 0.3048 },
 		{ "30' - 40'", '.', ECO_FORM_RANGE, 35, 0.3048 },
 		{ "q. niet van toepassing", '.', ECO_FORM_NONE, 0, 0 }, { "Small", '.', ECO_FORM_NONE, 0, 0 },
-		{ "12 (estimated)", '.', ECO_FORM_NONE, 0, 0 } };
+		{ "12 (estimated)", '.', ECO_FORM_NONE, 0, 0 },
+		{ "2) 10 - 16m", '.', ECO_FORM_RANGE, 13, 1 }, { "2) 20cm< & <=50cm", '.', ECO_FORM_RANGE, 35, 0.01 },
+		{ "10m以上", '.', ECO_FORM_OPEN, 10, 1 }, { "3m未満", '.', ECO_FORM_RANGE, 1.5, 1 },
+		{ "１２．５ｍ", '.', ECO_FORM_EXACT, 12.5, 1 }, { "od 10 do 15 m", ',', ECO_FORM_RANGE, 12.5, 1 },
+		{ "30\n40", '.', ECO_FORM_STEMS, 50, 0 }, { "20-20-10", '.', ECO_FORM_STEMS, 30, 0 },
+		{ "3x10", '.', ECO_FORM_STEMS, sqrt(300), 0 }, { "30 cm + 40 cm", '.', ECO_FORM_STEMS, 50, 0.01 } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double number = 0, unit_m = 0;

@@ -266,23 +266,23 @@ static void say_nearly(struct start *s)
 
 static void say_spelling(struct start *s)
 {
+	char names[200] = "", took[160];
+	uint32_t coded = 0;
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		const struct eco_flora *f = &s->matches[i].flora;
-		char took[160];
-		if (f->misspelt[0] == 0 && f->coded[0] == 0)
-			continue;
-		snprintf(took, sizeof took, "\"%.60s\" is meant as %s", s->species.items[i].text,
-			f->coded[0] ? f->coded : f->meant);
-		if (f->coded[0] && s->hint.codes)
-			start_guess(s, "code of a species", took, "\"map\" in the scene", "a code of %s, as most rows "
-				"have", s->hint.codes);
-		else if (f->coded[0])
-			start_guess(s, "code of a species", took, "\"map\" in the scene", "the first letters of both words");
-		else
+		snprintf(took, sizeof took, f->coded[0] ? "%.60s: %.60s" : "\"%.60s\" is meant as %s", s->species.items[i].text,
+			f->coded[0] ? f->coded : f->meant ? f->meant : "");
+		coded += f->coded[0] != 0;
+		if (f->coded[0])
+			eco_phrase_add(names, sizeof names, took);
+		else if (f->misspelt[0])
 			start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is no plant, but "
 				"nearly one (first in line %llu)", f->misspelt,
 				(unsigned long long)s->species.items[i].first_line);
 	}
+	snprintf(took, sizeof took, "%u are codes of %s", coded, s->hint.codes ? s->hint.codes : "");
+	if (coded > 0)
+		start_guess(s, "species", took, "\"map\" in the scene", "as most rows have: %s", names);
 }
 
 /* ---- All ---- */

@@ -189,7 +189,7 @@ static bool find_radii(struct start *s)
 		if (!last || !eco_words_have(directions[0], last + 1))
 			continue;
 		words[bytes] = 0;
-		if (!eco_column_says_radius(words) && !eco_words_any(words, "r cr")
+		if (!eco_column_says(words, "radius") && !eco_words_any(words, "r cr")
 				&& eco_column_points(ECO_ROLE_CROWN, words) < ECO_COLUMN_ENOUGH)
 			continue;
 		for (uint32_t k = 0; k < ECO_CROWN_COLUMNS; k++) {
@@ -222,7 +222,7 @@ static void find_crowns(struct start *s)
 	if (s->crown.column == ECO_NONE)
 		return;
 	const char *name = start_column(s, s->crown.column);
-	s->crown_is_radius = s->has_radii || eco_column_says_radius(name);
+	s->crown_is_radius = s->has_radii || eco_column_says(name, "radius");
 	measure(s, &s->crown, ECO_QUANTITY_CROWN, NULL, beside);
 	if (s->crown.column == ECO_NONE)
 		return;
@@ -268,19 +268,40 @@ static unsigned word_count(const char *text)
 	return count;
 }
 
-static bool says_no(const char *text)
+/* Whether a text is one word of a set, "no" or "yes", or its number. */
+static bool says(const char *text, const char *set, const char *number)
 {
 	char words[ECO_WORDS_BYTES];
 	eco_words_of(text, words, sizeof words);
-	return words[0] != 0 && (eco_words_have(eco_words_set("no"), words) || strcmp(words, "0") == 0);
+	return words[0] != 0 && (eco_words_have(eco_words_set(set), words) || strcmp(words, number) == 0);
+}
+
+/* A date, or a year alone. */
+static bool is_date(const char *text)
+{
+	size_t digits = strspn(text, "0123456789");
+	bool year = strncmp(text, "19", 2) == 0 || strncmp(text, "20", 2) == 0;
+	return (year && (digits == 4 || digits == 8)) || (digits >= 1 && digits <= 2 && text[digits] != 0
+		&& strchr("-./", text[digits]) && strpbrk(text + digits + 1, "-./"));
 }
 
 enum gone { STAYS, BY_STATUS, BY_PRESENCE, BY_DATE };
 
+/* "Type", "tree type", "site type": words of plants, places and kinds alone. */
+static bool is_type(const char *name)
+{
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	eco_words_of(name, words, sizeof words);
+	bool type = eco_words_any(words, eco_words_set("kind"));
+	for (const char *at = words; type && eco_words_next(&at, word);)
+		type = eco_words_have(eco_words_set("kind"), word) || eco_words_have(eco_words_set("plant"), word);
+	return type;
+}
+
 static enum gone kind_of(const char *name)
 {
-	return eco_words_any(name, eco_words_set("removal")) ? BY_DATE : eco_words_any(name, eco_words_set("present"))
-		? BY_PRESENCE : eco_words_any(name, eco_words_set("status")) ? BY_STATUS : STAYS;
+	return eco_column_says(name, "removal") ? BY_DATE : eco_words_any(name, eco_words_set("present"))
+		? BY_PRESENCE : eco_words_any(name, eco_words_set("status")) || is_type(name) ? BY_STATUS : STAYS;
 }
 
 static bool is_gone(enum gone kind, const char *text)
@@ -288,10 +309,20 @@ static bool is_gone(enum gone kind, const char *text)
 	if (eco_text_is_missing(text))
 		return false;
 	if (kind == BY_PRESENCE)
-		return says_no(text);
+		return says(text, "no", "0");
 	if (kind == BY_DATE)
-		return strspn(text, "0123456789") >= 1 && strpbrk(text, "-./") != NULL;
-	return word_count(text) <= GONE_WORDS && eco_flora_of(text, NULL).form == ECO_FORM_NOTHING;
+		return is_date(text) || says(text, "yes", "1");
+	return word_count(text) <= GONE_WORDS && eco_flora_is_no_plant(text);
+}
+
+/* Whether a row of the table's selection is gone, or one of the others may be. A type's rare values are not searched
+ * for. */
+static bool may_leave_out(const struct start *s, uint32_t column, enum gone kind)
+{
+	for (uint32_t row = 0; row < s->table.row_count; row++)
+		if (is_gone(kind, eco_table_field(&s->table, row, column)))
+			return true;
+	return s->table.rows > s->table.row_count && !is_type(s->table.columns[column]);
 }
 
 /* Adds the values of a column that say that no plant stands there. */
@@ -327,7 +358,7 @@ static void find_gone(struct start *s)
 	s->skip = json_object();
 	for (uint32_t i = 0; i < s->table.column_count; i++) {
 		enum gone kind = kind_of(s->table.columns[i]);
-		if (kind != STAYS && i != s->columns.of[ECO_ROLE_SPECIES])
+		if (kind != STAYS && i != s->columns.of[ECO_ROLE_SPECIES] && may_leave_out(s, i, kind))
 			add_gone(s, i, kind);
 	}
 }

@@ -281,6 +281,11 @@ size_t eco_text_fold(const char *text, char *folded, size_t size)
 			text += 2;
 			continue;
 		}
+		if (c == 0xef && (next == 0xbc || next == 0xbd) && text[2] != 0) {       /* wide signs: "１２ｍ" */
+			unsigned sign = (unsigned char)text[2] - (next == 0xbc ? 0x60u : 0x20u);
+			c = sign > 0x20 && sign < 0x7f ? (unsigned char)sign : c;
+			text += c < 0x80 ? 2 : 0;
+		}
 		folded[used++] = (char)(c >= 'A' && c <= 'Z' ? c + 32 : c);
 		text++;
 	}

@@ -105,12 +105,12 @@ bool eco_column_says_degrees(const char *name)
 	return points_by_name(ECO_ROLE_X, name) + points_by_name(ECO_ROLE_Y, name) >= 100;
 }
 
-bool eco_column_says_radius(const char *name)
+bool eco_column_says(const char *name, const char *set)
 {
 	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
 	eco_words_of(name, words, sizeof words);
 	for (const char *at = words; eco_words_next(&at, word);)
-		if (means(word, eco_words_set("radius")))
+		if (means(word, eco_words_set(set)))
 			return true;
 	return false;
 }

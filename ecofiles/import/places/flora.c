@@ -208,12 +208,12 @@ static void take_taxon(struct eco_flora *flora, const char *taxon)
 
 static bool ends_name(const char *language)
 {
-	return eco_words_have("en de nl sv da no fi hu tr ja zh ko", language);
+	return eco_words_have("en de nl sv da no fi hu tr ja zh ko lt lv et sl sr bg hi", language);
 }
 
 static bool is_compounded(const char *language)
 {
-	return eco_words_have("de nl sv da no fi hu ja zh ko", language);
+	return eco_words_have("de nl sv da no fi et hu ja zh ko", language);
 }
 
 /* The first row of names with this name; COUNT(names_rows): none. */
@@ -435,11 +435,54 @@ static size_t code_row(const char *words, const char *system)
 	return i;
 }
 
+/* Letters of two halves of a code, "fasy", "QUEROB": of as many capitals as begin the name, "PINNIGnig", else of its
+ * small letters. PLANTS numbers symbols that are alike: "QUMA2". 0: it is none. */
+static size_t code_letters(const char *name, const char *words)
+{
+	size_t capitals = strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZ");
+	size_t count = capitals > 2 ? capitals : strspn(words, "abcdefghijklmnopqrstuvwxyz");
+	const char *rest = capitals > 2 ? name + count : words + count + (words[count] == ' ');
+	size_t small = capitals == 6 ? strspn(rest, "abcdefghijklmnopqrstuvwxyz") : 0;
+	bool ends = strspn(rest + small, "123456789") <= 1 && rest[small + strspn(rest + small, "123456789")] == 0;
+	return ends && (count == 3 || count == 4 || count == 6) ? count : 0;
+}
+
+/* The species whose genus and epithet begin with the two halves of a code, if it need not be sure, else the genus that
+ * begins with the first half; of several, the genus with most species. */
+static bool find_coded(const char *name, bool sure, struct eco_flora *flora)
+{
+	char words[ECO_WORDS_BYTES], epithet[ECO_WORD_BYTES];
+	eco_words_of(name, words, sizeof words);
+	size_t count = code_letters(name, words), half = count == 3 ? 3 : count / 2, most = 0;
+	bool whole = false;
+	for (size_t i = 0; i < COUNT(species_rows) && count > 0; i++) {
+		size_t species = strlen(species_rows[i].epithets);
+		if (strncmp(species_rows[i].genus, words, half) != 0)
+			continue;
+		const char *at = species_rows[i].epithets;
+		bool found = false;
+		while (count > 3 && !found && eco_words_next(&at, epithet))
+			found = strncmp(epithet, words + half, half) == 0;
+		if ((!found && (whole || sure || half != 3)) || (found == whole && species <= most))
+			continue;
+		whole = found;
+		most = species;
+		take_genus(flora, genus_row(species_rows[i].genus));
+		snprintf(flora->epithet, sizeof flora->epithet, "%.31s", found ? epithet : "");
+		snprintf(flora->coded, sizeof flora->coded, "%.30s%s%.30s", flora->genus, found ? " " : "", flora->epithet);
+	}
+	return most > 0;
+}
+
+#define LETTERS "letters"        /* the system of first letters, behind those of codes.tsv */
+
 bool eco_flora_has_code(const char *system, const char *code)
 {
+	struct eco_flora flora = { .genus = NULL };
 	char words[ECO_WORDS_BYTES];
 	eco_words_of(code, words, sizeof words);
-	return code_row(words, system) < COUNT(codes_rows);
+	return strcmp(system, LETTERS) == 0 ? find_coded(code, true, &flora)
+		: code_row(words, system) < COUNT(codes_rows);
 }
 
 const char *eco_flora_system(size_t i)
@@ -447,41 +490,19 @@ const char *eco_flora_system(size_t i)
 	for (size_t row = 0; row < COUNT(codes_rows); row++)
 		if ((row == 0 || strcmp(codes_rows[row].system, codes_rows[row - 1].system) != 0) && i-- == 0)
 			return codes_rows[row].system;
-	return NULL;
+	return i == 0 ? LETTERS : NULL;
 }
 
-static bool find_in_system(const char *words, const char *system, struct eco_flora *flora)
+static bool find_in_system(const char *name, const char *words, const char *system, struct eco_flora *flora)
 {
 	size_t row = code_row(words, system);
+	if (strcmp(system, LETTERS) == 0)
+		return find_coded(name, false, flora);
 	if (row == COUNT(codes_rows))
 		return false;
 	take_taxon(flora, codes_rows[row].taxon);
 	snprintf(flora->coded, sizeof flora->coded, "%s", codes_rows[row].taxon);
 	return true;
-}
-
-/* The first species whose genus and epithet begin with the two halves of a word of four or six letters. */
-static bool find_coded(const char *words, struct eco_flora *flora)
-{
-	size_t half = strspn(words, "abcdefghijklmnopqrstuvwxyz") / 2;
-	char epithet[ECO_WORD_BYTES];
-	const char *rest = words + 2 * half;
-	/* PLANTS numbers symbols that are alike: "QUMA2" */
-	if ((half != 2 && half != 3) || (*rest != 0 && (rest[0] != ' ' || rest[1] < '1' || rest[1] > '9' || rest[2])))
-		return false;
-	for (size_t i = 0; i < COUNT(species_rows); i++) {
-		if (strncmp(species_rows[i].genus, words, half) != 0)
-			continue;
-		for (const char *at = species_rows[i].epithets; eco_words_next(&at, epithet);)
-			if (strncmp(epithet, words + half, half) == 0) {
-				take_genus(flora, genus_row(species_rows[i].genus));
-				snprintf(flora->epithet, sizeof flora->epithet, "%.31s", epithet);
-				snprintf(flora->coded, sizeof flora->coded, "%.30s %.30s", species_rows[i].genus,
-					epithet);
-				return true;
-			}
-	}
-	return false;
 }
 
 static bool ends_in_one_of(const char *word, const char *endings)
@@ -522,8 +543,15 @@ static void take_misspelt(struct eco_flora *flora, const char *taxon, const char
 	snprintf(flora->misspelt, sizeof flora->misspelt, "%s", word);
 }
 
-/* Only the first word of a Latin name may be a genus, and only one that has such an epithet: "Tabebuja rosea" is no
- * rose. */
+/* Whether a long word is so near a genus that its epithet need not be known: "Handroathus". */
+static bool is_surely(const char *genus, const char *word)
+{
+	size_t length = letters(word);
+	return length >= 8 && strncmp(genus, word, 3) == 0 && eco_words_distance(genus, word, 2) <= (length >= 10 ? 2 : 1);
+}
+
+/* Only the first word of a Latin name may be a genus; one of few letters only if it has such an epithet: "Tabebuja
+ * rosea" is no rose. */
 static bool find_misspelt_latin(const struct name *n, struct eco_flora *flora)
 {
 	bool binomial = is_binomial(n);
@@ -533,7 +561,7 @@ static bool find_misspelt_latin(const struct name *n, struct eco_flora *flora)
 		if (eco_words_distance(genus, n->word[0], most) > most)
 			continue;
 		bool own = n->count > 1 && has_epithet_like(genus, n->word[1]);
-		if (!own && (binomial || n->count > 1))
+		if (!own && (binomial || n->count > 1) && !is_surely(genus, n->word[0]))
 			continue;
 		take_misspelt(flora, genus, n->word[0], genus);
 		snprintf(flora->epithet, sizeof flora->epithet, "%.31s", own ? n->word[1] : "");
@@ -542,7 +570,17 @@ static bool find_misspelt_latin(const struct name *n, struct eco_flora *flora)
 	return false;
 }
 
-/* A word of five letters that is nearly one name and the name of no other plant. */
+/* Whether words of one length have the same letters. */
+static bool are_swapped(const char *a, const char *b)
+{
+	int sum = 0;
+	bool alike = strlen(a) == strlen(b);
+	for (size_t i = 0; alike && a[i] != 0; i++)
+		sum += a[i] - b[i];
+	return alike && sum == 0;
+}
+
+/* A word of six letters that is nearly one name and the name of no other plant, or one of five with two swapped. */
 static void find_misspelt(const struct name *n, enum eco_region region, struct eco_flora *flora)
 {
 	if (find_misspelt_latin(n, flora) || is_binomial(n))
@@ -552,7 +590,8 @@ static void find_misspelt(const struct name *n, enum eco_region region, struct e
 			&& i < COUNT(names_rows); i++) {
 			const char *name = names_rows[i].name;
 			if (name[0] != n->word[k][0] || strchr(name, ' ') || letters(name) < 5 || strchr(names_rows[i].taxon, ' ')
-					|| eco_words_distance(name, n->word[k], 1) > 1)
+					|| eco_words_distance(name, n->word[k], 1) > 1
+					|| (letters(n->word[k]) == 5 && !are_swapped(name, n->word[k])))
 				continue;
 			if (strcmp(names_rows[i].where, "all") == 0 || is_region(names_rows[i].where, region)) {
 				take_misspelt(flora, names_rows[i].taxon, n->word[k], name);
@@ -613,6 +652,13 @@ enum eco_form eco_form_of(const char *text, enum eco_leaf *leaf)
 	return form_by_word(words, false, "");
 }
 
+bool eco_flora_is_no_plant(const char *text)
+{
+	char words[ECO_WORDS_BYTES];
+	eco_words_of(text, words, sizeof words);
+	return form_by_word(words, true, "") == ECO_FORM_NOTHING;
+}
+
 /* Takes the form, leaves and height by which a species or a cultivar differs. Returns whether the row of an epithet says a form. */
 static bool grow(struct eco_flora *flora, const char *words)
 {
@@ -640,9 +686,9 @@ static bool grow(struct eco_flora *flora, const char *words)
 	return best > 0 && growth_rows[row].form[0] != '-';
 }
 
-static bool find_known(const struct name *n, const struct eco_flora_hint *hint, struct eco_flora *flora)
+static bool find_known(const char *name, const struct name *n, const struct eco_flora_hint *hint, struct eco_flora *flora)
 {
-	return (hint->codes && find_in_system(n->words, hint->codes, flora)) || find_latin(n, true, flora)
+	return (hint->codes && find_in_system(name, n->words, hint->codes, flora)) || find_latin(n, true, flora)
 		|| find_common(n, 2, hint->region, flora) || find_latin(n, false, flora)
 		|| find_common(n, 1, hint->region, flora) || find_initial(n, flora);
 }
@@ -655,10 +701,10 @@ struct eco_flora eco_flora_of(const char *name, const struct eco_flora_hint *hin
 	if (!hint)
 		hint = &nothing;
 	read_name(&n, name);
-	bool known = find_known(&n, hint, &flora);
+	bool known = find_known(name, &n, hint, &flora);
 	enum eco_form form = form_by_word(n.words, known, "");
 	if (!known && form != ECO_FORM_NOTHING && hint->spelling) {
-		if (!find_coded(n.words, &flora) && form == ECO_FORM_UNKNOWN && n.count > 0)
+		if (form == ECO_FORM_UNKNOWN && n.count > 0)
 			find_misspelt(&n, hint->region, &flora);
 		known = flora.genus;
 	}
@@ -675,12 +721,4 @@ struct eco_flora eco_flora_of(const char *name, const struct eco_flora_hint *hin
 bool eco_flora_has_epithet(const char *genus, const char *epithet)
 {
 	return epithet[0] != 0 && eco_words_have(epithets_of(genus), epithet);
-}
-
-bool eco_flora_is_code(const char *name)
-{
-	struct eco_flora flora = { .genus = NULL };
-	char words[ECO_WORDS_BYTES];
-	eco_words_of(name, words, sizeof words);
-	return find_coded(words, &flora);
 }

@@ -40,25 +40,25 @@ struct eco_flora {
 
 struct eco_flora_hint {
 	enum eco_region region;
-	const char *codes;           /* the system of codes.tsv that the column uses; NULL: none */
-	/* also words of five letters and more that are nearly a genus or a common name, and codes of two or three
-	 * letters of each word of a common species: "fasy", "QUEROB" */
-	bool spelling;
+	/* the system of codes that the column uses: of codes.tsv, or "letters": two or three letters of each word of a
+	 * species, "fasy", "QUEROB"; NULL: none */
+	const char *codes;
+	bool spelling;               /* also words of five letters and more that are nearly a genus or a common name */
 };
 
 /* The plant that a name means; hint NULL: nothing is known beside the name. */
 struct eco_flora eco_flora_of(const char *name, const struct eco_flora_hint *hint);
 /* The form that words about a plant say, "evergreen conifer", and its leaves; no names. */
 enum eco_form eco_form_of(const char *text, enum eco_leaf *leaf);
+/* Whether a text about a place says that no plant stands there: "vacant site", "Baumstumpf", "REMPLACE". */
+bool eco_flora_is_no_plant(const char *text);
 
 /* Whether a genus is known to have a species of that epithet. */
 bool eco_flora_has_epithet(const char *genus, const char *epithet);
 /* The shape of a genus's leaves as genera.tsv names it, "needle", and their length; of a form where the genus is unknown
  * or NULL. */
 const char *eco_flora_leaf(const char *genus, enum eco_form form, double *leaf_cm);
-/* Whether a name is a code of two or three letters of each word. */
-bool eco_flora_is_code(const char *name);
-/* Whether a system of codes.tsv has the code. */
+/* Whether a system has the code. */
 bool eco_flora_has_code(const char *system, const char *code);
 /* The i-th system; NULL: no more. */
 const char *eco_flora_system(size_t i);

@@ -200,6 +200,9 @@ bool eco_text_number(const char *text, char decimal, double *number)
 	static const char *const degree[] = { "\u00b0", "\u00ba" };
 	text = eco_text_skip_spaces(text);
 	int sign = take_hemisphere(&text);
+	/* a comma beside degrees parts no groups: "13°35'35,7''" */
+	if ((strstr(text, degree[0]) || strstr(text, degree[1])) && strchr(text, ',') && !strchr(text, '.'))
+		decimal = ',';
 	size_t bytes = number_at(text, decimal, number);
 	const char *rest = eco_text_skip_spaces(text + bytes);
 	if (bytes > 0 && take_mark(&rest, degree, 2))
@@ -294,6 +297,9 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 		*number /= 2;
 	} else if (form == ECO_FORM_EXACT && take_phrase(&at, "more") >= 0) {
 		form = ECO_FORM_OPEN;
+	} else if (form == ECO_FORM_EXACT && take_phrase(&at, "less") >= 0) {
+		form = ECO_FORM_RANGE;
+		*number /= 2;
 	} else if (form == ECO_FORM_EXACT && take_phrase(&at, "to") >= 0) {
 		if (!take_measure(&at, decimal, &high, unit_m) || high < *number)
 			return ECO_FORM_NONE;
@@ -304,12 +310,13 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 	return *eco_text_skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
 }
 
-/* The diameter of one trunk with the area of several stems: "12;15;9", "20+18", "14/12", "3x10". The square root of the
+/* The diameter of one trunk with the area of several stems: "12;15;9", "20+18", "14-12-9", "3x10". The square root of the
  * sum of squares (Magarik et al. 2020, "How should we measure the DBH of multi-stemmed urban trees?"). */
 static enum eco_size_form stems_at(const char *at, char decimal, double *number, double *unit_m)
 {
-	double sum = 0, stem, own = 0;
+	double sum = 0, stem, own = 0, high = 0, low = INFINITY;
 	unsigned stems = 0;
+	bool dashes = false;
 	for (;; at++) {
 		double times = 1;
 		if (!take_number(&at, decimal, &stem))
@@ -324,12 +331,16 @@ static enum eco_size_form stems_at(const char *at, char decimal, double *number,
 		double unit = take_unit(&at);
 		own = unit != 0 ? unit : own;
 		sum += times * stem * stem;
+		high = fmax(high, stem);
+		low = fmin(low, stem);
 		stems += (unsigned)times;
 		at = eco_text_skip_spaces(at);
-		if (*at == 0 || !strchr(";/+,&|", *at))
+		if (*at == 0 || !strchr(";/+,&|-", *at))
 			break;
+		dashes |= *at == '-';
 	}
-	if (*at != 0 || stems < 2)
+	/* two with a dash are a range, three unlike ones a date */
+	if (*at != 0 || stems < 2 || (dashes && (stems < 3 || high > 9 * low)))
 		return ECO_FORM_NONE;
 	*number = sqrt(sum);
 	*unit_m = own;
@@ -352,9 +363,13 @@ static const char *behind_class(const char *folded)
 
 enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m)
 {
-	char folded[80];
+	char folded[80], line[80];
+	size_t used = 0;
 	*unit_m = 0;
-	if (eco_text_fold(text, folded, sizeof folded) + 1 >= sizeof folded)
+	for (; text[used] != 0 && used + 1 < sizeof line; used++)
+		line[used] = text[used] == '\n' && text[used + 1] != 0 ? ';' : text[used];  /* a line for each stem */
+	line[used] = 0;
+	if (eco_text_fold(line, folded, sizeof folded) + 1 >= sizeof folded || text[used] != 0)
 		return ECO_FORM_NONE;
 	enum eco_size_form form = size_at(folded, decimal, number, unit_m);
 	if (form == ECO_FORM_NONE)

@@ -18,10 +18,11 @@
 
 #define UNITS (sizeof units_rows / sizeof *units_rows)
 
-static const struct { double middle_m, high_m; const char *says; } typical[] = {
-	[ECO_QUANTITY_HEIGHT] = { 10, 22, "height" }, [ECO_QUANTITY_DBH] = { 0.22, 0.75, "trunk diameter" },
-	[ECO_QUANTITY_GIRTH] = { 0.7, 2.4, "trunk girth" },
-	[ECO_QUANTITY_CROWN] = { 6, 15, "crown" } };
+/* most_m: middle that a stated unit may give without a doubt: lists of monuments have trunks of 1.5 m */
+static const struct { double middle_m, high_m, most_m; const char *says; } typical[] = {
+	[ECO_QUANTITY_HEIGHT] = { 10, 22, 0, "height" }, [ECO_QUANTITY_DBH] = { 0.22, 0.75, 2, "trunk diameter" },
+	[ECO_QUANTITY_GIRTH] = { 0.7, 2.4, 6.5, "trunk girth" },
+	[ECO_QUANTITY_CROWN] = { 6, 15, 0, "crown" } };
 
 /* A wood is high and even, its tallest are half as tall again as its middle; it could be taken for a street
  * in feet only where it is measured in metres. */
@@ -73,7 +74,9 @@ static size_t unit_of_name(const char *name)
 static size_t doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *n)
 {
 	size_t best = best_unit(quantity, n, UNITS);
-	if (!(n->middle > 0) || fabs(units_rows[best].metres / unit_m - 1) < 1e-4)
+	double middle_m = n->middle * unit_m;
+	if (!(n->middle > 0) || fabs(units_rows[best].metres / unit_m - 1) < 1e-4
+			|| (middle_m > typical[quantity].middle_m && middle_m <= typical[quantity].most_m))
 		return UNITS;
 	return usual_misfit(quantity, unit_m, n) - usual_misfit(quantity, units_rows[best].metres, n) > DOUBT
 		? best : UNITS;

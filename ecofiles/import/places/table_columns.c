@@ -76,7 +76,7 @@ static bool is_of_plants(const char *text, char decimal)
 {
 	(void)decimal;
 	struct eco_flora flora = eco_flora_of(text, NULL);
-	return flora.genus || flora.form == ECO_FORM_NOTHING || eco_flora_is_code(text);
+	return flora.genus || flora.form == ECO_FORM_NOTHING || eco_flora_has_code("letters", text);
 }
 
 /* The share of a column's texts that one system of codes explains. */

@@ -58,8 +58,8 @@ struct eco_columns {             /* ECO_NONE: no such column */
 #define ECO_COLUMN_ENOUGH 50
 /* How surely a column's name tells that role; ECO_COLUMN_ENOUGH makes it that. */
 int eco_column_points(enum eco_role role, const char *name);
-/* Whether a column of crowns says radii, not diameters, by its name. */
-bool eco_column_says_radius(const char *name);
+/* Whether a word of a column's name is one of a set's, or has one of five letters within it: "Kronenradius" says radius. */
+bool eco_column_says(const char *name, const char *set);
 /* Whether a column is one of longitudes or latitudes by its name. */
 bool eco_column_says_degrees(const char *name);
 /* Columns that `columns` names already (not ECO_NONE) are left as they are. */

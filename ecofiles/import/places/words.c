@@ -12,16 +12,33 @@ static const char latin_a[] = "aaaaaaccccccccddddeeeeeeeeeegggggggghhhhiiiiiiiii
 /* OTHER: letters that begin no word within a name, "HöHE" */
 enum kind { GAP, LETTER, CAPITAL, DIGIT, OTHER, OTHER_CAPITAL };
 
-/* Cyrillic letters: small, and without the marks of two. */
+/* Letters of two bytes in small, without the marks of some. */
+static enum kind take_small(unsigned point, unsigned small, char sign[4])
+{
+	sign[0] = (char)(0xc0 | small >> 6);
+	sign[1] = (char)(0x80 | (small & 0x3f));
+	return small != point ? CAPITAL : LETTER;
+}
+
 static enum kind take_cyrillic(unsigned point, char sign[4])
 {
 	unsigned small = point >= 0x410 && point < 0x430 ? point + 0x20 : point < 0x410 ? point + 0x50
 		: point;
-	enum kind kind = small != point ? CAPITAL : LETTER;
-	small = small == 0x451 ? 0x435 : small;
-	sign[0] = (char)(0xc0 | small >> 6);
-	sign[1] = (char)(0x80 | (small & 0x3f));
+	enum kind kind = take_small(point, small, sign);
+	take_small(0, small == 0x451 ? 0x435 : small, sign);
 	return kind;
+}
+
+static enum kind take_greek(unsigned point, char sign[4])
+{
+	static const uint16_t plain[][2] = { { 0x386, 0x3b1 }, { 0x388, 0x3b5 }, { 0x389, 0x3b7 }, { 0x38a, 0x3b9 },
+		{ 0x38c, 0x3bf }, { 0x38e, 0x3c5 }, { 0x38f, 0x3c9 }, { 0x390, 0x3b9 }, { 0x3ac, 0x3b1 }, { 0x3ad, 0x3b5 },
+		{ 0x3ae, 0x3b7 }, { 0x3af, 0x3b9 }, { 0x3b0, 0x3c5 }, { 0x3c2, 0x3c3 }, { 0x3ca, 0x3b9 }, { 0x3cb, 0x3c5 },
+		{ 0x3cc, 0x3bf }, { 0x3cd, 0x3c5 }, { 0x3ce, 0x3c9 } };
+	unsigned small = point >= 0x391 && point <= 0x3a9 ? point + 0x20 : point;
+	for (size_t i = 0; i < sizeof plain / sizeof *plain; i++)
+		small = plain[i][0] == point ? plain[i][1] : small;
+	return take_small(0, small, sign), point < 0x3ac && point != 0x390 ? CAPITAL : LETTER;
 }
 
 /* Narrow katakana, as old systems write them; their sound marks are signs of their own and stand behind. */
@@ -48,9 +65,7 @@ static enum kind take_east(unsigned point, char sign[4])
 	sign[0] = (char)(0xe0 | point >> 12);
 	sign[1] = (char)(0x80 | (point >> 6 & 0x3f));
 	sign[2] = (char)(0x80 | (point & 0x3f));
-	bool gap = (point >= 0x2000 && point <= 0x206f) || (point >= 0x3000 && point <= 0x3020)
-		|| (point >= 0xff00 && point <= 0xff0f) || (point >= 0xff1a && point <= 0xff20);
-	return gap ? GAP : OTHER;
+	return (point >= 0x2000 && point <= 0x206f) || (point >= 0x3000 && point <= 0x3020) ? GAP : OTHER;
 }
 
 /* The bytes of a letter that was written as UTF-8 twice: "Ã¶" is "ö". */
@@ -63,8 +78,12 @@ static unsigned written_twice(const unsigned char *text)
 static enum kind take_sign(const unsigned char **text, char sign[4])
 {
 	const unsigned char *at = *text;
-	unsigned c = *(*text)++, second = at[1];
+	unsigned c = *(*text)++, second = at[1], east = three_bytes(at);
 	memset(sign, 0, 4);
+	if (east > 0xff00 && east < 0xff5f) {        /* wide signs: "（ｍ）" */
+		c = east - 0xfee0;
+		*text += 2;
+	}
 	sign[0] = (char)c;
 	if (c >= '0' && c <= '9')
 		return DIGIT;
@@ -74,20 +93,20 @@ static enum kind take_sign(const unsigned char **text, char sign[4])
 	}
 	if (c < 0x80)
 		return c >= 'a' && c <= 'z' ? LETTER : GAP;
-	unsigned east = three_bytes(at), mark = east ? three_bytes(at + 3) : 0;
+	unsigned mark = east ? three_bytes(at + 3) : 0;
 	if (east) {
 		bool narrow = east >= 0xff66 && east <= 0xff9d, marked = narrow && (mark == 0xff9e || mark == 0xff9f);
 		*text += marked ? 5 : 2;
 		return take_east(narrow ? wide_kana(east, mark) : east, sign);
 	}
-	bool latin = c >= 0xc3 && c <= 0xc5, cyrillic = c == 0xd0 || c == 0xd1;
-	if (!(latin || cyrillic) || (second & 0xc0) != 0x80)
+	bool latin = c >= 0xc3 && c <= 0xc5, cyrillic = c == 0xd0 || c == 0xd1, greek = c == 0xce || c == 0xcf;
+	if (!(latin || cyrillic || greek) || (second & 0xc0) != 0x80)
 		return c == 0xc2 && second != 0 ? (++*text, GAP) : OTHER;
 	unsigned twice = written_twice(at);
 	*text += twice ? 3 : 1;
 	unsigned point = (c & 0x1f) << 6 | ((twice ? twice : second) & 0x3f);
-	if (cyrillic)
-		return take_cyrillic(point, sign);
+	if (cyrillic || greek)
+		return cyrillic ? take_cyrillic(point, sign) : take_greek(point, sign);
 	sign[0] = point < 0x100 ? latin_1[point - 0xc0] : latin_a[point - 0x100];
 	if (sign[0] == ' ')
 		return GAP;
