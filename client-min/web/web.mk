@@ -29,11 +29,10 @@ WEB_DRACO := $(addprefix core/,data_buffer decoder_buffer draco_types options st
 	$(addprefix attributes/,attribute_octahedron_transform attribute_quantization_transform attribute_transform geometry_attribute \
 		point_attribute) \
 	$(addprefix compression/bit_coders/,adaptive_rans_bit_decoder direct_bit_decoder rans_bit_decoder symbol_bit_decoder) \
-	$(addprefix compression/point_cloud/,point_cloud_decoder point_cloud_kd_tree_decoder point_cloud_sequential_decoder \
-		algorithms/dynamic_integer_points_kd_tree_decoder algorithms/integer_points_kd_tree_decoder) \
+	$(addprefix compression/point_cloud/,point_cloud_decoder point_cloud_sequential_decoder) \
 	$(addprefix compression/mesh/,mesh_decoder mesh_edgebreaker_decoder mesh_edgebreaker_decoder_impl) \
 	$(addprefix compression/,draco_compression_options entropy/shannon_entropy entropy/symbol_decoding) \
-	$(addprefix compression/attributes/,attributes_decoder kd_tree_attributes_decoder sequential_attribute_decoder \
+	$(addprefix compression/attributes/,attributes_decoder sequential_attribute_decoder \
 		sequential_attribute_decoders_controller sequential_integer_attribute_decoder sequential_normal_attribute_decoder \
 		sequential_quantization_attribute_decoder) \
 	$(addprefix mesh/,corner_table mesh mesh_attribute_corner_table) point_cloud/point_cloud \

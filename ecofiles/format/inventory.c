@@ -54,7 +54,7 @@ static bool read_names(struct eco_reader *r, char *text, const char **items, uin
 /* Columns of one value a row each, over `values`: COLUMNS times `count`. */
 static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count)
 {
-	struct eco_chunk_rows rows = { .order = ECO_DRACO_SEQUENTIAL, .stream = { .elements = count },
+	struct eco_chunk_rows rows = { .stream = { .elements = count },
 		.column_count = COLUMNS };
 	for (uint32_t i = 0; i < COLUMNS; i++)
 		rows.columns[i] =

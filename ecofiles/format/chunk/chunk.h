@@ -11,7 +11,7 @@
  * Contents of a stream (flags: bit 0 `wide`, bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`):
  *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
  *   FORM      one stream; as ELEMENTS, but the rows are in the stored order of the partner's chunk
- *   KD, ROWS  one stream, corners = 1; flags (KD: never wide), predictors 0; ROWS: split columns
+ *   ROWS      one stream, corners = 1; predictors 0; split columns. KD is always packed
  *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, a stream
  *             of corners = 1 comes before it: one row a triangle in the order that the mesh decodes to;
  *             columns: uv of each corner (2 values, less the last uv of the corner's vertex, or else the last
@@ -24,8 +24,8 @@
  *             corner along the curve, and its extra values. Any other element has its corners, each one
  *             either a corner that was there before or the miss of a prediction, and texture coordinates.
  *             shape.h and chunk_shapes.h define the values.
- * Packed rows, the only stream of a payload: a chunk of KD, or of few rows of ELEMENTS, FORM or ROWS, has
- * this form where it is smaller (leaves as ELEMENTS do not):
+ * Packed rows, the only stream of a payload: chunks of KD have this form, and those of few rows of ELEMENTS,
+ * FORM or ROWS where it is smaller (leaves as ELEMENTS do not):
  *   0   u8   3      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
  *   4   u8   flags, never `wide`; then u16 predictors if corners > 2
  *   .   one range-coded stream of the columns that a Draco stream of the chunk would have (chunk_columns.h);
@@ -55,7 +55,7 @@
  * chunks at the start of a list keep their order, see chunk_encode.c) and the decoder permutes, so
  * decoding gives a permutation of the input. `order`, if not NULL, receives end - first indices: order[i]
  * is the input index, relative to first, of the i-th decoded element. It must be NULL for KD and MESH,
- * whose order Draco decides. Not for FORM. *bytes is malloc'ed. */
+ * whose coders decide the order. Not for FORM. *bytes is malloc'ed. */
 struct eco_chunk_input {
 	const struct eco_list *list;
 	const struct eco_elements *elements;

@@ -393,7 +393,7 @@ static void code_counts(struct eco_range *range, struct eco_chunk_rows *rows)
 static void list_components(struct columns *columns, const struct eco_chunk_rows *rows)
 {
 	columns->count = 0;
-	for (uint32_t i = rows->order == ECO_DRACO_KD; i < rows->column_count; i++)
+	for (uint32_t i = rows->cloud; i < rows->column_count; i++)
 		for (uint32_t k = 0; k < rows->columns[i].components; k++)
 			columns->items[columns->count++] = (struct component){
 				.values = rows->columns[i].values + k, .rows = rows->stream.elements,
@@ -404,7 +404,7 @@ static void list_components(struct columns *columns, const struct eco_chunk_rows
 static bool code_columns(struct columns *columns, struct eco_chunk_rows *rows)
 {
 	bool good = true;
-	if (rows->order == ECO_DRACO_KD)
+	if (rows->cloud)
 		code_counts(&columns->range, rows);
 	for (uint32_t i = 0; i < columns->count && good; i++) {
 		struct head h = { .way = VALUES };

@@ -23,7 +23,7 @@
 #include "ecofiles/base/range.h"
 #include "ecofiles/format/chunk/chunk_rows.h"
 
-/* Rows of a chunk that is coded so, but for points of a kd-tree; larger ones are decoded faster by Draco, and
+/* Rows of a chunk that is coded so, but for points of a KD list, which all are; larger ones are decoded faster by Draco, and
  * hardly larger. */
 #define ECO_COLUMNS_ROWS_MAX 4096u
 

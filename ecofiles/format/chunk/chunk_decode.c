@@ -60,11 +60,11 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		const struct eco_stream *s = &payload->streams[i];
 		bool side = mesh && s->corners == 1;
 		bool allowed = side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
-		if (!allowed || ((mesh || list->coder == ECO_CODER_KD) && (s->wide || s->predictors != 0))
+		if (!allowed || (mesh && (s->wide || s->predictors != 0))
 		    || (s->shift != 0
 		&& (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
 		|| (s->uv_shift != 0 && (mesh || !(list->attributes & ECO_ATTR_UV)))
-		|| (list->kind == ECO_LIST_GROUND && !s->packed))
+		|| ((list->kind == ECO_LIST_GROUND || list->coder == ECO_CODER_KD) && !s->packed))
 			return BAD("chunk: stream %u of %u corners does not belong "
 				"to the list", i, s->corners);
 		if (side)

@@ -143,7 +143,7 @@ static void try_packed(struct eco_chunk_rows *rows)
 {
 	const size_t record = 11;    /* bytes that the streams' records take more */
 	struct eco_stream *stream = &rows->stream, packed = *stream;
-	if (stream->elements > ECO_COLUMNS_ROWS_MAX && rows->order == ECO_DRACO_SEQUENTIAL)
+	if (stream->elements > ECO_COLUMNS_ROWS_MAX)
 		return;
 	packed.packed = true;
 	packed.wide = false;
@@ -164,7 +164,7 @@ static void encode_rows(struct eco_chunk_rows *rows, uint8_t coder, bool alone)
 		return;
 	}
 	eco_rows_encode(rows);
-	if (alone && !leaves)
+	if (alone && !leaves && !rows->stream.packed)
 		try_packed(rows);
 }
 

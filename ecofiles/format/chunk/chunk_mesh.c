@@ -236,7 +236,7 @@ static bool encode_side(const struct eco_chunk_input *input, const struct match 
 	if (!side_make(&side, input->list, triangles))
 		eco_end("no memory");
 	bool fits = code_side(&side, &ordered, vertex, true)
-		&& !eco_draco_encode_rows(ECO_DRACO_SEQUENTIAL, side.columns, side.column_count, triangles, &bytes,
+		&& !eco_draco_encode_rows(side.columns, side.column_count, triangles, &bytes,
 		&stream->size, NULL);
 	stream->bytes = bytes;
 	side_free(&side);
@@ -269,7 +269,7 @@ static enum eco_code decode_side(const struct eco_list *list, const struct eco_s
 		: eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for attributes of %u triangles",
 		e->element_count);
 	if (!code)
-		code = eco_draco_decode_rows(ECO_DRACO_SEQUENTIAL, stream->bytes, stream->size, side.columns,
+		code = eco_draco_decode_rows(stream->bytes, stream->size, side.columns,
 			side.column_count, e->element_count, error);
 	if (!code && !code_side(&side, e, vertex, false))
 		code = eco_fail(error, ECO_DAMAGED, "chunk: an attribute of the mesh is out of bounds");

@@ -91,7 +91,7 @@ static enum eco_code no_memory(const struct eco_chunk_rows *rows, struct eco_err
 enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_list *list, uint8_t coder,
 	const struct eco_stream *stream, struct eco_error *error)
 {
-	*rows = (struct eco_chunk_rows){ .order = coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL,
+	*rows = (struct eco_chunk_rows){ .cloud = coder == ECO_CODER_KD,
 		.extra_count = (uint8_t)eco_list_extra_count(list), .uv = list->attributes & ECO_ATTR_UV,
 		.split = coder == ECO_CODER_ROWS,
 		.ground_columns = list->kind == ECO_LIST_GROUND ? list->columns : 0, .stream = *stream };
@@ -280,7 +280,7 @@ static size_t size_of(const struct eco_draco_column *column, uint32_t rows, bool
 /* Asks the coder which is smaller, each column's values or its differences. Sets `wide` where neither fits. */
 static void choose_differences(struct eco_chunk_rows *rows)
 {
-	for (uint32_t i = 0; rows->order == ECO_DRACO_SEQUENTIAL && i < rows->column_count; i++) {
+	for (uint32_t i = 0; i < rows->column_count; i++) {
 		struct eco_draco_column *column = &rows->columns[i];
 		uint32_t count = rows->stream.elements;
 		bool values_fit, differences_fit;
@@ -305,7 +305,7 @@ static void encode_columns(struct eco_chunk_rows *rows, const struct eco_draco_c
 {
 	struct eco_error error = { 0 };
 	uint8_t *bytes;
-	must(eco_draco_encode_rows(rows->order, columns, count, rows->stream.elements, &bytes,
+	must(eco_draco_encode_rows(columns, count, rows->stream.elements, &bytes,
 		&rows->stream.size, &error), &error);
 	rows->stream.bytes = bytes;
 }
@@ -316,6 +316,11 @@ void eco_rows_encode(struct eco_chunk_rows *rows)
 	rows->stream.predictors = choose_predictors(rows);
 	take_predictions(rows);
 	take_uv_shift(rows);
+	if (rows->cloud) {
+		rows->stream.packed = true;
+		eco_columns_encode(rows, &rows->stream);
+		return;
+	}
 	choose_differences(rows);
 	if (!rows->stream.wide) {
 		encode_columns(rows, rows->columns, rows->column_count);
@@ -338,7 +343,7 @@ void eco_rows_encode(struct eco_chunk_rows *rows)
 static enum eco_code decode_columns(const struct eco_chunk_rows *rows, const struct eco_draco_column *columns,
 	uint32_t count, struct eco_error *error)
 {
-	return eco_draco_decode_rows(rows->order, rows->stream.bytes, rows->stream.size, columns, count,
+	return eco_draco_decode_rows(rows->stream.bytes, rows->stream.size, columns, count,
 		rows->stream.elements, error);
 }
 

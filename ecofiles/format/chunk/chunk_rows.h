@@ -15,7 +15,7 @@
  *   extra (1 each)
  *
  * Draco codes each column as values or as differences to the row before, whichever is smaller (the stream
- * says which; kd: values).
+ * says which). Points of KD lists are always packed (chunk_columns.h).
  *
  * Split positions suit rows whose order is given. Samples of ground are always packed (chunk_columns.h).
  *
@@ -47,8 +47,8 @@ struct eco_stream {
 };
 
 struct eco_chunk_rows {
-	enum eco_draco_order order;
 	uint8_t extra_count;
+	bool cloud;                  /* of a KD list */
 	bool uv, split;              /* split: one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
 	struct eco_stream stream;

@@ -21,7 +21,6 @@
 #include <draco/compression/expert_encode.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
-#include <draco/compression/point_cloud/point_cloud_kd_tree_decoder.h>
 #include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
 
 namespace {
@@ -131,25 +130,6 @@ enum eco_code give(const draco::EncoderBuffer &buffer, uint8_t **bytes, size_t *
 	return ECO_OK;
 }
 
-bool encode_cloud(const draco::PointCloud &cloud, enum eco_draco_order order, int speed,
-	const struct eco_draco_column *columns, uint32_t column_count, draco::EncoderBuffer *buffer,
-	struct eco_error *error)
-{
-	draco::ExpertEncoder encoder(cloud);
-
-	encoder.SetSpeedOptions(speed, speed);
-	encoder.SetEncodingMethod(order == ECO_DRACO_KD ? draco::POINT_CLOUD_KD_TREE_ENCODING
-		: draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
-	if (order == ECO_DRACO_SEQUENTIAL)
-		for (uint32_t i = 0; i < column_count; i++)
-			encoder.SetAttributePredictionScheme(i, columns[i].difference
-				? draco::PREDICTION_DIFFERENCE : draco::PREDICTION_NONE);
-	const draco::Status status = encoder.EncodeToBuffer(buffer);
-	if (!status.ok())
-		refuse(error, ECO_BAD_INPUT, "cannot encode rows", status.error_msg());
-	return status.ok();
-}
-
 // Decodes a stream; `whole`: no bytes may follow it.
 template <class Decoder, class Geometry>
 enum eco_code decode(Decoder &&decoder, const uint8_t *bytes, size_t size, bool whole, Geometry *to,
@@ -165,11 +145,11 @@ enum eco_code decode(Decoder &&decoder, const uint8_t *bytes, size_t size, bool 
 		: refuse(error, ECO_DAMAGED, "bytes follow the stream", "");
 }
 
-template <class Decoder>
 enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &expected, struct eco_error *error)
 {
 	draco::PointCloud cloud;
-	const enum eco_code code = decode(Guarded<Decoder>(expected), bytes, size, true, &cloud, error);
+	const enum eco_code code = decode(Guarded<draco::PointCloudSequentialDecoder>(expected), bytes, size, true,
+		&cloud, error);
 
 	if (code != ECO_OK)
 		return code;
@@ -232,11 +212,10 @@ bool varint(const uint8_t *bytes, size_t size, size_t *at, uint32_t *value)
 }
 
 // Whether a stream starts as Draco 1.5 writes it: our encoder could not have written another.
-bool rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows)
+bool rows_start(const uint8_t *bytes, size_t size, uint32_t rows)
 {
-	// magic, bitstream version 2.3, a point cloud, method, no flags, the count, one attribute decoder
-	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0,
-	static_cast<uint8_t>(order == ECO_DRACO_KD ? 1 : 0), 0, 0,
+	// magic, bitstream version 2.3, a point cloud, sequential, no flags, the count, one attribute decoder
+	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0, 0, 0, 0,
 		static_cast<uint8_t>(rows), static_cast<uint8_t>(rows >> 8), static_cast<uint8_t>(rows >> 16),
 		static_cast<uint8_t>(rows >> 24), 1 };
 
@@ -259,19 +238,6 @@ bool mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
 		return false;
 	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces
 		&& splits <= symbols;
-}
-
-// A kd-tree stream has a count of its own behind the attribute records (5 bytes each) and the level. Draco
-// compares it with the header's only after decoding that many points, so it is compared here first.
-bool kd_start(const uint8_t *bytes, size_t size, uint32_t column_count, uint32_t rows)
-{
-	const size_t at = 16 + 1 + 5 * static_cast<size_t>(column_count) + 1;
-	uint32_t field[2] = { 0, 0 };
-	if (size < at + 8 || bytes[16] != column_count)
-		return false;
-	for (int i = 0; i < 8; i++)
-		field[i / 4] |= static_cast<uint32_t>(bytes[at + i]) << (8 * (i % 4));
-	return field[0] <= 30 && field[1] == rows;
 }
 
 // ---- Meshes of glTF files ----
@@ -444,8 +410,8 @@ int64_t COMPUTE_SHANNON_ENTROPY(__wrap_)(const uint32_t *symbols, int count, int
 	return static_cast<int64_t>(-bits);
 }
 
-enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns,
-	uint32_t column_count, uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_draco_encode_rows(const struct eco_draco_column *columns, uint32_t column_count,
+	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	*bytes = nullptr;
 	*size = 0;
@@ -453,23 +419,24 @@ enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco
 		return refuse(error, ECO_BAD_INPUT, "no rows, or no or too many columns", "");
 	return contained(error, ECO_BAD_INPUT, [&]() -> enum eco_code {
 		draco::PointCloud cloud;
-		draco::EncoderBuffer best, other;
+		draco::EncoderBuffer buffer;
 
 		cloud.set_num_points(rows);
 		for (uint32_t i = 0; i < column_count; i++)
 			add_column(&cloud, i == 0 ? draco::GeometryAttribute::POSITION
 				: draco::GeometryAttribute::GENERIC, columns[i].values, columns[i].components,
 				rows);
-		if (!encode_cloud(cloud, order, 0, columns, column_count, &best, error))
-			return ECO_BAD_INPUT;
-		if (order == ECO_DRACO_KD) {
-			// Whether choosing axes pays depends on the points: try without as well.
-			if (!encode_cloud(cloud, order, 10, columns, column_count, &other, error))
-				return ECO_BAD_INPUT;
-			if (other.size() < best.size())
-				return give(other, bytes, size);
-		}
-		return give(best, bytes, size);
+
+		draco::ExpertEncoder encoder(cloud);
+		encoder.SetSpeedOptions(0, 0);
+		encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+		for (uint32_t i = 0; i < column_count; i++)
+			encoder.SetAttributePredictionScheme(i, columns[i].difference
+				? draco::PREDICTION_DIFFERENCE : draco::PREDICTION_NONE);
+		const draco::Status status = encoder.EncodeToBuffer(&buffer);
+		if (!status.ok())
+			return refuse(error, ECO_BAD_INPUT, "cannot encode rows", status.error_msg());
+		return give(buffer, bytes, size);
 	});
 }
 
@@ -502,18 +469,15 @@ struct eco_error *error)
 	});
 }
 
-enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *bytes, size_t size,
-	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows, struct eco_error *error)
+enum eco_code eco_draco_decode_rows(const uint8_t *bytes, size_t size, const struct eco_draco_column *columns,
+	uint32_t column_count, uint32_t rows, struct eco_error *error)
 {
 	const Expected expected = { columns, column_count, rows };
 
-	if (!rows_start(bytes, size, order, rows) || column_count > kColumnsMax
-	    || (order == ECO_DRACO_KD && !kd_start(bytes, size, column_count, rows)))
+	if (!rows_start(bytes, size, rows) || column_count > kColumnsMax)
 		return refuse(error, ECO_DAMAGED, "not a stream of that many rows", "");
 	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
-		if (order == ECO_DRACO_KD)
-			return decode_cloud<draco::PointCloudKdTreeDecoder>(bytes, size, expected, error);
-		return decode_cloud<draco::PointCloudSequentialDecoder>(bytes, size, expected, error);
+		return decode_cloud(bytes, size, expected, error);
 	});
 }
 

@@ -20,13 +20,7 @@ extern "C" {
 struct eco_draco_column {
 	int32_t *values;             /* components per row, row by row */
 	uint8_t components;
-	bool difference;             /* code the difference to the row before (sequential order only) */
-};
-
-enum eco_draco_order {
-	ECO_DRACO_SEQUENTIAL,        /* rows come back in their order */
-	/* rows come back as a multiset, cheaper; columns of a row stay together */
-	ECO_DRACO_KD
+	bool difference;             /* code the difference to the row before */
 };
 
 /* From now on a C++ library that finds no memory where it can tell nobody ends the program with a message
@@ -34,21 +28,20 @@ enum eco_draco_order {
  * called before. */
 void eco_draco_end_without_memory(void (*note)(void));
 
-/* Encodes `rows` >= 1 rows. Sequential columns must satisfy |value| <= ECO_DRACO_VALUE_MAX or, with
+/* Encodes `rows` >= 1 rows. Columns must satisfy |value| <= ECO_DRACO_VALUE_MAX or, with
  * `difference`, be within ECO_DRACO_VALUE_MAX of each other: Draco allocates four bytes for each integer
  * up to the largest symbol. *bytes is malloc'ed. */
 #define ECO_DRACO_VALUE_MAX (1 << 20)
-enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns,
-	uint32_t column_count, uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error);
+enum eco_code eco_draco_encode_rows(const struct eco_draco_column *columns, uint32_t column_count,
+	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error);
 
-/* Bytes of a column in a sequential stream, up to a constant. */
+/* Bytes of a column in a stream, up to a constant. */
 enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size,
 	struct eco_error *error);
 
 /* Decodes exactly those rows and columns into columns[].values, or fails with ECO_DAMAGED. */
-enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *bytes, size_t size,
-	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows,
-	struct eco_error *error);
+enum eco_code eco_draco_decode_rows(const uint8_t *bytes, size_t size, const struct eco_draco_column *columns,
+	uint32_t column_count, uint32_t rows, struct eco_error *error);
 
 /* Edgebreaker at its slowest speed. `position` 3 per vertex, within ECO_DRACO_VALUE_MAX of each other;
  * `index` 3 per face. Draco reorders faces and vertices and may drop faces: decode to see what was kept. */
