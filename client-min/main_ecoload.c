@@ -9,6 +9,7 @@
 #include "client-min/view_exchange.h"
 #include "client-min/view_report.h"
 #include "ecofiles/base/options.h"
+#include "ecofiles/base/progress.h"
 
 #define SCORES_MAX 1000
 #define PATIENCE_MS 10000
@@ -98,9 +99,10 @@ static const struct eco_command command = { .name = "ecoload", .options = option
 static void on_tick(void *ctx, double gone, uint64_t answers, uint64_t failures)
 {
 	char text[80];
+	(void)ctx;
 	snprintf(text, sizeof text, "%llu answers, %llu failures", (unsigned long long)answers,
 		(unsigned long long)failures);
-	view_progress_show(ctx, fmin(gone, given.load.seconds), given.load.seconds, text);
+	eco_progress("loading", text, gone / given.load.seconds);
 }
 
 static void print_json(const struct view_load_report *result)
@@ -136,15 +138,13 @@ static enum eco_code run(struct options *o, struct eco_error *error)
 		.stop = &view_interrupted };
 	struct view_fetch *fetch = NULL;
 	struct view_load_report result;
-	struct view_progress progress;
-	view_progress_begin(&progress, "ecoload");
-	o->load.ctx = &progress;
+	eco_progress_begin("ecoload");
 	enum eco_code code = view_fetch_new(&fetch, &at, error);
 	if (!code)
 		code = view_views_make(&o->load, fetch, error);
 	if (!code) {
 		code = view_load_run(&result, &o->load, error);
-		view_progress_clear(&progress);
+		eco_progress_end();
 		if (!code) {
 			view_interrupted = 0;             /* what there is is reported; the next signal kills */
 			code = report(o, &result, fetch, error);

@@ -15,6 +15,7 @@
 #include "ecofiles/base/json_read.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/options.h"
+#include "ecofiles/base/progress.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/format/image.h"
 
@@ -39,7 +40,6 @@ struct viewer {                          /* everything that lives as long as the
 	double ceiling, truth_cpu_ms, coarse;    /* of the reference; coarse: view_selection's */
 	struct view_report report;
 	struct view_explain explain;
-	struct view_progress progress;
 	double parts, part;
 	double turns_ms, begun_ms;               /* of the frame under way: turns_after, and when it began */
 	const struct lod_eye *eye;               /* of the frame under way, for its parts */
@@ -127,7 +127,7 @@ static void step(struct viewer *v, uint32_t frame, const char *what)
 {
 	char text[96];
 	snprintf(text, sizeof text, "frame %u: %s", frame, what);
-	view_progress_show(&v->progress, v->part++, v->parts, text);
+	eco_progress("drawing", text, v->part++ / v->parts);
 }
 
 /* Draws in software what scores need beside the pictures. */
@@ -186,9 +186,8 @@ static void note_under_ground(struct viewer *v, uint32_t frame)
 {
 	if (!(v->under_m > 0))
 		return;
-	view_progress_clear(&v->progress);
-	fprintf(stderr, "ecoview: frame %u: the eye is %.2f m below the ground; heights in the script count "
-		"from the scene's origin, unless it says \"above_ground\": true\n", frame, v->under_m);
+	eco_progress_note("frame %u: the eye is %.2f m below the ground; heights in the script count "
+		"from the scene's origin, unless it says \"above_ground\": true", frame, v->under_m);
 }
 
 /* Notes the store's figures, which were `before` before the frame. */
@@ -233,7 +232,7 @@ static enum eco_code save_part(void *ctx, const struct view_fetch_result *so_far
 	if (code)
 		return code;
 	snprintf(format, sizeof format, "frame-%%04u-part-%02u.png", v->frame_parts++);
-	view_progress_clear(&v->progress);
+	eco_progress_end();
 	view_report_line(&v->drawn, true, stdout);
 	code = save(v, format, v->drawn.frame, v->picture.rgb, 3, error);
 	if (!code)
@@ -277,15 +276,12 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	result.bytes += f->fetched.bytes;
 	f->fetched = result;
 	if (result.host_left) {
-		view_progress_clear(&v->progress);
-		fprintf(stderr, "ecoview: frame %u: %s hangs: chunks come from the scene's server from "
-			"now on\n", f->frame, v->options.chunks);
+		eco_progress_note("frame %u: %s hangs: chunks come from the scene's server from now on", f->frame,
+			v->options.chunks);
 	}
 	count_memory(v, &before, f);
 	if (result.nothing) {
-		view_progress_clear(&v->progress);
-		fprintf(stderr, "ecoview: frame %u: no picture fits in --bytes, nothing is drawn; allow "
-			"more\n", f->frame);
+		eco_progress_note("frame %u: no picture fits in --bytes, nothing is drawn; allow more", f->frame);
 	} else {
 		f->predicted_q = eco_predicted_q(&view_store_plan(v->store)->prediction);
 	}
@@ -308,9 +304,8 @@ static void note_coarse(struct viewer *v, struct view_frame *f)
 {
 	f->reference_coarse = v->coarse;
 	if (v->coarse > 0) {
-		view_progress_clear(&v->progress);
-		fprintf(stderr, "ecoview: frame %u: the reference is not full detail: %.0f plants or tiles are "
-			"drawn coarsely there, too. Look at fewer plants, or serve with a greater --plan-work\n",
+		eco_progress_note("frame %u: the reference is not full detail: %.0f plants or tiles are "
+			"drawn coarsely there, too. Look at fewer plants, or serve with a greater --plan-work",
 			f->frame, v->coarse);
 	}
 }
@@ -409,7 +404,7 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 			v->options.reference ? &v->reference : NULL }, error);
 	if (!code) {
 		view_frames_add(&v->report.frames, &f);
-		view_progress_clear(&v->progress);
+		eco_progress_end();
 		view_report_line(&f, false, stdout);
 		if (v->options.digest)
 			printf("frame %u: digest %s\n", number, v->digest);
@@ -435,9 +430,7 @@ static void close_stores(struct viewer *v)
 /* The server has another pack of the scene: of the one before nothing is of use, on the GPU neither. */
 static enum eco_code begin_anew(struct viewer *v, uint32_t frame, struct eco_error *error)
 {
-	view_progress_clear(&v->progress);
-	fprintf(stderr, "ecoview: frame %u: the server has another pack of the scene now: the client "
-		"starts again with it\n",
+	eco_progress_note("frame %u: the server has another pack of the scene now: the client starts again with it",
 		frame);
 	close_stores(v);
 	enum eco_code code = open_stores(v, error);
@@ -481,7 +474,7 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 		code = view_interrupted ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: whole_frame(v, (uint32_t)i, error);
 	v->report.complete = code == ECO_OK;
-	view_progress_clear(&v->progress);
+	eco_progress_end();
 	v->report.scene = view_store_scene_name(v->store);
 	view_report_memory_line(&v->report, stdout);
 	v->report.programs = v->gl ? view_gl_programs(v->gl) : 0;
@@ -590,7 +583,7 @@ int main(int argc, char **argv)
 	if (eco_command_answers(&view_command, argc - 1, argv + 1))
 		return eco_command_end(&view_command, ECO_OK, &error);
 	enum eco_code code = view_options_read(argc, argv, &viewer.options, &error);
-	view_progress_begin(&viewer.progress, "ecoview");
+	eco_progress_begin("ecoview");
 	view_catch_signals();
 	eco_draco_end_without_memory(NULL);
 	eco_json_watch();

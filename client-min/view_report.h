@@ -80,13 +80,4 @@ const char *view_report_score(char text[VIEW_SCORE_BYTES], double v);
 extern volatile sig_atomic_t view_interrupted;
 void view_catch_signals(void);
 
-/* ---- Progress on stderr ---- */
-
-/* One line redrawn on a terminal; elsewhere plain lines, at most one a second and none in the first. */
-struct view_progress { const char *program; bool terminal, drawn; double last_ms; };
-void view_progress_begin(struct view_progress *progress, const char *program);
-/* `done` of `total` parts are done; `what` is being done. */
-void view_progress_show(struct view_progress *progress, double done, double total, const char *what);
-void view_progress_clear(struct view_progress *progress);        /* before other output */
-
 #endif

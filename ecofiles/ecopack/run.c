@@ -1,36 +1,22 @@
-/* One line, redrawn at most ten times a second. Without a terminal: lines at least four seconds apart,
- * none equal to the one before. */
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <pthread.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/memory.h"
-#include "ecofiles/base/text.h"
-
-#define BAR 28
-#define TELLING_S 3              /* a stage tells what is left from then on */
-#define TELLING_SHARE 0.02
-
-static volatile sig_atomic_t interrupted;
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static bool silent, shown;
-static double last_s = -1000;
-static struct { char name[64]; double since_s; } stage_now;
 
 /* ---- Progress ---- */
+
+static volatile sig_atomic_t interrupted;
 
 static void ask_to_stop(int number)
 {
@@ -49,114 +35,17 @@ void main_catch_interrupts(void)
 	sigaction(SIGXFSZ, &action, NULL);
 }
 
-static double seconds(clockid_t clock)
-{
-	struct timespec t;
-	clock_gettime(clock, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static double now_s(void) { return seconds(CLOCK_MONOTONIC); }
-
-static void erase(void)
-{
-	if (shown)
-		fputs("\r\033[K", stderr);
-	shown = false;
-}
-
-/* "" while that is not known, else ", about 40 s left": of a stage of which `share` took `elapsed_s`. */
-static void write_left(char text[32], double elapsed_s, double share)
-{
-	double left_s = share > 0 ? elapsed_s * (1 - share) / share : 0;
-	text[0] = 0;
-	if (elapsed_s < TELLING_S || share < TELLING_SHARE || !(left_s >= 1))
-		return;
-	if (left_s < 90)
-		snprintf(text, 32, ", about %.0f s left", left_s);
-	else
-		snprintf(text, 32, ", about %.0f min left", fmin(left_s / 60, 1e6));
-}
-
-/* Estimates what is left of a stage from the time that it took so far. */
-static void find_left(char text[32], const char *stage, double now, double share)
-{
-	if (strncmp(stage_now.name, stage, sizeof stage_now.name - 1) != 0) {
-		snprintf(stage_now.name, sizeof stage_now.name, "%s", stage);
-		stage_now.since_s = now;
-	}
-	write_left(text, now - stage_now.since_s, share);
-}
-
-static void say(const char *stage, const char *detail, double share, const char *left)
-{
-	static char last[256];
-	char text[sizeof last];
-	snprintf(text, sizeof text, "%s%s%.150s, %.0f %%%s", stage, detail ? ": " : "", detail ? detail : "",
-		100 * share, left);
-	if (strcmp(text, last) != 0)
-		fprintf(stderr, "ecopack: %s\n", text);
-	memcpy(last, text, sizeof last);
-}
-
 void main_progress(const char *stage, const char *detail, double share)
 {
-	double now = now_s();
-	bool terminal = isatty(STDERR_FILENO) == 1;
-	char left[32];
 	if (interrupted)
 		eco_end("interrupted");
-	pthread_mutex_lock(&lock);
-	share = share < 0 ? 0 : share > 1 ? 1 : share;
-	find_left(left, stage, now, share);
-	if (!silent && now - last_s >= (terminal ? 0.1 : 4.0)) {
-		/* a run that ends within a few seconds prints nothing */
-		bool first = last_s < 0;
-		last_s = now;
-		if (terminal) {
-			char bar[BAR + 1];
-			memset(bar, '.', BAR);
-			memset(bar, '#', (size_t)(share * BAR));
-			bar[BAR] = 0;
-			fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s%s%s%s", bar, 100 * share, stage,
-				detail ? ": " : "", detail ? detail : "", left);
-			fflush(stderr);
-			shown = true;
-		} else if (!first)
-			say(stage, detail, share, left);
-	}
-	pthread_mutex_unlock(&lock);
+	eco_progress(stage, detail, share);
 }
 
 bool main_scatter_progress(void *path, double share)
 {
 	main_progress("scattering plants", path, share);
 	return true;
-}
-
-void main_progress_end(void)
-{
-	pthread_mutex_lock(&lock);
-	erase();
-	pthread_mutex_unlock(&lock);
-}
-
-void main_progress_quiet(bool quiet) { silent = quiet; }
-
-void main_note(const char *format, ...)
-{
-	va_list args;
-	char text[2048];
-	va_start(args, format);
-	vsnprintf(text, sizeof text, format, args);
-	va_end(args);
-	eco_utf8_tame(text, "", '?');        /* quotes from files must not steer a terminal */
-	pthread_mutex_lock(&lock);
-	if (!silent) {
-		erase();
-		fprintf(stderr, "ecopack: %s\n", text);
-	}
-	pthread_mutex_unlock(&lock);
 }
 
 void main_note_text(void *unused, const char *text)
@@ -166,6 +55,15 @@ void main_note_text(void *unused, const char *text)
 }
 
 /* ---- Times ---- */
+
+static double seconds(clockid_t clock)
+{
+	struct timespec t;
+	clock_gettime(clock, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static double now_s(void) { return seconds(CLOCK_MONOTONIC); }
 
 /* A thread that changes its stage adds the clock and processor time since its last change to the stage it
  * leaves. */
@@ -347,6 +245,7 @@ const struct eco_option main_common[] = {
 enum eco_code main_read(const struct main_command *command, int argc, char **argv, struct eco_error *error)
 {
 	enum eco_code code = eco_command_read(&command->line, argc, argv, error);
-	main_progress_quiet(main_is_quiet);
+	eco_progress_begin("ecopack");
+	eco_progress_quiet(main_is_quiet);
 	return code;
 }

@@ -7,25 +7,22 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "ecofiles/base/progress.h"
 #include "ecofiles/base/status.h"
 
 /* ---- Progress ---- */
 
-/* Progress of a long run, on standard error: a bar with the stage's name on a terminal, else a line every
- * few seconds. Shared by all threads. */
+/* As progress.h, for the program ecopack. */
 
 /* After this Ctrl-C and SIGTERM end the program at the next call of main_progress, and a file beyond the user's
  * size limit is a failed write: so nothing half written stays. */
 void main_catch_interrupts(void);
 
-/* `share` of the stage in [0, 1]; `detail` may be NULL. */
 void main_progress(const char *stage, const char *detail, double share);
-void main_progress_end(void);        /* removes the bar */
-void main_progress_quiet(bool quiet);
+static inline void main_progress_end(void) { eco_progress_end(); }
 bool main_scatter_progress(void *path, double share);    /* for eco_scatter_open; true */
 
-/* Prints a line for people without spoiling the bar. */
-void main_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+#define main_note eco_progress_note
 void main_note_text(void *unused, const char *text);     /* the same, as a callback */
 
 /* ---- Times ---- */

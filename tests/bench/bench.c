@@ -49,41 +49,7 @@ struct eco_error *const must_error = &section_error;
 
 /* ---- Progress ---- */
 
-static bool line_shown;
-
-static void erase_line(void)
-{
-	if (line_shown)
-		fputs("\r\033[K", stderr);
-	line_shown = false;
-}
-
-void bench_note(const struct bench *bench, const char *format, ...)
-{
-	va_list args;
-	if (bench->quiet)
-		return;
-	erase_line();
-	fputs("ecobench: ", stderr);
-	va_start(args, format);
-	vfprintf(stderr, format, args);
-	va_end(args);
-	fputc('\n', stderr);
-}
-
-void bench_progress(struct bench *bench, double share, const char *what)
-{
-	static double last_ms = -1e6;
-	bool terminal = isatty(STDERR_FILENO) == 1;
-	double now = view_clock_ms();
-	if (bench->quiet || now - last_ms < (terminal ? 100 : 10000))
-		return;
-	last_ms = now;
-	erase_line();
-	fprintf(stderr, "ecobench: %s: %.60s, %.0f %%%s", section->name, what, 100 * fmin(fmax(share, 0), 1),
-		terminal ? "" : "\n");
-	line_shown = terminal;
-}
+void bench_progress(double share, const char *what) { eco_progress(section->name, what, share); }
 
 /* ---- Programs ---- */
 
@@ -102,7 +68,7 @@ void bench_command(const char *format, ...)
 	va_start(args, format);
 	char *command = text_of(format, args);
 	va_end(args);
-	erase_line();
+	eco_progress_end();
 	int status = system(command);
 	if (WIFSIGNALED(status))
 		raise(WTERMSIG(status));         /* Ctrl-C, which system() keeps from this program */
@@ -171,7 +137,7 @@ json_t *bench_unit(struct bench *bench, const char *unit, const char *stamp, jso
 		kept = json_pack("{s:s, s:o}", "key", key, "result", result);
 		/* a full disk costs the next run some time, not this one its result */
 		if (write_json(path, kept, &why))
-			bench_note(bench, "%s; not kept", why.text);
+			eco_progress_note("%s; not kept", why.text);
 		made++;
 	}
 	json_array_append_new(held, kept);
@@ -380,7 +346,7 @@ void bench_table_close(struct bench_table *table)
 	fclose(out);
 	snprintf(path, sizeof path, "%s/%s.csv", table->bench->out, table->name);
 	if (eco_file_write(path, bytes, size, &error))
-		bench_note(table->bench, "%s", error.text);
+		eco_progress_note("%s", error.text);
 	free(bytes);
 	free(table);
 }
@@ -436,8 +402,8 @@ static bool record_section(void)
 	json_object_set_new(record, "why", json_string(section_error.text));
 	snprintf(path, sizeof path, "%s/sections/%s.json", bench.cache, section->name);
 	if (write_json(path, record, &why))
-		bench_note(&bench, "%s", why.text);
-	bench_note(&bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", section->name,
+		eco_progress_note("%s", why.text);
+	eco_progress_note("%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", section->name,
 		state, seconds, made, recalled, code ? ": " : "", section_error.text);
 	json_decref(left_out);
 	json_decref(record);
@@ -459,7 +425,7 @@ static void write_report(void)
 	snprintf(path, sizeof path, "%s/run.json", bench.cache);
 	snprintf(command, sizeof command, SCRIPT " '%s' '%s'", bench.out, bench.cache);
 	if (write_json(path, run, &why) || system(command))
-		bench_note(&bench, "no report (" SCRIPT " needs python3 and the source tree as working folder) %s",
+		eco_progress_note("no report (" SCRIPT " needs python3 and the source tree as working folder) %s",
 			why.text);
 	json_decref(run);
 }
@@ -557,10 +523,12 @@ int bench_main(int argc, char **argv, const struct bench_section *const *all)
 	struct eco_error error = { 0 };
 	int status = 0;
 	sections = all;
+	eco_progress_begin("ecobench");
 	bench = (struct bench){ .build = "build", .out = out, .cache = cache };
 	if (eco_command_answers(&command, argc - 1, argv + 1))
 		return eco_command_end(&command, ECO_OK, &error);
 	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);
+	eco_progress_quiet(bench.quiet);
 	if (!no_shadows)
 		bench.sky = (struct view_sky){ .shadows = VIEW_SHADOWS_PERSPECTIVE,
 			.shadow_size = VIEW_SHADOW_SIZE };

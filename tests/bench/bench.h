@@ -15,6 +15,7 @@
 #include <stdio.h>
 
 #include "client-min/view_measure.h"
+#include "ecofiles/base/progress.h"
 #include "ecofiles/base/status.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/plan.h"
@@ -43,8 +44,7 @@ int bench_main(int argc, char **argv, const struct bench_section *const *section
  * of this header that return no code end it likewise. */
 extern struct eco_error *const must_error;
 void must(enum eco_code code);
-void bench_progress(struct bench *bench, double share, const char *what);
-void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void bench_progress(double share, const char *what);
 /* Runs a shell command and waits. Ctrl-C ends this program, too. */
 void bench_command(const char *format, ...) __attribute__((format(printf, 1, 2)));
 

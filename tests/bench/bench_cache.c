@@ -117,7 +117,7 @@ static json_t *run_path(void *ctx)
 	there_and_back(w->bench, scene, &walk);
 	must(srv_store_add(&served, "scene", w->pack, must_error));
 	for (size_t i = 0; i < PARTS; i++) {
-		bench_progress(w->bench, ((double)w->which + (double)i / PARTS) / SCENES, scene);
+		bench_progress(((double)w->which + (double)i / PARTS) / SCENES, scene);
 		walk_with(served.scenes[0], &walk, memory_of(&walk, parts[i]), figure[i]);
 	}
 	srv_store_free(&served);

@@ -81,7 +81,7 @@ static void draw_heights(struct bench *bench, const struct forest *f, const char
 	struct bench_client *client = NULL;
 	client = bench_client_open(pack);
 	for (uint32_t i = 0; i < HEIGHTS; i++) {
-		bench_progress(bench, (double)i / HEIGHTS, f->name);
+		bench_progress((double)i / HEIGHTS, f->name);
 		draw_height(bench, f, pack, client, i, table, worst_q);
 	}
 	bench_client_close(client);

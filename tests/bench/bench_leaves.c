@@ -249,7 +249,7 @@ const struct bench_model *bench_walk(struct bench_walk *w)
 			bench_left_out(w->bench, model->name);
 			continue;
 		}
-		bench_progress(w->bench, (double)w->next / w->count, model->name);
+		bench_progress((double)w->next / w->count, model->name);
 		return model;
 	}
 	free(w->models);

@@ -94,7 +94,7 @@ static bool reads(struct bench *bench, struct bench_model *model)
 	const json_t *kept = bench_unit(bench, unit, stamp, look_at, model);
 	model->leaves = (uint32_t)json_integer_value(kept);
 	if (json_is_string(kept))
-		bench_note(bench, "%s is left out: %s", model->path, json_string_value(kept));
+		eco_progress_note("%s is left out: %s", model->path, json_string_value(kept));
 	return !json_is_string(kept);
 }
 
@@ -127,7 +127,7 @@ struct bench_model *bench_models(struct bench *bench, uint32_t *count)
 	qsort(found, found_count, sizeof *found, by_name);
 	for (uint32_t i = 0; i < found_count; i++) {
 		bool twice = kept && found[i].generated && !strcmp(found[kept - 1].name, found[i].name);
-		bench_progress(bench, (double)i / found_count, found[i].name);
+		bench_progress((double)i / found_count, found[i].name);
 		if (!twice && reads(bench, &found[i]))
 			found[kept++] = found[i];
 	}

@@ -66,7 +66,7 @@ static void run(struct bench *bench)
 		"scene,view,ms,candidates,cuts,gains computed,gains over cuts,looks at a "
 		"price,plants looked at,vertices", true);
 	for (size_t i = 0; i < SCENES; i++) {
-		bench_progress(bench, (double)i / SCENES, scenes[i]);
+		bench_progress((double)i / SCENES, scenes[i]);
 		bool asked = bench_scene_there(bench, scenes[i], pack);
 		double ms = asked ? time_scene(bench, scenes[i], pack, table, &gains) : NAN;
 		trees = strcmp(scenes[i], "trees5000") == 0 ? ms : trees;

@@ -154,7 +154,7 @@ static void make_folder(struct bench *bench, const struct scene *s, char folder[
 	scene_stamp(bench, s, NULL, stamp);
 	if (stamp_fits(scene, stamp))
 		return;
-	bench_progress(bench, 0, s->name);
+	bench_progress(0, s->name);
 	folder_make(folder);
 	if (s->origin == CROWN)
 		make_crown(folder);
@@ -178,7 +178,7 @@ void bench_scene(struct bench *bench, const char *name, const char *order, char 
 	snprintf(path, 512, "%.400s/packs/%s%s%s.eco", bench->cache, name, order ? "-" : "", order ? order : "");
 	if (stamp_fits(path, stamp))
 		return;
-	bench_note(bench, "building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
+	eco_progress_note("building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
 	bench_command("mkdir -p '%s/packs' && '%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s --cache '%s/plants' "
 		"--cache-mb 16384", bench->cache, bench->build, folder, path, order ? " --order " : "",
 		order ? order : "", bench->quiet ? " --quiet" : "", bench->cache);

@@ -194,7 +194,7 @@ void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, 
 					must(eco_fail(must_error, ECO_BAD_INPUT,
 						VIEWS ": a camera of %s is not one", view.scene));
 				snprintf(what, sizeof what, "%s, %s", view.scene, view.camera);
-				bench_progress(bench, (double)i / (double)json_array_size(scenes), what);
+				bench_progress((double)i / (double)json_array_size(scenes), what);
 				call(bench, ctx, &view);
 			}
 	}

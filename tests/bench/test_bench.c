@@ -30,7 +30,7 @@ static void run_tiny(struct bench *bench)
 	for (int i = 0; i < UNITS; i++) {
 		char unit[32];
 		snprintf(unit, sizeof unit, "tiny %d", i);
-		bench_progress(bench, i / (double)UNITS, unit);
+		bench_progress(i / (double)UNITS, unit);
 		const json_t *result = bench_unit(bench, unit, "v1", make_square, &i);
 		sum += json_number_value(json_object_get(result, "square"));
 		bench_table_row(table, "%d,%g", i, json_number_value(json_object_get(result, "square")));

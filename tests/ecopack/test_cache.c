@@ -363,6 +363,6 @@ int main(void)
 {
 	scratch_open("cache");
 	snprintf(folder, sizeof folder, "%s/kept", scratch_root);
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	return unit_tests_run(NULL, scratch_close);
 }

@@ -33,7 +33,7 @@ static int make_pack(void **state)
 	FREED(eco_ground) ground = ground_make(90, 70, -8, -8, 8, slope);
 	assert_int_equal(system("rm -rf " ROOT), 0);
 	folder_make(ROOT);
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	eco_ground_extend(&ground);
 	assert_ok(sample_pack_write_on(ROOT "/sample.eco", &ground, true, &error), error);
 	return 0;

@@ -334,7 +334,7 @@ static int set_up(void **state)
 {
 	scratch_open("link");
 	snprintf(cache, sizeof cache, "%s/cache", scratch_root);
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	for (size_t i = 0; i < MODELS; i++)
 		write_model(&models[i]);
 	return 0;

@@ -504,7 +504,7 @@ UNIT_TEST(test_damaged_impostors_are_named)
 static int prepare(void **state)
 {
 	scratch_open("make");
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	write_shrub(in_root("a.obj"), "mtllib none.mtl\n", 4, 60);
 	write_shrub(in_root("b.obj"), "mtllib none.mtl\n", 1.5, 25);
 	return 0;

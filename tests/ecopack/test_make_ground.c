@@ -214,7 +214,7 @@ UNIT_TEST(ground_that_is_null_stays_off)
 static int prepare(void **state)
 {
 	scratch_open("make_ground");
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	write_shrub(in_root("a.obj"), "", 4, 20);
 	return 0;
 }

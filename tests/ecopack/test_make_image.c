@@ -150,7 +150,7 @@ UNIT_TEST(tiles_of_ground_carry_it)
 static int prepare(void **state)
 {
 	scratch_open("make_image");
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	write_shrub(in_root("a.obj"), "", 4, 20);
 	write_photo();
 	/* no heights, no CRS: the picture is laid where the scene says */

@@ -145,7 +145,7 @@ UNIT_TEST(an_eco_file_s_importance_multiplies_that_of_its_plants)
 static int prepare(void **state)
 {
 	scratch_open("importance");
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	write_plant();
 	return 0;
 }

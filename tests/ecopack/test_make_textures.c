@@ -104,7 +104,7 @@ static const struct eco_list *texture_of(const struct eco_scene *s, const char *
 static int write_models(void **state)
 {
 	scratch_open("textures");
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	write_image("leaf.png", 1);
 	write_image("other.png", 2);
 	write_card("small", .05, "leaf.png");

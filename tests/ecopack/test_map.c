@@ -20,7 +20,7 @@
 static int make_files(void **state)
 {
 	folder_make(ROOT);
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	file_write_text(ROOT "/any.obj", "this is never read\n");
 	file_write_text(ROOT "/rows.csv",
 		"x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,"

@@ -145,7 +145,7 @@ static int make_models(void **state)
 {
 	struct eco_error error = { 0 };
 	folder_make(ROOT);
-	main_progress_quiet(true);
+	eco_progress_quiet(true);
 	if (eco_generate(&(struct eco_generate_options){ .name = "city", .folder = ROOT, .plants = 3,
 			.detail = 0.3, .seed = 1 }, &error))
 		fail_msg("%s", error.text);

@@ -88,7 +88,7 @@ static void run(struct bench *bench)
 		for (const struct extreme_case *row = extreme_kinds[k].cases; row->name; row++) {
 			struct extreme x;
 			char name[400], must[400], measured[400];
-			bench_progress(bench, (double)done++ / EXTREME_CASES, row->name);
+			bench_progress((double)done++ / EXTREME_CASES, row->name);
 			extreme_run(row, false, &x);
 			bench_table_row(table, "%s,%s,%s,%s,%s", extreme_kinds[k].name,
 				without_commas(row->name, name), without_commas(row->must, must),

@@ -153,8 +153,9 @@ static enum eco_code write_pack(const struct extreme_stand *stand, const struct 
 		for (uint32_t i = 0; i < stand->place_count && site->plain; i++)
 			instances[i].at[k] += site->at[k];
 	}
-	main_progress_quiet(true);
+	bool was_quiet = eco_progress_quiet(true);
 	enum eco_code code = eco_try(pack, &m, error);
+	eco_progress_quiet(was_quiet);
 	for (uint32_t i = 0; i < stand->plant_count; i++)
 		free(m.plants[i].images);
 	make_places_free(&m);

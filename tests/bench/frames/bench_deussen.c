@@ -117,7 +117,7 @@ static void write_table(struct bench *bench)
 		double m[FIGURES] = { 0 };
 		if (!bench_scene_asked(bench, printed[i].scene))
 			continue;
-		bench_progress(bench, 0.6 * (double)i / SCENES, printed[i].name);
+		bench_progress(0.6 * (double)i / SCENES, printed[i].name);
 		uint32_t views = find_pack(&s, bench, printed[i].scene, requests);
 		for (uint32_t v = 0; v < views; v++) {
 			char name[96];
@@ -175,7 +175,7 @@ static void write_sweep(struct bench *bench)
 	s.request.vertices = ECO_VERTICES_MAX;
 	s.sees = true;
 	bench_head(bench, "Sample distance and splat factor (figure 5)");
-	bench_progress(bench, 0.6, "sample distances and splat factors");
+	bench_progress(0.6, "sample distances and splat factors");
 	bench_cells(bench_unit(bench, "deussen-sweep", s.stamp, sweep, &s), *figure, SWEEP * FIGURES);
 	close_study(&s);
 	struct bench_table *table = bench_table_open(bench, "deussen_sweep",
@@ -220,7 +220,7 @@ static void write_cells(struct bench *bench)
 		unsigned long long vertices = complex_plants[i].vertices;
 		if (!bench_scene_asked(bench, scene))
 			continue;
-		bench_progress(bench, 0.9, scene);
+		bench_progress(0.9, scene);
 		uint32_t views = find_pack(&s, bench, scene, requests);
 		for (uint32_t v = 0; v < views; v++) {
 			char name[96];

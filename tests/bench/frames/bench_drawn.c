@@ -114,7 +114,7 @@ static void run_race(struct bench *bench, const struct race *race, struct bench_
 			s.request = requests[v];
 			s.request.vertices = budget;
 			snprintf(name, sizeof name, "drawn-%s-%u-%llu", race->scene, v, budget);
-			bench_progress(bench, (double)v / views, name);
+			bench_progress((double)v / views, name);
 			const json_t *row = bench_unit(bench, name, s.stamp, shoot, &s);
 			for (size_t i = 0; i < FIGURES; i++)
 				mean[i] += bench_cell(row, i) / views;

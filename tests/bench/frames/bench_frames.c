@@ -75,7 +75,7 @@ static void study_method(struct bench *bench, struct study *s, uint32_t method, 
 	for (uint32_t v = 0; v < s->views; v++) {
 		char what[96];
 		snprintf(what, sizeof what, "%s, %s, view %u", s->scene, bench_methods[method].name, v);
-		bench_progress(bench, ((double)method + (double)v / s->views) / BENCH_METHODS, what);
+		bench_progress(((double)method + (double)v / s->views) / BENCH_METHODS, what);
 		const json_t *rows = bench_shots(bench, s->scene, method, v);
 		for (uint32_t b = 0; b < s->budgets; b++) {
 			double value[COLUMNS];

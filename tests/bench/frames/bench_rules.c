@@ -245,7 +245,7 @@ static void run_rules(struct bench *bench)
 	for (size_t i = 0; i < SCENES; i++) {
 		double mean[RULES][COLUMNS] = { { 0 } };
 		char pack[512];
-		bench_progress(bench, (double)i / SCENES, scenes[i]);
+		bench_progress((double)i / SCENES, scenes[i]);
 		if (!bench_scene_there(bench, scenes[i], pack))
 			continue;
 		study(bench, scenes[i], mean);
@@ -351,7 +351,7 @@ static json_t *sample_view(void *ctx)
 	for (size_t b = 0; b < CURVE_BUDGETS; b++) {
 		shot->request.vertices = curve_budgets[b];
 		for (size_t c = 0; c < CURVES; c++) {
-			bench_progress(shot->bench, ((double)b + (double)c / CURVES) / CURVE_BUDGETS, shot->scene);
+			bench_progress(((double)b + (double)c / CURVES) / CURVE_BUDGETS, shot->scene);
 			if (curve_rules[c] < RULES)
 				sample_rule(shot, curve_rules[c], &curves[c].points[b]);
 			else

@@ -168,7 +168,7 @@ static void study_kind(struct bench *bench, const struct bench_model *models, ui
 	for (uint32_t i = 0; i < count; i++) {
 		budget_rows rows;
 		struct work work = { pack, bench->full ? &thorough : &quick };
-		bench_progress(bench, (double)i / count, models[i].name);
+		bench_progress((double)i / count, models[i].name);
 		bench_model_pack(bench, &models[i], draft, pack);
 		snprintf(name, sizeof name, "ladders-%d-%u-%.64s", draft, work.effort->budgets, models[i].name);
 		snprintf(stamp, sizeof stamp, "pack %016llx", (unsigned long long)bench_file_hash(pack));

@@ -37,7 +37,7 @@ static void read_species(struct bench *bench, struct path *p, const json_t *scen
 		struct bench_model file = { .generated = true };
 		if (!model || p->species_count == SPECIES_MAX)
 			continue;
-		bench_progress(bench, (double)p->species_count / (double)json_object_size(plants), key);
+		bench_progress((double)p->species_count / (double)json_object_size(plants), key);
 		struct species *s = &p->species[p->species_count++];
 		snprintf(s->name, sizeof s->name, "%s", key);
 		snprintf(file.path, sizeof file.path, "%.200s/scenes/" SCENE "/%.200s", bench->cache, model);

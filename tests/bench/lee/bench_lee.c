@@ -261,7 +261,7 @@ static void run(struct bench *bench)
 {
 	struct figures f;
 	struct study s = { .bench = bench };
-	bench_progress(bench, 0, "crown of 6143 leaves");
+	bench_progress(0, "crown of 6143 leaves");
 	bench_leaves_unit(bench, "lee-crown-6143", NULL, study_leaves, &s, (double *)&f, sizeof f / sizeof(double));
 	write_table(bench, &f);
 	write_layers(bench, &f);

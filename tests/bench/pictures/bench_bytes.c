@@ -68,7 +68,7 @@ static void study_scene(struct bench *bench, struct study *s, size_t number)
 		snprintf(camera, sizeof camera, "random-%u", i);
 		view.view.width = WIDTH;
 		view.view.height = HEIGHT;
-		bench_progress(bench, (number + (double)i / VIEWS) / SCENES, scenes[number]);
+		bench_progress((number + (double)i / VIEWS) / SCENES, scenes[number]);
 		study_view(bench, s, &view);
 	}
 	eco_pack_close(open);
@@ -77,7 +77,7 @@ static void study_scene(struct bench *bench, struct study *s, size_t number)
 static void run(struct bench *bench)
 {
 	struct study s = { .table = NULL };
-	bench_progress(bench, 0, "scenes of random views");
+	bench_progress(0, "scenes of random views");
 	bench_command("BUILD='%s' CACHE='%s/plants' sh tests/bench/request_scenes.sh '%s/requests'", bench->build,
 		bench->cache, bench->cache);
 	bench_say(bench, "Pictures of %u x %u (random views) and %u x %u, of a first visit with at most %u vertices and so "
