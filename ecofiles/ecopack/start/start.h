@@ -78,8 +78,8 @@ struct start {
 	struct start_size height, trunk;
 	bool trunk_is_girth, height_is_z;
 	struct start_size crown;             /* a diameter, or a radius */
-	bool crown_is_radius, has_radii;
-	uint32_t radii[ECO_CROWN_COLUMNS];   /* north, east, south, west */
+	bool crown_is_radius;
+	uint32_t crowns[ECO_CROWN_COLUMNS], crown_columns;   /* radii to the north, east, south, west; two widths; or none */
 	int now;                             /* the year from which ages are counted */
 	json_t *skip;                        /* of rows without a plant: column to values */
 	struct start_model *models; uint32_t model_count, model_capacity;

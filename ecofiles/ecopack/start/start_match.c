@@ -344,6 +344,8 @@ static void match_all(struct start *s)
 	s->matches = eco_alloc(s->species.count, sizeof *s->matches);
 	s->hint = (struct eco_flora_hint){ .spelling = true, .codes = find_codes(s),
 		.region = eco_region_of(s->place.degrees[0], s->place.degrees[1]) };
+	for (uint32_t i = 0; i < s->model_count; i++)    /* a lime is a Tilia where the plants stand in Europe */
+		s->models[i].flora = eco_flora_of(s->models[i].name, &(struct eco_flora_hint){ .region = s->hint.region });
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		struct start_match *match = &s->matches[i];
 		*match = (struct start_match){ .model = ECO_NONE, .tier = START_TIERS };

@@ -207,12 +207,12 @@ static json_t *crown_json(const struct start *s)
 		|| s->columns.of[ECO_ROLE_AGE] != ECO_NONE || s->columns.of[ECO_ROLE_PLANTED] != ECO_NONE;
 	json_t *crown = json_object(), *columns = json_array();
 	for (uint32_t i = 0; i < ECO_CROWN_COLUMNS && s->crown.column != ECO_NONE; i++)
-		if (i == 0 || s->has_radii)
-			json_array_append_new(columns, json_string(start_column(s, i == 0 ? s->crown.column : s->radii[i])));
+		if (i == 0 || i < s->crown_columns)
+			json_array_append_new(columns, json_string(start_column(s, i == 0 ? s->crown.column : s->crowns[i])));
 	if (s->table.crown_m > 0)
 		set_text(crown, "is", "polygon");
 	else if (json_array_size(columns) > 0) {
-		json_object_set(crown, "column", s->has_radii ? columns : json_array_get(columns, 0));
+		json_object_set(crown, "column", s->crown_columns > 0 ? columns : json_array_get(columns, 0));
 		set_text(crown, "is", s->crown_is_radius ? "radius" : "diameter");
 		set_text(crown, "unit", s->crown.unit.unit);
 	}

@@ -1,6 +1,7 @@
 /* The sizes of a table's plants: which columns say them, in which units, and which rows have no plant. */
 #include "ecofiles/ecopack/start/start.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -129,6 +130,38 @@ static void pass_codes(struct start *s, enum eco_role role)
 	}
 }
 
+/* ---- Diameters of crowns ---- */
+
+#define ALIKE 0.2                /* a girth is pi times the diameter within this share, but for the unit */
+#define ALIKE_ROWS 0.7           /* in so many rows */
+
+/* A diameter that does not follow from the girth beside it is no trunk's, but the crown's: "DIAMETRE_C". */
+static void check_diameter(struct start *s)
+{
+	uint32_t *diameter = &s->columns.of[ECO_ROLE_DBH], *crown = &s->columns.of[ECO_ROLE_CROWN], both = 0, alike = 0;
+	const uint32_t girth = s->columns.of[ECO_ROLE_GIRTH];
+	char took[120];
+	for (uint32_t row = 0; *diameter != ECO_NONE && girth != ECO_NONE && row < s->table.row_count; row++) {
+		double d, g, unit_m;
+		if (eco_text_size(eco_table_field(&s->table, row, *diameter), s->columns.decimal, &d, &unit_m) == ECO_FORM_NONE
+				|| eco_text_size(eco_table_field(&s->table, row, girth), s->columns.decimal, &g, &unit_m)
+				== ECO_FORM_NONE || !(d > 0 && g > 0))
+			continue;
+		double ratio = g / (M_PI * d);
+		for (; ratio > 3; ratio /= 10) {}
+		for (; ratio < 0.3; ratio *= 10) {}
+		alike += ratio > 1 - ALIKE && ratio < 1 + ALIKE;
+		both++;
+	}
+	if (both == 0 || alike >= ALIKE_ROWS * both)
+		return;
+	snprintf(took, sizeof took, "\"%.60s\" is none of the trunk's", start_column(s, *diameter));
+	start_guess(s, eco_role_names[ECO_ROLE_DBH], took, "--dbh-column", "it does not follow from the girth in \"%.60s\"",
+		start_column(s, girth));
+	*crown = *crown == ECO_NONE ? *diameter : *crown;
+	*diameter = ECO_NONE;
+}
+
 /* ---- Treetops of laser scans ---- */
 
 #define TREETOP_LEAST_M 1.3
@@ -162,44 +195,43 @@ static void take_treetops(struct start *s)
 
 /* ---- Crowns ---- */
 
-/* The column whose name differs from another's in the last word alone, "n" there; ECO_NONE: none. */
-static uint32_t direction_of(const struct start *s, const char *stem, size_t bytes, const char *directions)
+/* The column whose name differs from `words` in one word alone, which is of the set; ECO_NONE: none. */
+static uint32_t twin_of(const struct start *s, const char *words, const char *at, const char *set)
 {
+	const char *tail = at + strcspn(at, " ");
 	for (uint32_t i = 0; i < s->table.column_count; i++) {
-		char words[ECO_WORDS_BYTES];
-		eco_words_of(s->table.columns[i], words, sizeof words);
-		if (strlen(words) > bytes + 1 && strncmp(words, stem, bytes) == 0 && words[bytes] == ' '
-				&& eco_words_have(directions, words + bytes + 1))
+		char own[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+		const char *next = own + (at - words);
+		eco_words_of(s->table.columns[i], own, sizeof own);
+		if (strncmp(own, words, (size_t)(at - words)) == 0 && eco_words_next(&next, word) && eco_words_have(set, word)
+				&& strcmp(next, tail) == 0)
 			return i;
 	}
 	return ECO_NONE;
 }
 
-/* Radii in four directions: "crown_n", "crown_e", "crown_s", "crown_w". */
-static bool find_radii(struct start *s)
+/* Radii in four directions, "crown_n", "crown_e", "crown_s", "crown_w", or widths in two, "crown_1_m", "crown_2_m". */
+static void find_several(struct start *s)
 {
-	static const char *const directions[ECO_CROWN_COLUMNS] = { "n north nord norte noord", "e o east ost est este oost",
-		"s south sud sur zuid", "w o west ouest oeste ovest" };
-	for (uint32_t i = 0; i < s->table.column_count; i++) {
-		char words[ECO_WORDS_BYTES];
-		uint32_t found = 0;
-		eco_words_of(s->table.columns[i], words, sizeof words);
-		const char *last = strrchr(words, ' ');
-		size_t bytes = last ? (size_t)(last - words) : 0;
-		if (!last || !eco_words_have(directions[0], last + 1))
-			continue;
-		words[bytes] = 0;
-		if (!eco_column_says(words, "radius") && !eco_words_any(words, "r cr")
-				&& eco_column_points(ECO_ROLE_CROWN, words) < ECO_COLUMN_ENOUGH)
-			continue;
-		for (uint32_t k = 0; k < ECO_CROWN_COLUMNS; k++) {
-			s->radii[k] = direction_of(s, words, bytes, directions[k]);
-			found += s->radii[k] != ECO_NONE;
+	static const char *const sets[][ECO_CROWN_COLUMNS] = { { "n north nord norte noord", "e o east ost est este oost",
+		"s south sud sur zuid", "w o west ouest oeste ovest" }, { "ns nordsud norte 1 a max", "ew ow we ostwest 2 b min" } };
+	for (uint32_t i = 0; i < 2 * s->table.column_count && s->crown_columns == 0; i++) {
+		const char *const *set = sets[i % 2];
+		char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES], stem[ECO_WORDS_BYTES];
+		eco_words_of(s->table.columns[i / 2], words, sizeof words);
+		for (const char *at = words, *next = at; eco_words_next(&next, word) && s->crown_columns == 0; at = next + 1) {
+			uint32_t count = 0;
+			snprintf(stem, sizeof stem, "%.*s%s", (int)(at - words), words, next);
+			if (!eco_words_have(set[0], word) || !((i % 2 == 0 && (eco_column_says(stem, "radius")
+					|| eco_words_any(stem, "r cr"))) || eco_column_points(ECO_ROLE_CROWN, stem) >= ECO_COLUMN_ENOUGH))
+				continue;
+			for (; count < ECO_CROWN_COLUMNS && set[count]; count++)
+				if ((s->crowns[count] = twin_of(s, words, at, set[count])) == ECO_NONE)
+					break;
+			bool all = count == ECO_CROWN_COLUMNS ? s->crowns[1] != s->crowns[3] : count == 2 && !set[2];
+			s->crown_columns = all ? count : 0;
 		}
-		if (found == ECO_CROWN_COLUMNS && s->radii[1] != s->radii[3])
-			return true;
 	}
-	return false;
 }
 
 #define CROWN_AREA_M 60.0        /* wider polygons are stands, for a scatter */
@@ -209,8 +241,8 @@ static void find_crowns(struct start *s)
 	const char *beside = s->height.column != ECO_NONE ? s->height.unit.unit
 		: s->trunk.column != ECO_NONE ? s->trunk.unit.unit : NULL;
 	char took[160];
-	s->has_radii = find_radii(s);
-	s->crown.column = s->has_radii ? s->radii[0] : s->columns.of[ECO_ROLE_CROWN];
+	find_several(s);
+	s->crown.column = s->crown_columns > 0 ? s->crowns[0] : s->columns.of[ECO_ROLE_CROWN];
 	if (s->table.crown_m > CROWN_AREA_M)
 		eco_stop(ECO_BAD_INPUT, "%.150s: its rows are areas, half of them more than %.0f m wide: no crowns. A "
 			"\"scatter\" of a scene fills areas with plants", s->options->table, s->table.crown_m);
@@ -222,14 +254,14 @@ static void find_crowns(struct start *s)
 	if (s->crown.column == ECO_NONE)
 		return;
 	const char *name = start_column(s, s->crown.column);
-	s->crown_is_radius = s->has_radii || eco_column_says(name, "radius");
+	s->crown_is_radius = s->crown_columns == ECO_CROWN_COLUMNS || eco_column_says(name, "radius");
 	measure(s, &s->crown, ECO_QUANTITY_CROWN, NULL, beside);
 	if (s->crown.column == ECO_NONE)
 		return;
 	if (!s->crown.unit.unit)         /* a crown is no reason to stop */
 		s->crown.unit = (struct eco_unit_guess){ .unit = beside && strcmp(beside, "in") != 0
 			&& strcmp(beside, "ft") != 0 ? "m" : beside ? "ft" : "m", .why = "as other sizes" };
-	snprintf(took, sizeof took, "\"%.60s\"%s, %s in %s", name, s->has_radii ? " and three other directions" : "",
+	snprintf(took, sizeof took, "\"%.60s\"%s, %s in %s", name, s->crown_columns > 0 ? " and other directions" : "",
 		s->crown_is_radius ? "a radius" : "a diameter", s->crown.unit.unit);
 	start_guess(s, "crown", took, "\"crown_m\" in the scene", "%s", s->crown.unit.why);
 }
@@ -373,6 +405,8 @@ void start_sizes(struct start *s)
 	take_treetops(s);
 	for (int role = ECO_ROLE_HEIGHT; role <= ECO_ROLE_CROWN; role++)
 		pass_codes(s, (enum eco_role)role);
+	if (!o->dbh)
+		check_diameter(s);
 	s->height.column = s->columns.of[ECO_ROLE_HEIGHT];
 	s->trunk_is_girth = s->columns.of[ECO_ROLE_DBH] == ECO_NONE;
 	s->trunk.column = s->columns.of[s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH];

@@ -33,7 +33,8 @@ static bool nearly_means(const char *word, const char *list, bool cut)
 	size_t length = strlen(word);
 	while (eco_words_next(&list, own)) {
 		size_t bytes = strlen(own);
-		if (bytes >= 8 && length >= 8 && word[0] == own[0] && eco_words_distance(own, word, 1) <= 1)
+		if (word[0] == own[0] && ((bytes >= 8 && length >= 8 && eco_words_distance(own, word, 1) <= 1)
+				|| (bytes >= 5 && eco_words_swapped(own, word))))
 			return true;
 		for (size_t k = bytes > 8 ? bytes / 2 : 4; cut && bytes >= 5 && k < bytes; k++)
 			if (length >= k && strncmp(word + length - k, own, k) == 0)

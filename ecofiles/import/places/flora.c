@@ -570,16 +570,6 @@ static bool find_misspelt_latin(const struct name *n, struct eco_flora *flora)
 	return false;
 }
 
-/* Whether words of one length have the same letters. */
-static bool are_swapped(const char *a, const char *b)
-{
-	int sum = 0;
-	bool alike = strlen(a) == strlen(b);
-	for (size_t i = 0; alike && a[i] != 0; i++)
-		sum += a[i] - b[i];
-	return alike && sum == 0;
-}
-
 /* A word of six letters that is nearly one name and the name of no other plant, or one of five with two swapped. */
 static void find_misspelt(const struct name *n, enum eco_region region, struct eco_flora *flora)
 {
@@ -590,8 +580,8 @@ static void find_misspelt(const struct name *n, enum eco_region region, struct e
 			&& i < COUNT(names_rows); i++) {
 			const char *name = names_rows[i].name;
 			if (name[0] != n->word[k][0] || strchr(name, ' ') || letters(name) < 5 || strchr(names_rows[i].taxon, ' ')
-					|| eco_words_distance(name, n->word[k], 1) > 1
-					|| (letters(n->word[k]) == 5 && !are_swapped(name, n->word[k])))
+					|| (letters(n->word[k]) == 5 ? !eco_words_swapped(name, n->word[k])
+					: eco_words_distance(name, n->word[k], 1) > 1))
 				continue;
 			if (strcmp(names_rows[i].where, "all") == 0 || is_region(names_rows[i].where, region)) {
 				take_misspelt(flora, names_rows[i].taxon, n->word[k], name);

@@ -172,21 +172,21 @@ static int take_hemisphere(const char **text)
 	return !letter ? 0 : letter - letters < 2 ? 1 : -1;
 }
 
-/* Minutes, seconds and a hemisphere behind the sign of degrees, each if it is there. */
-static bool add_sixtieths(const char *text, char decimal, int sign, double *number)
+/* Minutes, seconds and a hemisphere behind degrees, each if it is there. Their signs may be missing where the degrees
+ * have none, "40 24 36 N", and that of minutes, "75\u00b045 38''". */
+static bool add_sixtieths(const char *text, char decimal, int sign, bool marked, double *number)
 {
-	static const char *const minute[] = { "'", "\u2032", "\u2019", "\u00b4", "`" }, *const second[] = { "''",
-		"\"", "\u2033", "\u201d", "\u2019\u2019", "\u00b4\u00b4", "``", "\u2032\u2032" };
+	static const char *const minute[] = { "'", "\u2032", "\u2019", "\u00b4", "`", "min", "m", ":", "-" }, *const second[] = {
+		"''", "\"", "\u2033", "\u201d", "\u2019\u2019", "\u00b4\u00b4", "``", "\u2032\u2032", "sec", "s" };
 	double parts[2] = { 0, 0 };
 	size_t bytes = number_at(text, decimal, &parts[0]);
 	const char *rest = eco_text_skip_spaces(text + bytes);
-	/* the sign of minutes may be missing: "75°45 38''" */
-	bool bare = rest > text + bytes && *rest >= '0' && *rest <= '9';
-	if (bytes > 0 && ((!take_mark(&rest, minute, 5) && !bare) || !(parts[0] >= 0 && parts[0] < 60)))
+	bool bare = !marked || (rest > text + bytes && *rest >= '0' && *rest <= '9');
+	if (bytes > 0 && ((!take_mark(&rest, minute, 9) && !bare) || !(parts[0] >= 0 && parts[0] < 60)))
 		return false;
 	bytes = bytes > 0 ? number_at(rest, decimal, &parts[1]) : 0;
 	rest = eco_text_skip_spaces(rest + bytes);
-	if (bytes > 0 && (!take_mark(&rest, second, 8) || !(parts[1] >= 0 && parts[1] < 60)))
+	if (bytes > 0 && ((!take_mark(&rest, second, 10) && marked) || !(parts[1] >= 0 && parts[1] < 60)))
 		return false;
 	int letter = take_hemisphere(&rest);
 	double size = fabs(*number) + parts[0] / 60 + parts[1] / 3600;
@@ -197,16 +197,20 @@ static bool add_sixtieths(const char *text, char decimal, int sign, double *numb
 
 bool eco_text_number(const char *text, char decimal, double *number)
 {
-	static const char *const degree[] = { "\u00b0", "\u00ba" };
+	static const char *const degree[] = { "\u00b0", "\u00ba", "\u02da", "deg", "d" }, *const colon[] = { ":", "-" };
 	text = eco_text_skip_spaces(text);
 	int sign = take_hemisphere(&text);
-	/* a comma beside degrees parts no groups: "13°35'35,7''" */
+	/* a comma beside degrees parts no groups: "13\u00b035'35,7''" */
 	if ((strstr(text, degree[0]) || strstr(text, degree[1])) && strchr(text, ',') && !strchr(text, '.'))
 		decimal = ',';
-	size_t bytes = number_at(text, decimal, number);
+	size_t bytes = number_at(text, decimal, number), length = strlen(text);
 	const char *rest = eco_text_skip_spaces(text + bytes);
-	if (bytes > 0 && take_mark(&rest, degree, 2))
-		return add_sixtieths(rest, decimal, sign, number);
+	if (bytes > 0 && take_mark(&rest, degree, 5))
+		return add_sixtieths(rest, decimal, sign, true, number);
+	bool named = sign || (length > 0 && strchr("NESWnesw", text[length - 1]));
+	bool parted = bytes > 0 && (take_mark(&rest, colon, named ? 2 : 1) ? named || strchr(rest, ':') : named);
+	if (parted && *rest >= '0' && *rest <= '9')
+		return add_sixtieths(rest, decimal, sign, false, number);
 	return bytes > 0 && !sign && *rest == 0;
 }
 
@@ -273,6 +277,7 @@ static bool take_measure(const char **text, char decimal, double *number, double
 	if (!take_number(text, decimal, number))
 		return false;
 	double unit = take_unit(text);
+	take_phrase(text, "years");
 	take_inches(text, decimal, unit, number);
 	if (unit != 0 && *unit_m != 0 && unit != *unit_m)
 		return false;

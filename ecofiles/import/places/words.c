@@ -110,7 +110,8 @@ static enum kind take_sign(const unsigned char **text, char sign[4])
 	sign[0] = point < 0x100 ? latin_1[point - 0xc0] : latin_a[point - 0x100];
 	if (sign[0] == ' ')
 		return GAP;
-	return point < 0xdf || (point >= 0x100 && point % 2 == 0) ? OTHER_CAPITAL : OTHER;
+	bool odd = (point >= 0x139 && point <= 0x148) || (point >= 0x179 && point <= 0x17e);      /* capitals there */
+	return point < 0xdf || (point >= 0x100 && (point % 2 == 1) == odd) ? OTHER_CAPITAL : OTHER;
 }
 
 static bool begins_word(enum kind before, enum kind now)
@@ -126,6 +127,10 @@ size_t eco_words_of(const char *text, char *words, size_t size)
 	size_t used = 0;
 	while (*at != 0 && used + 4 < size) {
 		char sign[4];
+		if (at[0] == 0xcc || (at[0] == 0xcd && at[1] < 0xb0)) {  /* a mark of its own behind its letter */
+			at += at[1] != 0 ? 2 : 1;
+			continue;
+		}
 		enum kind now = take_sign(&at, sign);
 		if (now != GAP && used > 0 && (before == GAP || begins_word(before, now)))
 			words[used++] = ' ';
@@ -172,6 +177,15 @@ const char *eco_words_set(const char *set)
 	while (strcmp(sets_rows[i].set, set) != 0)
 		i++;
 	return sets_rows[i].words;
+}
+
+bool eco_words_swapped(const char *a, const char *b)
+{
+	int sum = 0;
+	bool alike = strlen(a) == strlen(b) && eco_words_distance(a, b, 1) == 1;
+	for (size_t i = 0; alike && a[i] != 0; i++)
+		sum += a[i] - b[i];
+	return alike && sum == 0;
 }
 
 /* Damerau's distance, by Wagner and Fischer's table in three rows. */

@@ -25,6 +25,8 @@ bool eco_words_any(const char *name, const char *words);
 const char *eco_words_set(const char *set);
 /* Letters inserted, left out, replaced or swapped with their neighbours between two words; more than
  * `most`: most + 1. */
+/* Whether two words differ by two letters beside each other that are swapped, "heigth". */
+bool eco_words_swapped(const char *a, const char *b);
 unsigned eco_words_distance(const char *a, const char *b, unsigned most);
 
 #endif

@@ -229,18 +229,68 @@ void eco_rows_free_texts(struct eco_rows *rows)
 /* ---- Points as text ---- */
 
 #define DEGREE_DIGITS 6
+#define DEGREE_M 111195.0            /* of a great circle */
 
-/* "POINT (11.5 48.1)", "SRID=4326;POINT Z (11.5 48.1 520)". False if it is another geometry. */
-static bool read_wkt_point(const char *text, double at[3])
+/* The middle of the first ring, "((11 48, 12 48, ...", and the width of the disc of its area. */
+static bool read_ring(const char *text, double at[3], double *width)
+{
+	double first[2], last[2], now[2], sum[2] = { 0, 0 }, area = 0;
+	int count = 0;
+	for (text += strspn(text, "( "); sscanf(text, "%lf %lf", &now[0], &now[1]) == 2; count++) {
+		if (count == 0)
+			memcpy(first, now, sizeof first);
+		else {                           /* from the first corner, as its coordinates may be large */
+			double cross = (last[0] - first[0]) * (now[1] - first[1]) - (now[0] - first[0]) * (last[1] - first[1]);
+			area += cross / 2;
+			for (int k = 0; k < 2; k++)
+				sum[k] += cross * (last[k] + now[k] - 2 * first[k]) / 6;
+		}
+		memcpy(last, now, sizeof last);
+		text += strcspn(text, ",)");
+		if (*text != ',')
+			break;
+		text++;
+	}
+	bool degrees = count > 0 && fabs(first[0]) <= 180 && fabs(first[1]) <= 90;
+	for (int k = 0; k < 2 && area != 0; k++)
+		at[k] = first[k] + sum[k] / area;
+	at[2] = NAN;
+	*width = 2 * sqrt(fabs(area) / M_PI * (degrees ? DEGREE_M * DEGREE_M * cos(first[1] * M_PI / 180) : 1));
+	return area != 0;
+}
+
+/* A point of PostGIS, "0101000020E6100000...": bytes in hexadecimal digits, small ones first. */
+static bool read_wkb_point(const char *text, double at[3])
+{
+	uint8_t bytes[25] = { 0 };
+	size_t digits = strspn(text, "0123456789abcdefABCDEF");
+	if (strncmp(text, "01", 2) != 0 || (digits != 42 && digits != 50) || text[digits] != 0)
+		return false;
+	for (size_t i = 0; i < digits / 2; i++)
+		sscanf(text + 2 * i, "%2hhx", &bytes[i]);
+	if (bytes[1] != 1 || (bytes[4] & 0x20) != (digits == 50 ? 0x20 : 0))
+		return false;
+	memcpy(at, bytes + digits / 2 - 16, 16);
+	at[2] = NAN;
+	return true;
+}
+
+/* "POINT (11.5 48.1)", "SRID=4326;POINT Z (11.5 48.1 520)", "POLYGON ((...))". False if it is another geometry. */
+static bool read_wkt(const char *text, double at[3], double *width)
 {
 	const char *semicolon = strncasecmp(text, "SRID=", 5) == 0 ? strchr(text, ';') : NULL;
 	char number[3][40];
 	text = semicolon ? semicolon + 1 : text;
 	text += strspn(text, " ");
+	bool multi = strncasecmp(text, "MULTI", 5) == 0;
+	text += multi ? 5 : 0;
+	if (strncasecmp(text, "POLYGON", 7) == 0)
+		return read_ring(text + 7, at, width);
 	if (strncasecmp(text, "POINT", 5) != 0)
-		return false;
+		return !multi && read_wkb_point(text, at);
 	text += 5 + strspn(text + 5, " ZzMm");
-	int count = sscanf(text, "(%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1],
+	text += strspn(text, "(");
+	int count = sscanf(text, "%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1],
 		number[2]);
 	for (int k = 0; k < 3; k++)
 		if (k >= count || !eco_text_number(number[k], '.', &at[k]))
@@ -319,20 +369,21 @@ static bool read_json_point(const char *text, double at[3])
 	return !isnan(at[0]) && !isnan(at[1]);
 }
 
-static bool read_point(const char *text, enum eco_point_form form, double at[3])
+static bool read_point(const char *text, enum eco_point_form form, double at[3], double *width)
 {
+	*width = 0;
 	return form == ECO_POINT_PAIR ? degree_pair(text, at) >= 0 : form == ECO_POINT_JSON
-		? read_json_point(text, at) : read_wkt_point(text, at);
+		? read_json_point(text, at) : read_wkt(text, at, width);
 }
 
 bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point)
 {
-	double at[3];
+	double at[3], width;
 	for (int form = ECO_POINT_WKT; form <= ECO_POINT_PAIR; form++)
 		for (uint32_t i = 0; i < rows->field_count && i < rows->column_count; i++)
 			/* DEGREE_DIGITS tell a place from other pairs of numbers */
 			if (form == ECO_POINT_PAIR ? degree_pair(rows->fields[i], at) >= DEGREE_DIGITS
-				: read_point(rows->fields[i], (enum eco_point_form)form, at)) {
+				: read_point(rows->fields[i], (enum eco_point_form)form, at, &width)) {
 				*point = (struct eco_rows_point){ i, true, (enum eco_point_form)form };
 				rows->has_geometry = true;
 				rows->has_z = !isnan(at[2]);
@@ -357,7 +408,7 @@ void eco_rows_point_take(struct eco_rows *rows, const struct eco_rows_point *poi
 	text += strspn(text, " ");
 	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY")) {
 		place->kind = ECO_PLACE_EMPTY;
-	} else if (read_point(text, point->form, place->at)) {
+	} else if (read_point(text, point->form, place->at, &place->width)) {
 		place->kind = ECO_PLACE_POINT;
 		rows->has_z |= !isnan(place->at[2]);
 	} else {
