@@ -105,9 +105,10 @@ static enum eco_code check_values(const struct view_piece_input *in, const struc
 	if (code)
 		return code;
 	bool color = list->list.attributes & ECO_ATTR_COLOR, width = list->list.attributes & ECO_ATTR_WIDTH;
+	uint32_t tints = list->list.kind == ECO_LIST_INSTANCES;  /* 0 is none of the palette */
 	for (uint32_t i = 0; (color || width) && i < more->element_count; i++) {
 		const int32_t *extra = more->extra + (size_t)i * more->extra_count;
-		if (color && (extra[0] < 0 || (uint32_t)extra[0] >= list->list.palette_count))
+		if (color && (extra[0] < 0 || (uint32_t)extra[0] >= list->list.palette_count + tints))
 			return BAD("list %u, chunk %u: colour %d is outside the palette of %u", list->id,
 				in->ordinal, extra[0], list->list.palette_count);
 		if (width && extra[color] < 0)

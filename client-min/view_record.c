@@ -232,7 +232,7 @@ static void find_codes(const struct eco_list *list, const struct eco_elements *e
 
 static uint32_t color_word(const struct view_list *list, const struct scratch *s, uint32_t i)
 {
-	return packed_color(list, s->g.color[i]) | (uint32_t)s->code[i] << 24;
+	return packed_color(list, s->g.color[i]) | (uint32_t)s->code[i] << 24 | (eco_list_is_wood(&list->list) ? VIEW_WOOD : 0);
 }
 
 static void write_triangle(const struct view_list *list, const struct scratch *s, uint32_t i, uint32_t texels,
@@ -309,11 +309,11 @@ enum eco_code view_record_write(const struct view_list *list, uint32_t first_chu
 			write_triangle(list, &s, i, texels, &words);
 		} else if (list->list.kind == ECO_LIST_LINES) {
 			put_point(&words, s.g.position + 6 * (size_t)i, bits(s.g.width[i]));
-			put_point(&words, s.g.position + 6 * (size_t)i + 3, packed_color(list, s.g.color[i]));
+			put_point(&words, s.g.position + 6 * (size_t)i + 3, color_word(list, &s, i));
 		} else {
 			if (s.g.half)
 				s.code[i] = (uint8_t)(s.g.opacity[i] * ECO_SPLAT_OPACITIES)
-					| (s.g.wood[i] > 0 ? 0x80 : 0);
+					| (s.g.wood[i] > 0 ? VIEW_WOOD >> 24 : 0);
 			put_point(&words, s.g.position + 3 * (size_t)i, color_word(list, &s, i));
 			for (uint32_t k = 0; k < 3 && s.g.half; k++)
 				put_point(&words, s.g.half + 9 * (size_t)i + 3 * k, 0);
@@ -345,5 +345,5 @@ void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struc
 			bits((float)(a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2])));
 	}
 	put(&words, bits((float)place->scale), bits(plant ? view_shape_of(plant).half_width : 0),
-		bits((float)lod_place_width(place)), 0);
+		bits((float)lod_place_width(place)), p->tint);
 }

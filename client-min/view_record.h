@@ -13,14 +13,15 @@
  * A summary point's owner is that of placement path 0; the key's field lies in the high word, where a path is
  * added modulo its mask. Floats are stored as their bits; colour is r | g << 8 | b << 16 | code << 24, sRGB;
  * code is the growth code of the triangle's element (ECO_GROWTH_PLAIN where the list has none), the size code
- * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16, and 128 more of wood. The shader gets the meaning of codes in uniforms
- * that eco_growth and eco_size filled: neither is written twice. */
+ * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16, and VIEW_WOOD of wood. The shader gets the meaning of codes in
+ * uniforms that eco_growth and eco_size filled: neither is written twice. */
 #ifndef VIEW_RECORD_H
 #define VIEW_RECORD_H
 
 #include "client-min/view_select.h"
 
 #define VIEW_TEXEL_BYTES 16u
+#define VIEW_WOOD 0x80000000u
 
 /* Per primitive; not of impostors, whose levels differ. */
 uint32_t view_record_texels(const struct eco_list *list);
@@ -58,8 +59,8 @@ uint32_t view_impostor_surface(const struct eco_list *list);
 
 /* ---- Instances ---- */
 
-/* Four texels: the rows of object -> view, then the instance's scale and half the width of its plant; plant:
- * NULL for a summary's. */
+/* Four texels: the rows of object -> view, then the instance's scale, half the width of its plant, its width and its
+ * tint; plant: NULL for a summary's. */
 #define VIEW_INSTANCE_TEXELS 4
 void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struct view_instance *instance,
 	const struct view_plant *plant);

@@ -216,11 +216,16 @@ static void look_plant(const struct worker *w, uint32_t x, uint32_t y, uint32_t 
 	struct view_rays rays;
 	*cut = cut_of(scene, item, *cut);
 	const struct view_mesh *mesh = &scene->meshes[*cut];
-	if (mesh->image || mesh->geometry.half || mesh->batch.leaf > 0)
-		rays_of(w, x, y, &view_owners_find(&scene->owners, scene->job->selection, picture->owner[i])->place,
-			&rays);
+	bool has_rays = mesh->image || mesh->geometry.half || mesh->batch.leaf > 0,
+		tinted = !mesh->by_point && view_store_needs(scene->job->store) & ECO_NEED_TINTS;
+	const struct view_instance *instance = has_rays || tinted
+		? view_owners_find(&scene->owners, scene->job->selection, picture->owner[i]) : NULL;
+	if (has_rays)
+		rays_of(w, x, y, &instance->place, &rays);
 	view_mesh_look(mesh, item - scene->items[*cut], &rays, w->drawn->leaf[(size_t)y * w->drawn->width + x],
 		picture->rgb + 3 * i, &picture->surface[i]);
+	if (tinted)
+		view_mesh_tint(mesh, item - scene->items[*cut], instance->tint, picture->rgb + 3 * i);
 	if (scene->job->tint == VIEW_TINT_KIND)
 		memcpy(picture->rgb + 3 * i, view_tint_colors[scene->job->selection->roles[*cut]], 3);
 }

@@ -12,6 +12,7 @@
 #include "client-min/view_record.h"
 #include "ecofiles/base/angle16.h"
 #include "ecofiles/base/array_grow.h"
+#include "lod/tint.h"
 
 #define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
 #define PAIRS_MAX (1u << 30)            /* of an instance and a cut */
@@ -186,6 +187,12 @@ static double distance_m(const struct lod_eye *eye, const double p[3])
 	return sqrt(x * x + y * y + z * z);
 }
 
+static uint32_t tint_of(const struct view_list *list, const struct view_plant *plant, uint8_t code)
+{
+	uint32_t rgb = code && code <= list->list.palette_count ? lod_tint_word(list->palette[code - 1]) : 0;
+	return rgb && !plant->plant.leaf_width ? rgb | LOD_TINT_WHOLE : rgb;
+}
+
 static enum eco_code walk_group(struct walk *w, const struct eco_placement *placement, uint32_t left,
 	const struct view_list *list, const struct eco_group *group)
 {
@@ -205,9 +212,9 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 	gate = gate == UINT32_MAX ? 0 : gate;
 	uint32_t key = eco_owner_leaf(list->list.owner) + placement->path;
 	for (uint32_t i = group->first; i < group->first + group->count; i++) {
-		struct eco_place place = eco_place_of(&list->elements, i);
+		struct eco_place place = eco_place_of(&list->list, &list->elements, i);
 		struct view_instance instance = { .plant = group->plant, .path = placement->path,
-			.list = list->id, .index = i };
+			.tint = tint_of(list, plant, place.tint), .list = list->id, .index = i };
 		lod_place_instance(&instance.place, placement, &list->list, &place);
 		instance.hash = lod_share_hash(placement->path, list->id, i);
 		if (lod_open_hash(instance.hash) < left)
@@ -454,7 +461,8 @@ static uint64_t hash_instance(uint64_t h, const struct view_instance *p)
 	const double place[7] = { p->place.at[0], p->place.at[1], p->place.at[2], p->place.sine,
 		p->place.cosine, p->place.scale, lod_place_width(&p->place) };
 	h = hash(h, place, sizeof place);
-	return hash_word(hash_word(h, p->owner), (uint64_t)p->hash << 32 | p->plant);
+	h = hash_word(hash_word(h, p->owner), (uint64_t)p->hash << 32 | p->plant);
+	return p->tint ? hash_word(h, p->tint) : h;
 }
 
 static uint64_t hash_cut(uint64_t h, const struct eco_cut *cut)

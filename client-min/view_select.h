@@ -25,6 +25,7 @@ struct view_instance {
 	uint32_t plant;                  /* ECO_NONE: a list drawn once */
 	uint32_t hash;                   /* share hash; varies colours too */
 	uint32_t path;                   /* of the placement, for the owners of summary points */
+	uint32_t tint;                   /* lod/tint.h */
 	uint32_t list, index;            /* of the pack's plants: where it stands there, in each placement */
 	double distance_m;               /* from the eye to the plant's centre; 0 for a list drawn once */
 };

@@ -578,6 +578,8 @@ double view_store_near_m(const struct view_store *store)
 	return store->has_scene ? store->scene.near_m : 0.1;
 }
 
+uint32_t view_store_needs(const struct view_store *store) { return store->scene.needs; }
+
 const char *view_store_scene_name(const struct view_store *store)
 {
 	return store->scene.name;

@@ -80,6 +80,8 @@ bool view_store_complete(const struct view_store *store);
 const struct eco_chunk_id *view_store_pack(const struct view_store *store);
 double view_store_near_m(const struct view_store *store);        /* 0.1 before the first SCENE */
 const char *view_store_scene_name(const struct view_store *store);
+/* enum eco_need; 0 before the first stream. */
+uint32_t view_store_needs(const struct view_store *store);
 
 /* NULL if not held. Lists stay where they are until the next view_store_begin. */
 const struct view_list *view_store_list(const struct view_store *store, uint32_t id);

@@ -16,7 +16,7 @@ static const char *const kind_names[] = {
 
 /* by their bits, from the lowest on */
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground", "cells",
-	"summaries", "placements", "splats", "impostors", "ground_image", "widths" };
+	"summaries", "placements", "splats", "impostors", "ground_image", "widths", "tints" };
 
 struct id_text { char hex[SRV_ID_TEXT_BYTES]; };
 

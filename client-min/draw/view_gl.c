@@ -22,7 +22,7 @@ struct view_gl {
 	uint32_t width, height;
 	struct view_context context;
 	struct view_gpu gpu;
-	struct view_shader shaders[VIEW_PROGRAM_COUNT], casting[VIEW_PROGRAM_COUNT];
+	struct view_shader shaders[VIEW_VARIANTS][VIEW_PROGRAM_COUNT];
 	unsigned quads;                  /* index buffer: two triangles of four vertices, QUADS times */
 	/* of a picture's first sample, and, once there is one, of another: they share depths */
 	unsigned framebuffers[2], seen[2], depth;
@@ -150,10 +150,8 @@ void view_gl_close(struct view_gl *gl)
 		const unsigned textures[] = { gl->instances.texture, gl->members.texture };
 		view_context_use(&gl->context);
 		view_gpu_free(&gl->gpu);
-		for (int i = 0; i < VIEW_PROGRAM_COUNT; i++) {
-			glDeleteProgram(gl->shaders[i].program);
-			glDeleteProgram(gl->casting[i].program);
-		}
+		for (int i = 0; i < VIEW_VARIANTS * VIEW_PROGRAM_COUNT; i++)
+			glDeleteProgram(gl->shaders[i / VIEW_PROGRAM_COUNT][i % VIEW_PROGRAM_COUNT].program);
 		free_targets(gl);
 		glDeleteTextures(2, textures);
 		glDeleteBuffers(1, &gl->quads);
@@ -168,7 +166,7 @@ uint32_t view_gl_programs(const struct view_gl *gl)
 {
 	uint32_t programs = 0;
 	for (uint32_t i = 0; i < VIEW_PROGRAM_COUNT; i++)
-		programs |= gl->shaders[i].program ? 1u << i : 0;
+		programs |= gl->shaders[VIEW_VARIANT_PLAIN][i].program || gl->shaders[VIEW_VARIANT_TINTED][i].program ? 1u << i : 0;
 	return programs;
 }
 
@@ -260,20 +258,27 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	glUniform1fv(s->uniform[VIEW_U_SIDES], ECO_SIZES, sides);
 }
 
-static enum eco_code compile(struct view_gl *gl, enum view_program which, bool shadow,
+static enum view_variant variant_of(const struct view_store *store, enum view_program which)
+{
+	return which == VIEW_PROGRAM_GROUND || which == VIEW_PROGRAM_SUMMARY || !(view_store_needs(store) & ECO_NEED_TINTS)
+		? VIEW_VARIANT_PLAIN : VIEW_VARIANT_TINTED;
+}
+
+static enum eco_code compile(struct view_gl *gl, enum view_program which, enum view_variant variant,
 	struct eco_error *error)
 {
-	struct view_shader *s = shadow ? &gl->casting[which] : &gl->shaders[which];
-	return s->program ? ECO_OK : view_shader_compile(s, which, shadow, &gl->context.dialect, error);
+	struct view_shader *s = &gl->shaders[variant][which];
+	return s->program ? ECO_OK : view_shader_compile(s, which, variant, &gl->context.dialect, error);
 }
 
 static enum eco_code use(struct frame *f, enum view_program which, const struct view_shader **out)
 {
-	struct view_shader *s = f->map ? &f->gl->casting[which] : &f->gl->shaders[which];
+	enum view_variant variant = f->map ? VIEW_VARIANT_SHADOW : variant_of(f->job->store, which);
+	struct view_shader *s = &f->gl->shaders[variant][which];
 	*out = s;
 	if (f->any_bound && f->bound == which)
 		return ECO_OK;
-	enum eco_code code = compile(f->gl, which, f->map, f->error);
+	enum eco_code code = compile(f->gl, which, variant, f->error);
 	if (code)
 		return code;
 	glUseProgram(s->program);
@@ -419,7 +424,7 @@ enum eco_code view_gl_prepare(struct view_gl *gl, const struct view_store *store
 	view_context_use(&gl->context);
 	for (int i = 0; i < VIEW_PROGRAM_COUNT && !code; i++)
 		if (programs & 1u << i)
-			code = compile(gl, (enum view_program)i, false, error);
+			code = compile(gl, (enum view_program)i, variant_of(store, (enum view_program)i), error);
 	return code;
 }
 

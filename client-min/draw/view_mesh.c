@@ -10,6 +10,7 @@
 #include "lod/light.h"
 #include "lod/raster/texel.h"
 #include "lod/scattered.h"
+#include "lod/tint.h"
 
 /* ---- Geometry ---- */
 
@@ -313,4 +314,10 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 		*surface = leaf_of(mesh, primitive, rays, leaf, rgb);
 	else
 		*surface = smooth_of(mesh, primitive, rays);
+}
+
+void view_mesh_tint(const struct view_mesh *mesh, uint32_t primitive, uint32_t tint, uint8_t rgb[3])
+{
+	if (tint & LOD_TINT_WHOLE || !(eco_list_is_wood(&mesh->list->list) || is_wood(mesh, primitive)))
+		lod_tint_apply(tint, rgb);
 }

@@ -4,10 +4,12 @@
 #include <epoxy/gl.h>
 
 #include "client-min/draw/view_shadow.h"
+#include "client-min/view_record.h"
 #include "ecofiles/format/list.h"
 #include "lod/hash.h"
 #include "lod/impostor.h"
 #include "lod/leaf.h"
+#include "lod/tint.h"
 
 const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points",
 	"summary", "splats", "ground", "impostors", "leafy points", "leafy splats",
@@ -25,7 +27,9 @@ static const char head_es[] = "#version 300 es\n"
 #define LOD_LEAF_TEXT(...) #__VA_ARGS__
 static const char shared[] = DEFINE(ECO_GROWTHS) DEFINE(ECO_SIZES) DEFINE(LOD_HASH_SCATTER) DEFINE(LOD_HASH_SALT)
 	DEFINE(LOD_HASH_SPLAT) DEFINE(LOD_LEAF_PIXEL) DEFINE(LOD_LEAF_RAGGED) DEFINE(LOD_LEAF_LATTICE)
-	DEFINE(LOD_IMPOSTOR_HOPE) DEFINE(LOD_IMPOSTOR_LEAST) DEFINE(LOD_IMPOSTOR_LIGHT)
+	DEFINE(VIEW_WOOD) DEFINE(LOD_TINT_WHOLE) DEFINE(LOD_IMPOSTOR_HOPE) DEFINE(LOD_IMPOSTOR_LEAST) DEFINE(LOD_IMPOSTOR_LIGHT)
+	"#define LOD_TINT_SHADE(r, g, b) " TEXT(LOD_TINT_SHADE(sqrt, r, g, b)) "\n"
+	"#define LOD_TINT_MIX(own, tint, shade) " TEXT(LOD_TINT_MIX(sqrt, min, own, tint, shade)) "\n"
 	"#define LOD_IMPOSTOR_DEEP(need, opacity) " TEXT(LOD_IMPOSTOR_DEEP(need, opacity)) "\n"
 	"#ifdef LEAVES\n"
 	"#define LEAF\n"
@@ -95,16 +99,18 @@ unsigned view_shader_link(const struct view_shader_text *text, const char *what,
 	return linked ? program : 0;
 }
 
-enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, bool shadow,
+enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, enum view_variant variant,
 	const struct view_dialect *dialect, struct eco_error *error)
 {
+	static const char *const of_variant[VIEW_VARIANTS] = { "", "#define SHADOW\n", "#define TINTED\n" };
 	const char *start = dialect->es ? head_es : head_desktop, *defines = programs[which].defines;
 	const char *vs[] = { start, "#define VERTEX\n#define FLAT flat out\n",
-		dialect->depth_zero_to_one ? "#define ZERO_TO_ONE\n" : "", shadow ? "#define SHADOW\n" : "", defines,
+		dialect->depth_zero_to_one ? "#define ZERO_TO_ONE\n" : "", of_variant[variant], defines,
 		shared, programs_text };
-	const char *fs[] = { start, "#define FLAT flat in\n", shadow ? "#define SHADOW\n" VIEW_SHADOW_DEPTH : "", defines,
+	const char *fs[] = { start, "#define FLAT flat in\n", of_variant[variant],
+		variant == VIEW_VARIANT_SHADOW ? VIEW_SHADOW_DEPTH : "", defines,
 		shared, programs_text };
-	shader->program = view_shader_link(&(struct view_shader_text){ vs, 7, fs, 6 }, programs[which].name, error);
+	shader->program = view_shader_link(&(struct view_shader_text){ vs, 7, fs, 7 }, programs[which].name, error);
 	if (!shader->program)
 		return ECO_UNSUPPORTED;
 	for (int i = 0; i < VIEW_UNIFORM_COUNT; i++)

@@ -35,6 +35,10 @@ uvec4 record_at(int i) { return texel_of(u_records, u_shift.x, i); }
 /* A fragment's ellipse, in as few vectors as possible, as software drivers make a copy for
  * each primitive; and what all share is among it, as they look up uniforms pixel by pixel
  * (lod/EXPERIMENTS.md, A frame's time). Then lod_splat_covers. */
+#ifdef TINTED
+FLAT uint v_tint;               // lod/tint.h
+#endif
+
 #ifdef ELLIPSE
 FLAT vec4 v_ellipse;            // x, y of the centre, lean, half
 FLAT vec4 v_near_side;          // of the centre, aside, below, bulge
@@ -109,7 +113,7 @@ uniform float u_scale;
 uniform vec4 u_tint;            // rgb, if w is 1: instead of a colour of its own
 uniform uint u_path;            // summaries: what the placement adds to the owner
 vec3 xyz(uvec4 t) { return uintBitsToFloat(t.xyz); }
-struct Plant { vec4 row[3]; uint whose; float scale, half_width, width; vec4 high; };
+struct Plant { vec4 row[3]; uint whose; float scale, half_width, width; vec4 high; uint tint; };
 Plant plant_of_member(int member) {
 	int number = int(texel_of(u_members, u_shift.z, u_first_member + member).x);
 	int at = number * 4;
@@ -120,6 +124,7 @@ Plant plant_of_member(int member) {
 	p.whose = uint(number) + 1u;
 	p.scale = uintBitsToFloat(t.x); p.half_width = uintBitsToFloat(t.y);
 	p.width = uintBitsToFloat(t.z);
+	p.tint = t.w;
 #ifdef SHADOW
 	vec4 world[3] = p.row, w = map_row(2);
 	p.row[0] = of_plant(map_row(0) - w / u_lens.x, world);
@@ -138,7 +143,11 @@ vec3 view_of(Plant p, vec3 a) {
 vec3 axis_of(Plant p, vec3 h) {         // y down
 	return vec3(dot(p.row[0].xyz, h), -dot(p.row[1].xyz, h), dot(p.row[2].xyz, h));
 }
-uint color_of(uint word) {
+// and the tint of what it is the colour of
+uint color_of(Plant p, uint word) {
+#ifdef TINTED
+	v_tint = u_tint.w > 0.0 || (word >= VIEW_WOOD && p.tint < LOD_TINT_WHOLE) ? 0u : p.tint;
+#endif
 	uvec3 tint = uvec3(u_tint.rgb * 255.0 + 0.5);
 	return u_tint.w > 0.0 ? tint.r | tint.g << 8 | tint.b << 16 : word & 0xffffffu;
 }
@@ -154,10 +163,10 @@ void main() {
 	uvec4 t3 = record_at(at + 3);
 	vec3 a = xyz(t0), b = xyz(t1), c = xyz(t2), center = uintBitsToFloat(uvec3(t1.w, t2.w, t3.x));
 	vec3 at_corner = corner == 0 ? a : corner == 1 ? b : c, n = cross(b - a, c - a);
-	float edge = u_edges[t0.w >> 24];
+	float edge = u_edges[t0.w >> 24 & 127u];
 	if (edge != 1.0) at_corner = center + (at_corner - center) * edge;
 	n /= max(length(n), 1e-20);
-	v_seen = uvec4(p.whose, surface_direction(FACET, n), color_of(t0.w), 0u);
+	v_seen = uvec4(p.whose, surface_direction(FACET, n), color_of(p, t0.w), 0u);
 	v_uv = vec2(0.0);
 #if TEXELS == 5
 	uvec4 t4 = record_at(at + 4);
@@ -197,7 +206,7 @@ void main() {
 #else
 	vec3 view = (at_b ? vb : va) + offset;
 #endif
-	v_seen = uvec4(p.whose, surface_direction(AXIS, b - a), color_of(t1.w), 0u);
+	v_seen = uvec4(p.whose, surface_direction(AXIS, b - a), color_of(p, t1.w), 0u);
 	gl_Position = len2 > 0.0 && half_width > 0.0 ? project(view) : vec4(2.0, 2.0, 2.0, 1.0);
 }
 #endif
@@ -316,7 +325,7 @@ void main() {
 	mat3 to_cells = halves * near_side * cells;
 	float radius = sqrt(v_ellipse.w * height),
 		ragged = leaf_rim(min(u_leaf.x / (pixel * radius), LOD_LEAF_RAGGED), radius);
-	leafy = t0.w < 0x80000000u;
+	leafy = t0.w < VIEW_WOOD;
 	v_leaves[0] = vec4(to_cells[0], ragged);
 	v_leaves[1] = vec4(to_cells[1], leafy ? min(u_leaf.x / pixel, 1.0) : -1.0);
 	v_leaves[2] = vec4(to_cells[2], float(opacity) / 16.0);
@@ -328,7 +337,7 @@ void main() {
 	mat3 normals = to_plant * near_side;
 	v_normals[0] = vec4(normals[0], height);
 	float mean_half = pow(abs(dot(halves[0], cross(halves[1], halves[2]))), 1.0 / 3.0);
-	uint level = t0.w < 0x80000000u ? (u_level * 30u + 127u) / 255u : 0u;
+	uint level = t0.w < VIEW_WOOD ? (u_level * 30u + 127u) / 255u : 0u;
 	v_normals[1] = vec4(normals[1], u_lens.z);
 	v_normals[2] = vec4(normals[2],
 		float(level << 5 | uint(min(mean_half / p.half_width, 1.0) * 31.0 + 0.5)));
@@ -340,7 +349,7 @@ void main() {
 #if TEXELS == 2
 	surface |= SUMMARY;
 #endif
-	v_seen = uvec4(p.whose, surface, color_of(t0.w) | opacity << 24, salt_of(t0.xyz));
+	v_seen = uvec4(p.whose, surface, color_of(p, t0.w) | opacity << 24, salt_of(t0.xyz));
 #ifdef LEAVES
 	if (leafy) v_seen.w = u_sample;
 #endif
@@ -408,6 +417,17 @@ in float v_height;
 out uvec4 o_seen;               // view_gl_target
 #endif
 uint color_word(uvec3 c) { return c.r | c.g << 8 | c.b << 16; }
+
+// lod_tint_apply
+uint tinted(uint color) {
+#ifdef TINTED
+	vec3 own = vec3(uvec3(color, color >> 8, color >> 16) & 255u) / 255.0,
+		tint = vec3(uvec3(v_tint, v_tint >> 8, v_tint >> 16) & 255u) / 255.0;
+	float shade = LOD_TINT_SHADE(own.r, own.g, own.b);
+	if (v_tint != 0u) color = color_word(uvec3(255.0 * LOD_TINT_MIX(own, tint, shade) + 0.5));
+#endif
+	return color;
+}
 
 #ifdef LEAVES
 /* as leaf_of in view_mesh.c */
@@ -507,7 +527,7 @@ void main() {
 #ifdef SHADOW
 	gl_FragDepth = shadow_depth(v_height);
 #else
-	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), color);
+	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), tinted(color));
 #endif
 }
 #endif

@@ -151,7 +151,7 @@ void main() {
 	gl_Position.xy = (v_outline.xy + sign * (size + 1.0)) / u_half * gl_Position.w;
 	uint x = record(0u).x, y = record(0u).y, z = record(0u).z, nth = u_sample, salt;
 	LOD_HASH_SALT;
-	v_seen = uvec4(p.whose, u_surface, color_of(0u), salt);
+	v_seen = uvec4(p.whose, u_surface, color_of(p, 0u), salt);
 #ifdef SHADOW
 	vec3 from = sun * (64.0 * ball.w);
 	mat3 rays = mat3(half_of[0], half_of[1], -from) * inverse(disc);
@@ -290,7 +290,7 @@ void main() {
 #ifdef LEAVES
 	look_leaf(leaf_in(cell, v_leaf.y), normalize(v_eye), v_leaf.z, vec3(0.0, 0.0, 1.0), surface, color);
 #endif
-	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), color);
+	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), tinted(color));
 #endif
 }
 #endif

@@ -240,6 +240,18 @@ static void add_rows(struct link *l, struct link_part *part, const struct eco_gr
 	}
 }
 
+/* Neighbours have one palette. */
+static uint32_t tint_colors(struct link *l, struct link_part *part, uint32_t list)
+{
+	const struct eco_list *old = &part->pack->scene.lists[list], *before = part->tinted;
+	if (old->palette_count && !(before && before->palette_first == old->palette_first
+			&& before->palette_count == old->palette_count)) {
+		part->tinted = old;
+		part->tint_first = make_add_colors(&l->m, part->pack->scene.palette + old->palette_first, old->palette_count);
+	}
+	return old->palette_count ? part->tint_first : 0;
+}
+
 static void add_groups(struct link *l, struct link_part *part, const struct eco_tile *tile)
 {
 	const struct eco_scene *s = &part->pack->scene;
@@ -250,6 +262,7 @@ static void add_groups(struct link *l, struct link_part *part, const struct eco_
 		struct eco_group *group = make_append(&m->groups, sizeof *group);
 		make_add(&m->places, s->places + from->place_first * ECO_PLACE_BYTES, from->count, ECO_PLACE_BYTES);
 		record.owner += part->tile_first;
+		record.palette_first = tint_colors(l, part, from->list);
 		if (!from->first)
 			link_copy(l, part, from->list, &record);
 		add_rows(l, part, from);
@@ -404,6 +417,24 @@ static json_t *rows_json(const struct link *l)
 	return json_pack("{s:I, s:o}", "read", sum_of(l, "rows", NULL, "read"), "skipped", skipped);
 }
 
+/* In the order of the tables: see add_tiles. */
+static void say_tints(const struct link *l, json_t *meta)
+{
+	for (uint32_t i = l->count; i-- > 0;) {
+		json_t *tint, *class;
+		size_t t, c;
+		json_array_foreach(json_object_get(l->parts[i].meta, "tints"), t, tint)
+			json_array_foreach(json_object_get(tint, "classes"), c, class) {
+				const char *column = json_string_value(json_object_get(tint, "column")),
+					*name = json_string_value(json_object_get(class, "name"));
+				json_t *color = json_object_get(class, "color");
+				if (column && name && color)
+					make_tint_say(meta, column, name, json_incref(color),
+						(uint64_t)json_integer_value(json_object_get(class, "plants")));
+			}
+	}
+}
+
 /* A whole of which a part is a draft is one. */
 static bool has_draft(const struct link *l)
 {
@@ -425,6 +456,7 @@ static json_t *whole_meta(const struct link *l)
 		(json_int_t)l->m.scene.tiles[0].instance_count, "tiles", (json_int_t)l->m.scene.tile_count,
 		"ground", make_ground_origin(&l->m), "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
+	say_tints(l, root);
 	if (has_draft(l))
 		json_object_set_new(root, "draft", json_true());
 	return root;

@@ -33,6 +33,8 @@ struct link_part {
 	uint32_t *list_of;           /* the same for lists; ECO_NONE: not taken (yet) */
 	bool renamed;                /* plants are renumbered, so summaries must be rewritten */
 	uint32_t tile_first;
+	const struct eco_list *tinted;       /* the last instance list with tints, and its colours in the whole */
+	uint32_t tint_first;
 	struct eco_inventory_block rows;     /* the block that was read last */
 };
 

@@ -69,7 +69,9 @@ struct make_plant {              /* a model on its way into the pack */
 struct make_place {
 	double at[3], scale;
 	uint32_t plant, species, file, row, line;
-	uint16_t turn, width;        /* width: a code for eco_place_width */
+	uint16_t turn;
+	uint8_t width;               /* a code for eco_place_width */
+	uint32_t tint;               /* of eco_tints_value while rows are read, then a class of the eco file's */
 };
 struct make_nested { double at[3]; uint32_t child; };        /* place of a child of the source */
 
@@ -81,6 +83,8 @@ struct make_eco {                /* an eco file with its places, tiled */
 	uint64_t instances;          /* plants, with nested ones */
 	uint64_t rows;
 	struct eco_skipped skipped[ECO_SKIP_COUNT];
+	struct eco_tints tints;
+	uint32_t tint_first;         /* their colours in the scene's palette */
 };
 
 enum { MAKE_WEST, MAKE_EAST, MAKE_SOUTH, MAKE_NORTH, MAKE_SIDES };
@@ -206,6 +210,9 @@ void make_inventory_free(struct make *m);
 /* Adds "species" to plants of META that are of any: {"of": how many, "most": [[name, or null where rows state
  * none, plants], ...]}, the commonest first, as many as fit a legend. */
 void make_species_say(const struct make *m, json_t *plants);
+/* Adds a class of plants to META's "tints": [{"column", "classes": [{"name", "color": "#rrggbb" or null, "plants"}]}].
+ * A nested file counts once. */
+void make_tint_say(json_t *meta, const char *column, const char *name, json_t *color, uint64_t plants);
 /* META's "ground": where it comes from. */
 #define MAKE_GROUND_THROUGH "plants"
 const char *make_ground_origin(const struct make *m);

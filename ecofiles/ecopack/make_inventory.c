@@ -281,6 +281,40 @@ static json_t *place_json(const struct eco_source *outer)
 		place.latitude_deg, "convergence_deg", place.convergence_deg);
 }
 
+void make_tint_say(json_t *meta, const char *column, const char *name, json_t *color, uint64_t plants)
+{
+	json_t *tints = json_object_get(meta, "tints"), *tint = NULL, *class = NULL;
+	size_t i;
+	if (!tints)
+		json_object_set_new(meta, "tints", tints = json_array());
+	json_array_foreach(tints, i, tint)
+		if (strcmp(json_string_value(json_object_get(tint, "column")), column) == 0)
+			break;
+	if (i == json_array_size(tints))
+		json_array_append_new(tints, tint = json_pack("{s:s, s:[]}", "column", column, "classes"));
+	json_t *classes = json_object_get(tint, "classes");
+	json_array_foreach(classes, i, class)
+		if (strcmp(json_string_value(json_object_get(class, "name")), name) == 0
+				&& json_equal(json_object_get(class, "color"), color))
+			break;
+	if (i == json_array_size(classes))
+		json_array_append_new(classes, class = json_pack("{s:s, s:O, s:I}", "name", name, "color", color, "plants",
+			(json_int_t)0));
+	json_object_set_new(class, "plants",
+		json_integer(json_integer_value(json_object_get(class, "plants")) + (json_int_t)plants));
+	json_decref(color);
+}
+
+static void say_tints(const struct make *m, json_t *meta)
+{
+	for (uint32_t s = 0; s < m->sources.count; s++)
+		for (uint32_t i = 0; i < m->ecos[s].tints.class_count; i++) {
+			const struct eco_tint_legend *c = &m->ecos[s].tints.classes[i];
+			make_tint_say(meta, c->column, c->name, c->own ? json_null()
+				: json_sprintf("#%02x%02x%02x", c->rgb[0], c->rgb[1], c->rgb[2]), c->plants);
+		}
+}
+
 json_t *make_meta(const struct make *m)
 {
 	const struct eco_source *outer = &m->sources.items[0];
@@ -297,6 +331,7 @@ json_t *make_meta(const struct make *m)
 		(json_int_t)m->ecos[0].instances, "tiles", (json_int_t)m->scene.tile_count, "ground",
 		make_ground_origin(m), "off_ground", (json_int_t)m->off_ground, "rows", rows_json(m),
 		"plants", plants);
+	say_tints(m, root);
 	if (m->options->draft)
 		json_object_set_new(root, "draft", json_true());
 	return root;

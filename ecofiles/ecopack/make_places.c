@@ -153,14 +153,14 @@ static double row_scale(const struct make *m, uint32_t plant, const struct eco_p
 }
 
 /* The code of the width that a crown has beside the plant's scale; 0: the model's own, or none is known. */
-static uint16_t row_width(const struct make *m, uint32_t plant, const struct eco_position *row, double scale)
+static uint8_t row_width(const struct make *m, uint32_t plant, const struct eco_position *row, double scale)
 {
 	double own = m->plants[plant].crown * scale;
 	if (isnan(row->crown_radius_m) || !(own > 0))
 		return 0;
 	double code = floor(ECO_WIDTH_ONE * row->crown_radius_m * row->scale / own + 0.5);
 	code = fmin(fmax(code, ECO_WIDTH_LEAST), ECO_WIDTH_MOST);
-	return code == ECO_WIDTH_ONE ? 0 : (uint16_t)code;
+	return code == ECO_WIDTH_ONE ? 0 : (uint8_t)code;
 }
 
 /* Which row of the source's inventory number `file`, from 1 on, the place is. */
@@ -176,7 +176,7 @@ static void note_row(const struct make *m, struct make_place *place, const struc
 
 static void read_rows(struct make *m, uint32_t source, struct eco_positions *reader, uint32_t number)
 {
-	const char *path = m->sources.items[source].positions[number].path;
+	const struct eco_positions_spec *spec = &m->sources.items[source].positions[number];
 	struct eco_position row;
 	for (uint64_t i = 0;; i++) {
 		eco_check(eco_positions_next(reader, &row, m->error));
@@ -188,10 +188,11 @@ static void read_rows(struct make *m, uint32_t source, struct eco_positions *rea
 			.scale = row_scale(m, plant, &row), .species = species_of(m, source, row.plant, row.species),
 			.turn = eco_angle16_from_deg(row.yaw_deg) };
 		place.width = row_width(m, plant, &row, place.scale);
+		place.tint = eco_tints_value(&m->ecos[source].tints, &spec->tint, row.tint);
 		note_row(m, &place, reader, number + 1, &row);
 		add_place(m, source, &place);
 		if (i % 4096 == 0)
-			main_progress("reading positions", path, 0);
+			main_progress("reading positions", spec->path, 0);
 	}
 }
 
@@ -219,6 +220,9 @@ static void place_rows(struct make *m, uint32_t source)
 		eco_positions_report(reader, main_note_text, NULL);
 		eco_positions_close(reader);
 	}
+	eco_check(eco_tints_settle(&eco->tints, m->error));
+	for (uint32_t i = 0; i < eco->place_count; i++)
+		eco->places[i].tint = eco_tints_class(&eco->tints, eco->places[i].tint);
 }
 
 static void place_scatters(struct make *m, uint32_t source)
@@ -452,6 +456,8 @@ void make_places_free(struct make *m)
 {
 	if (m->ecos)
 		make_places_drop(m);
+	for (uint32_t s = 0; m->ecos && s < m->sources.count; s++)
+		eco_tints_free(&m->ecos[s].tints);
 	free(m->ecos);
 	eco_string_pool_free(&m->species);
 }

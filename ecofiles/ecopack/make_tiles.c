@@ -66,13 +66,15 @@ static int32_t round_scale(double scale)
 	return (int32_t)(floor(whole / step + 0.5) * step);
 }
 
-/* Lists of plants in their models' proportions store no widths. */
-static bool has_widths(const struct stand *stand)
+/* Lists of plants in their models' proportions store no widths, those without a class no tints. */
+static uint8_t attributes_of(const struct stand *stand)
 {
-	for (uint32_t k = 0; k < stand->count; k++)
-		if (stand->eco->places[stand->items[k]].width)
-			return true;
-	return false;
+	uint8_t attributes = ECO_ATTR_PLACE;
+	for (uint32_t k = 0; k < stand->count; k++) {
+		const struct make_place *p = &stand->eco->places[stand->items[k]];
+		attributes |= (p->width ? ECO_ATTR_WIDTH : 0) | (p->tint ? ECO_ATTR_COLOR : 0);
+	}
+	return attributes;
 }
 
 static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
@@ -81,13 +83,17 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	const struct stand *stand = (const struct stand *)m->stands.items + i;
 	struct stand_list *made = result;
 	uint32_t count = stand->count, end_count = 0, ends[512];
-	bool wide = has_widths(stand);
 	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count,
-		.extra_count = wide ? 3 : 2, .corners = eco_alloc(count, 1),
-		.position = eco_alloc(count, 3 * sizeof(int32_t)), .extra = eco_alloc(count, 3 * sizeof(int32_t)) };
+		.corners = eco_alloc(count, 1), .position = eco_alloc(count, 3 * sizeof(int32_t)),
+		.extra = eco_alloc(count, 4 * sizeof(int32_t)) };
 	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS,
-		.attributes = wide ? ECO_ATTR_WIDTH | ECO_ATTR_PLACE : ECO_ATTR_PLACE, .owner = stand->tile, .group_count = stand->group_count,
+		.attributes = attributes_of(stand), .owner = stand->tile, .group_count = stand->group_count,
 		.image = ECO_NONE, .partner = ECO_NONE };
+	if (made->list.attributes & ECO_ATTR_COLOR) {
+		made->list.palette_first = stand->eco->tint_first;
+		made->list.palette_count = stand->eco->tints.class_count;
+	}
+	e.extra_count = eco_list_extra_count(&made->list);
 	instance_grid(m, stand, &made->list);
 	for (uint32_t k = 0; k < count; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];
@@ -97,11 +103,13 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 				(int32_t)floor((p->at[axis] - made->list.grid_origin[axis])
 				/ made->list.grid_step[axis] + 0.5);
 		int32_t *extra = e.extra + (size_t)k * e.extra_count;
-		if (wide)
+		if (made->list.attributes & ECO_ATTR_COLOR)
+			*extra++ = (int32_t)p->tint;
+		if (made->list.attributes & ECO_ATTR_WIDTH)
 			*extra++ = p->width;
 		extra[0] = round_turn(p->turn);
 		extra[1] = round_scale(p->scale);
-		struct eco_place twin = eco_place_of(&e, k);
+		struct eco_place twin = eco_place_of(&made->list, &e, k);
 		eco_record_write(&made->twin, ECO_SECTION_PLACES, &twin);
 	}
 	for (uint32_t end = 0; end < count && end_count < 512;)
@@ -219,6 +227,15 @@ static void add_tile(struct make *m, uint32_t source, uint32_t index)
 	tile->child_count = (uint32_t)m->children.count - tile->child_first;
 }
 
+static void add_tint_colors(struct make *m, struct make_eco *eco)
+{
+	uint8_t rgb[ECO_LIST_TINTS_MAX][3];
+	for (uint32_t i = 0; i < eco->tints.class_count; i++)
+		memcpy(rgb[i], eco->tints.classes[i].rgb, sizeof *rgb);
+	if (eco->tints.class_count)
+		eco->tint_first = make_add_colors(m, (const uint8_t (*)[3])rgb, eco->tints.class_count);
+}
+
 static void add_tiles(struct make *m)
 {
 	uint64_t total = 0;
@@ -229,9 +246,11 @@ static void add_tiles(struct make *m)
 	if (total >= ECO_NONE / 4)
 		eco_stop(ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest eco files",
 			(unsigned long long)total);
-	for (uint32_t s = 0; s < m->sources.count; s++)
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		add_tint_colors(m, &m->ecos[s]);
 		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++)
 			add_tile(m, s, i);
+	}
 	eco_check(main_jobs_run(&(struct main_jobs){ .count = m->stands.count, .threads = make_threads(m),
 		.result_size = sizeof(struct stand_list), .work = encode_stand, .take = add_stand,
 		.drop = drop_stand, .ctx = m }, m->error));
@@ -305,7 +324,7 @@ static enum eco_code encode_summary(void *ctx, uint64_t i, void *result, struct 
 	lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene,
 		.pools = summing->pools, .tile = tile, .count = lod_summary_count(&scene->tiles[tile]),
 		.seed = 1, .roots = (const struct lod_summary_root *const *)summing->roots,
-		.color_of = summing->palette.color_of });
+		.color_of = summing->palette.color_of, .color_count = summing->palette.color_count });
 	made->any = summary.count > 0;
 	if (made->any)
 		lod_summary_list(&summary, scene, tile, summing->palette.count, &made->list, &elements);

@@ -49,7 +49,7 @@ static const char *bad_values(const struct eco_scene *s, const struct eco_list *
 		return "has other attributes than its list says";
 	for (uint32_t i = 0; i < e->element_count && e->extra_count; i++) {
 		const int32_t *extra = e->extra + (size_t)e->extra_count * i;
-		if (color && !in_range(extra[0], list->palette_count))
+		if (color && !in_range(extra[0], list->palette_count + (place ? 1ull : 0)))
 			return "names a colour outside its palette";
 		if (plant && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_PLANT)], s->plant_count))
 			return "names a plant that is not there";
@@ -80,9 +80,9 @@ static void compare_places(struct verify *v, uint32_t list_id, uint32_t chunk, u
 		return;
 	uint64_t at = s->groups[v->group_of[list_id]].place_first + first;
 	for (uint32_t i = 0; i < e->element_count; i++) {
-		struct eco_place a = eco_place_read(s, at + i), b = eco_place_of(e, i);
+		struct eco_place a = eco_place_read(s, at + i), b = eco_place_of(&s->lists[list_id], e, i);
 		if (memcmp(a.position, b.position, sizeof a.position) || a.turn != b.turn
-				|| a.width != b.width || a.scale != b.scale) {
+				|| a.width != b.width || a.tint != b.tint || a.scale != b.scale) {
 			complain(v, "list %u, chunk %u: instance %u differs from place %" PRIu64, list_id,
 				chunk, first + i, at + i);
 			return;

@@ -78,8 +78,9 @@ uint32_t eco_list_needs(const struct eco_list *list)
 		[ECO_LIST_INVENTORY] = 0 };
 	if (list->attributes & ECO_ATTR_SPLAT)
 		return ECO_NEED_SPLATS | (list->attributes & ECO_ATTR_PLANT ? ECO_NEED_SUMMARIES : 0);
-	if (list->kind == ECO_LIST_INSTANCES && list->attributes & ECO_ATTR_WIDTH)
-		return ECO_NEED_WIDTHS;
+	if (list->kind == ECO_LIST_INSTANCES)
+		return (list->attributes & ECO_ATTR_WIDTH ? ECO_NEED_WIDTHS : 0u)
+			| (list->attributes & ECO_ATTR_COLOR ? ECO_NEED_TINTS : 0u);
 	return list->attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES : of_kind[list->kind];
 }
 
@@ -93,18 +94,19 @@ const struct eco_group *eco_list_groups(const struct eco_scene *scene, uint32_t 
 	return group;
 }
 
-struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index)
+struct eco_place eco_place_of(const struct eco_list *list, const struct eco_elements *instances, uint32_t index)
 {
 	const int32_t *position, *extra;
-	assert(index < instances->element_count && instances->extra_count >= 2);
+	assert(index < instances->element_count && instances->extra_count == eco_list_extra_count(list));
 	position = instances->position + 3 * (size_t)index;
-	/* PLACE comes last among the attributes, and only WIDTH may stand before it. */
-	extra = instances->extra + (size_t)instances->extra_count * index + instances->extra_count - 2;
-	uint16_t width = instances->extra_count > 2 ? (uint16_t)extra[-1] : 0;
+	extra = instances->extra + (size_t)instances->extra_count * index;
+	uint8_t tint = list->attributes & ECO_ATTR_COLOR ? (uint8_t)*extra++ : 0,
+		width = list->attributes & ECO_ATTR_WIDTH ? (uint8_t)*extra++ : 0;
 	return (struct eco_place){
 		.position = { position[0], position[1], position[2] },
 		.turn = (uint16_t)extra[0],
 		.width = width,
+		.tint = tint,
 		.scale = (uint32_t)extra[1],
 	};
 }

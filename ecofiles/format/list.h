@@ -62,7 +62,8 @@ enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER
 
 /* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
 enum eco_attr {
-	ECO_ATTR_COLOR = 1,      /* palette index, relative to the list's palette_first */
+	/* palette index, relative to the list's palette_first; instances: tint (pack.h), 0: none, else index + 1 */
+	ECO_ATTR_COLOR = 1,
 	/* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
 	ECO_ATTR_UV = 2,
 	/* lines: full width in units of grid_step[0]; instances: width across the height's scale, a code for
@@ -140,6 +141,12 @@ static inline bool eco_list_has_texels(const struct eco_list *list)
 {
 	return list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE
 		|| list->kind == ECO_LIST_GROUND_IMAGE;
+}
+
+/* Whether all of its elements are wood: connected triangles, or lines that are no form of leaves. */
+static inline bool eco_list_is_wood(const struct eco_list *list)
+{
+	return list->coder == ECO_CODER_MESH || (list->kind == ECO_LIST_LINES && list->coder == ECO_CODER_ELEMENTS);
 }
 
 /* Vertices of one primitive of the list: 1, 2 or 3; 0 for instances, ground and images. */

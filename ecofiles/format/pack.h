@@ -41,7 +41,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define ECO_PACK_VERSION 21u
+#define ECO_PACK_VERSION 22u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 
@@ -51,7 +51,8 @@ enum eco_need {                  /* what a scene uses; a reader skips what is no
 	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256,
 	ECO_NEED_SPLATS = 512, ECO_NEED_IMPOSTORS = 1024, ECO_NEED_GROUND_IMAGE = 2048,
 	ECO_NEED_WIDTHS = 4096,  /* instances with a width of their own */
-	ECO_NEEDS_ALL = 8191
+	ECO_NEED_TINTS = 8192,   /* instances with a colour by a column of their inventory */
+	ECO_NEEDS_ALL = 16383
 };
 
 enum eco_organ { ECO_ORGAN_WOOD, ECO_ORGAN_FOLIAGE, ECO_ORGAN_FLOWER, ECO_ORGAN_COUNT };
@@ -187,14 +188,18 @@ struct eco_place {
 	int32_t position[3];
 	uint16_t turn;               /* yaw, 1/65536 turns */
 	uint32_t scale;              /* 1/65536 */
-	uint16_t width;              /* across: a code for eco_place_width; 0: as high */
+	uint8_t width;               /* across: a code for eco_place_width; 0: as high */
+	/* 0: none, else a colour of its list's palette, and 1 more, which colours what does not keep its own (lod/tint.h);
+	 * 0, 0, 0 there is a class that stays as it is */
+	uint8_t tint;
 };
-#define ECO_PLACE_BYTES 20u      /* i32 x 3, u16 turn, u16 width, u32 scale */
+#define ECO_PLACE_BYTES 20u      /* i32 x 3, u16 turn, u8 width, u8 tint, u32 scale */
+#define ECO_LIST_TINTS_MAX 255u       /* classes of an instance list */
 #define ECO_WIDTH_ONE 64u
 #define ECO_WIDTH_LEAST 16u      /* a quarter of the model's proportions */
 #define ECO_WIDTH_MOST 255u
 /* The factor of x and y beside the scale. */
-static inline double eco_place_width(uint16_t code) { return code ? code / (double)ECO_WIDTH_ONE : 1; }
+static inline double eco_place_width(uint8_t code) { return code ? code / (double)ECO_WIDTH_ONE : 1; }
 
 struct eco_child {               /* child tile ids are greater than their parent's: the tree has no cycle */
 	uint32_t tile;
@@ -265,7 +270,7 @@ uint32_t eco_list_needs(const struct eco_list *list);
 const struct eco_group *eco_list_groups(const struct eco_scene *scene, uint32_t list);
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index);      /* index < place_count */
 /* The same for an instance of a decoded list. */
-struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index);
+struct eco_place eco_place_of(const struct eco_list *list, const struct eco_elements *instances, uint32_t index);
 
 /* ---- Reading ---- */
 

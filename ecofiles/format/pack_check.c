@@ -88,6 +88,8 @@ const char *eco_list_fault(const struct eco_list *l)
 		return "its unit area is impossible";
 	if ((l->attributes & ECO_ATTR_COLOR) && !l->palette_count)
 		return "it has colours but no palette";
+	if (l->kind == ECO_LIST_INSTANCES && l->palette_count > ECO_LIST_TINTS_MAX)
+		return "it has too many tints";
 	if ((l->kind == ECO_LIST_GROUND) != (l->columns != 0)
 			|| (l->columns && l->primitive_count % l->columns))
 		return "its rows of samples are impossible";

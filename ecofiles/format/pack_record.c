@@ -157,7 +157,8 @@ static const struct field chunk_fields[] = {
 };
 
 static const struct field place_fields[] = {
-	ARRAY(place, position), ONE(place, turn), ONE(place, width), ONE(place, scale),
+	ARRAY(place, position), ONE(place, turn), ONE(place, width), ONE(place, tint),
+	ONE(place, scale),
 };
 
 static const struct field palette_fields[] = { { VALUES, 1, 3, 0 } };
@@ -240,7 +241,8 @@ struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index)
 	return (struct eco_place){
 		.position = { (int32_t)word[0], (int32_t)word[1], (int32_t)word[2] },
 		.turn = (uint16_t)word[3],
-		.width = (uint16_t)(word[3] >> 16),
+		.width = (uint8_t)(word[3] >> 16),
+		.tint = (uint8_t)(word[3] >> 24),
 		.scale = word[4],
 	};
 }

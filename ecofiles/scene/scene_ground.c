@@ -64,8 +64,7 @@ static const struct eco_field image_fields[] = {
 	PLACE(ground_image_source), ECO_FIELDS_END
 };
 
-/* "#rrggbb" */
-static void parse_color(const struct eco_json *at, uint8_t rgb[3])
+void eco_scene_color(const struct eco_json *at, uint8_t rgb[3])
 {
 	unsigned value = 0;
 	int end = 0;
@@ -103,7 +102,7 @@ static void parse_classes(struct eco_ground_image_source *image, const struct ec
 		class->number = (int32_t)number;
 		class->clear = json_is_null(member.value);
 		if (!class->clear)
-			parse_color(&member, class->rgb);
+			eco_scene_color(&member, class->rgb);
 	}
 	qsort(image->classes, image->class_count, sizeof *image->classes, by_number);
 	for (uint32_t i = 1; i < image->class_count; i++)

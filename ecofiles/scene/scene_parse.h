@@ -59,6 +59,8 @@ void eco_scene_choice(const struct eco_json *at, const char *key, const char *co
 #define ECO_COLUMN_BYTES 256u
 /* Keeps a text, in the place of what *out was. */
 void eco_scene_copy(const struct eco_json *at, size_t bytes_max, char **out);
+/* "#rrggbb" */
+void eco_scene_color(const struct eco_json *at, uint8_t rgb[3]);
 /* How many an array has; what is no array is one, its own first. */
 size_t eco_scene_several(const struct eco_json *at);
 struct eco_json eco_scene_one(const struct eco_json *at, size_t index);

@@ -22,7 +22,7 @@ static const struct eco_field row_fields[] = {
 	FIELD("unit", UNIT, 0, 0, unit_m), ECO_OTHER("polar"), ECO_OTHER("quadrat"), FIELD("crs", CRS, 0, 0, crs),
 	FIELD("vertical", TEXT, 0, 0, vertical), ECO_OTHER("separator"), ECO_OTHER("decimal"),
 	ECO_OTHER("thousands"), ECO_OTHER("species"), FIELD("codes", TEXT, 0, 0, codes), ECO_OTHER("map"), ECO_OTHER("plant"),
-	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"),
+	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("tint"),
 	FIELD("levels", WHOLE, 1, 1024, levels), COLUMN("scale", scale), COLUMN("yaw_deg", yaw_deg),
 	ECO_OTHER("duplicates"), ECO_OTHER("grown"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
 };
@@ -371,6 +371,79 @@ static void parse_crown(const struct eco_source *source, const struct eco_json *
 	spec->crown.by_species = otherwise == 0;
 }
 
+/* ---- Tints ---- */
+
+#define BREAKS_MAX (ECO_TINT_CLASSES_MAX - 1)
+
+static const struct eco_field tint_fields[] = {
+	ECO_FIELD("column", COLUMN | ECO_IS_REQUIRED, 0, 0, tint, column), ECO_OTHER("palette"), ECO_OTHER("breaks"),
+	ECO_FIELDS_END
+};
+
+static void add_class(const struct eco_json *at, const char *name, struct eco_tint *tint)
+{
+	uint8_t rgb[3];
+	if (!json_is_null(at->value))
+		eco_scene_color(at, rgb);
+	eco_tint_add(tint, name, NULL, json_is_null(at->value) ? NULL : rgb);
+}
+
+/* The name of one of words/tints.tsv, value -> colour, or colours. */
+static void parse_palette(const struct eco_json *at, struct eco_tint *tint)
+{
+	struct eco_json entry = { .file = NULL };
+	char names[200];
+	if (json_is_object(at->value)) {
+		eco_scene_need(eco_json_names(at, ECO_TINT_CLASSES_MAX));
+		while (eco_json_next(at, &entry))
+			add_class(&entry, strcmp(entry.key, "*") == 0 ? ECO_TINT_OTHER : *entry.key ? entry.key
+				: ECO_TINT_NOT_STATED, tint);
+	} else if (json_is_array(at->value)) {
+		eco_scene_need(eco_json_array(at, ECO_TINT_CLASSES_MAX));
+		for (size_t i = 0; i < eco_scene_several(at); i++) {
+			entry = eco_scene_one(at, i);
+			add_class(&entry, ECO_TINT_FREE, tint);
+		}
+	} else if (!json_is_string(at->value) || !eco_tint_palette(tint, json_string_value(at->value)))
+		eco_scene_fail(at, "a palette is one of %s; or {\"VALUE\": \"#rrggbb\"}, with null for plants that keep their "
+			"colour; or an array of colours", eco_tint_palettes(names, sizeof names));
+	if (tint->class_count == 0)
+		eco_scene_fail(at, "a palette without a colour");
+}
+
+static void parse_breaks(const struct eco_json *at, const struct eco_json *palette, struct eco_tint *tint)
+{
+	size_t count = eco_scene_several(at);
+	eco_scene_need(eco_json_array(at, BREAKS_MAX));
+	if (json_is_object(palette->value) || (json_is_array(palette->value) && tint->class_count != count + 1))
+		eco_scene_fail(palette, "%zu breaks need the name of a palette, or an array of %zu colours", count, count + 1);
+	tint->breaks = eco_alloc(count, sizeof *tint->breaks);
+	for (size_t i = 0; i < count; i++) {
+		struct eco_json item = eco_scene_one(at, i);
+		tint->breaks[i] = json_is_number(item.value) ? json_number_value(item.value) : NAN;
+		if (isnan(tint->breaks[i]) || (i && !(tint->breaks[i] > tint->breaks[i - 1])))
+			eco_scene_fail(&item, "breaks are numbers that ascend");
+	}
+	tint->break_count = (uint32_t)count;
+	if (count)
+		eco_tint_divide(tint);
+}
+
+static void parse_tint(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	struct eco_json node = eco_json_member(at, "tint"), palette = eco_json_member(&node, "palette"),
+		breaks = eco_json_member(&node, "breaks");
+	if (!node.value)
+		return;
+	eco_scene_fields(source, &node, tint_fields, &spec->tint);
+	eco_scene_need(eco_json_required(&node, "palette"));
+	spec->tint.decimal = spec->decimal ? spec->decimal : '.';
+	parse_palette(&palette, &spec->tint);
+	if (breaks.value)
+		parse_breaks(&breaks, &palette, &spec->tint);
+	eco_tint_close(&spec->tint);
+}
+
 /* ---- The entry ---- */
 
 static void parse_sign(const struct eco_json *at, const char *key, const char *const *signs, const char *says,
@@ -441,6 +514,7 @@ void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json
 	parse_species(source, at, spec);
 	parse_height(source, at, spec);
 	parse_crown(source, at, spec);
+	parse_tint(source, at, spec);
 	parse_filters(at, &spec->filters, &spec->filter_count);
 	parse_place(source, at, spec);
 }
@@ -456,6 +530,7 @@ void eco_positions_spec_free(struct eco_positions_spec *spec)
 	eco_scene_fields_free(row_fields, spec);
 	eco_scene_fields_free(polar_fields, spec);
 	eco_scene_fields_free(quadrat_fields, spec);
+	eco_tint_free(&spec->tint);
 	free(spec->fallback.name);
 	for (uint32_t i = 0; i < ECO_SPECIES_COLUMNS; i++)
 		free(spec->species[i]);

@@ -171,7 +171,7 @@ static double weigh(struct patches *patches, const struct lod_plant *plant)
 
 /* ---- Points ---- */
 
-struct pooled { float at[3]; uint32_t color; };
+struct pooled { float at[3]; uint32_t color; bool keeps; };
 
 static void point_on(const struct patches *patches, uint32_t patch, uint32_t number, float out[3])
 {
@@ -199,7 +199,7 @@ static void point_on(const struct patches *patches, uint32_t patch, uint32_t num
 }
 
 /* One point in each of `count` equal parts of the summed weights. */
-static void sample(const struct patches *patches, double total, struct pooled *out, uint32_t count)
+static void sample(const struct patches *patches, double total, bool leafy, struct pooled *out, uint32_t count)
 {
 	double before = 0;
 	uint32_t at = 0;
@@ -209,6 +209,7 @@ static void sample(const struct patches *patches, double total, struct pooled *o
 			before += patches->items[at++].weight;
 		point_on(patches, at, i, out[i].at);
 		out[i].color = patches->items[at].color;
+		out[i].keeps = leafy && patches->items[at].organ == ECO_ORGAN_WOOD;
 	}
 	lod_shuffle(out, count, sizeof *out, SEED);
 }
@@ -231,20 +232,21 @@ void lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_
 	struct patches patches = { 0 };
 	assert(count >= 1);
 	*pool = (struct lod_pool){ .position = eco_alloc(count, sizeof *pool->position),
-		.color = eco_alloc(count, sizeof *pool->color) };
+		.color = eco_alloc(count, sizeof *pool->color), .keeps = eco_alloc(count, sizeof *pool->keeps) };
 	struct pooled *points = eco_alloc(count, sizeof *points);
 	collect(&patches, plant, palette_first);
 	double total = weigh(&patches, plant);
 	pool->count = total > 0 ? count : 1;
 	pool->level = level_of(plant);
 	if (total > 0)
-		sample(&patches, total, points, count);
+		sample(&patches, total, plant->plant.leaf_width, points, count);
 	else                     /* nothing to take points from: the plant's middle */
 		points[0] = (struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1],
-			plant->anchors[0].center[2] }, palette_first };
+			plant->anchors[0].center[2] }, palette_first, false };
 	for (uint32_t i = 0; i < pool->count; i++) {
 		memcpy(pool->position[i], points[i].at, sizeof points[i].at);
 		pool->color[i] = points[i].color;
+		pool->keeps[i] = points[i].keeps;
 	}
 	free(points);
 	free_patches(&patches);
@@ -254,5 +256,6 @@ void lod_pool_free(struct lod_pool *pool)
 {
 	free(pool->position);
 	free(pool->color);
+	free(pool->keeps);
 	*pool = (struct lod_pool){ 0 };
 }

@@ -9,6 +9,7 @@ struct lod_pool {                /* owns its arrays */
 	uint32_t count;              /* >= 1 */
 	float (*position)[3];        /* plant space */
 	uint32_t *color;             /* index into the scene's palette */
+	bool *keeps;                 /* wood of a plant with leaves: its colour whatever the tint (lod/tint.h) */
 	uint8_t level;               /* of the plant's leaves, as in lists of points */
 };
 /* Points in random order. `palette_first`: start of the plant's palette in the scene's. */

@@ -10,6 +10,7 @@
 #include "lod/build/palette.h"
 #include "lod/eye.h"
 #include "lod/sort.h"
+#include "lod/tint.h"
 
 #define GOLDEN 0.61803398874989484820    /* multiples of it, modulo 1, fill [0, 1) evenly for any number of
                                           * them */
@@ -110,6 +111,12 @@ static uint16_t color_of(const struct drawing *d, uint32_t color)
 	return d->input->color_of ? d->input->color_of[color] : (uint16_t)color;
 }
 
+/* A point of a pool in a place with a tint: see lod_summary_input. */
+static uint32_t tinted_color(uint32_t color_count, const struct lod_pool *pool, uint32_t pick, uint32_t tint)
+{
+	return pool->color[pick] + (pool->keeps[pick] ? 0 : color_count * tint);
+}
+
 /* The first `count` points of a tile's own sequence. */
 static void draw_points(struct drawing *d, const struct visit *visit, const struct eco_tile *tile,
 	uint32_t places, uint32_t count)
@@ -133,7 +140,7 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 		lod_place_point(&stands, pool->position[pick], point->at);
 		point->plant = group->plant;
 		point->key = (uint16_t)(eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
-		point->color = color_of(d, pool->color[pick]);
+		point->color = color_of(d, tinted_color(d->input->color_count, pool, pick, stored.tint));
 		count_level(d, pool->level);
 	}
 }
@@ -254,11 +261,38 @@ struct nested { uint32_t tile; double area; };
 struct shares {
 	const struct lod_summary_input *input;
 	struct lod_arena arena;
-	double *plant;               /* per plant of the scene: summed area */
+	double *plant;               /* per plant of the scene, without a tint, then with each: summed area */
 	struct nested *nested;       uint32_t nested_count;  /* placed children, in the order of tiles */
 	double total;
-	uint64_t *weight;            /* per colour of the scene */
+	uint64_t *weight;            /* per colour, as lod_summary_input has it */
+	const uint8_t (*tints)[3];   uint32_t tint_count;    /* of the file's instance lists */
 };
+
+static void add_group(struct shares *s, const struct eco_group *group)
+{
+	const struct eco_scene *scene = s->input->scene;
+	double area = (double)scene->plants[group->plant].area;
+	if (!(scene->lists[group->list].attributes & ECO_ATTR_COLOR)) {
+		s->plant[group->plant] += (double)group->count * area;
+		return;
+	}
+	for (uint32_t i = 0; i < group->count; i++)
+		s->plant[eco_place_read(scene, group->place_first + i).tint * scene->plant_count + group->plant] += area;
+}
+
+/* An eco file's instance lists have one palette. */
+static void find_tints(struct shares *s, uint32_t first, uint32_t end)
+{
+	const struct eco_scene *scene = s->input->scene;
+	for (uint32_t t = first; t < end; t++)
+		for (uint32_t g = 0; g < scene->tiles[t].group_count; g++) {
+			const struct eco_list *list = &scene->lists[scene->groups[scene->tiles[t].group_first + g].list];
+			if (list->palette_count) {
+				s->tints = scene->palette + list->palette_first;
+				s->tint_count = list->palette_count;
+			}
+		}
+}
 
 static void add_up(struct shares *s, uint32_t first, uint32_t end)
 {
@@ -269,7 +303,7 @@ static void add_up(struct shares *s, uint32_t first, uint32_t end)
 			const struct eco_group *group = &scene->groups[tile->group_first + g];
 			double area = (double)group->count
 				* (double)scene->plants[group->plant].area;
-			s->plant[group->plant] += area;
+			add_group(s, group);
 			s->total += area;
 		}
 		for (uint32_t c = 0; c < tile->child_count; c++) {
@@ -293,13 +327,14 @@ static uint64_t weight_of(const struct shares *s, double area, uint32_t points)
 
 static void weigh_plants(struct shares *s)
 {
-	for (uint32_t p = 0; s->input->pools && p < s->input->scene->plant_count; p++) {
-		const struct lod_pool *pool = &s->input->pools[p];
-		if (!(s->plant[p] > 0))
+	const struct eco_scene *scene = s->input->scene;
+	for (uint32_t k = 0; s->input->pools && k < scene->plant_count * (s->tint_count + 1); k++) {
+		const struct lod_pool *pool = &s->input->pools[k % scene->plant_count];
+		if (!(s->plant[k] > 0))
 			continue;
-		uint64_t weight = weight_of(s, s->plant[p], pool->count);
+		uint64_t weight = weight_of(s, s->plant[k], pool->count);
 		for (uint32_t i = 0; i < pool->count; i++)
-			s->weight[pool->color[i]] += weight;
+			s->weight[tinted_color(scene->palette_count, pool, i, k / scene->plant_count)] += weight;
 	}
 }
 
@@ -334,14 +369,25 @@ static uint32_t count_placed(const struct eco_scene *scene, uint32_t first, uint
 	return count;
 }
 
+/* Of lod_summary_input.color_of. */
+static void color_at(const struct shares *s, uint32_t i, uint8_t rgb[3])
+{
+	const struct eco_scene *scene = s->input->scene;
+	uint32_t tint = i / scene->palette_count;
+	memcpy(rgb, scene->palette[i % scene->palette_count], 3);
+	if (tint)
+		lod_tint_apply(lod_tint_word(s->tints[tint - 1]), rgb);
+}
+
 static void make_palette(struct shares *s, struct lod_palette *palette)
 {
 	const struct eco_scene *scene = s->input->scene;
-	uint8_t (*rgb)[3] = lod_arena_take(&s->arena, scene->palette_count, sizeof *rgb);
-	uint32_t *weights = lod_arena_take(&s->arena, scene->palette_count, sizeof *weights), count = 0;
-	for (uint32_t i = 0; i < scene->palette_count; i++)
+	uint32_t all = scene->palette_count * (s->tint_count + 1), count = 0;
+	uint8_t (*rgb)[3] = lod_arena_take(&s->arena, all, sizeof *rgb);
+	uint32_t *weights = lod_arena_take(&s->arena, all, sizeof *weights);
+	for (uint32_t i = 0; i < all; i++)
 		if (s->weight[i]) {
-			memcpy(rgb[count], scene->palette[i], sizeof rgb[count]);
+			color_at(s, i, rgb[count]);
 			weights[count++] = (uint32_t)(s->weight[i] >> 12);
 		}
 	lod_palette_make(palette, LOD_SUMMARY_COLORS, (const uint8_t (*)[3])rgb, weights, count, &s->arena);
@@ -356,11 +402,14 @@ static void choose(struct shares *s, struct lod_summary_palette *out)
 	uint16_t entry[LOD_SUMMARY_COLORS];
 	memset(entry, 0xff, sizeof entry);
 	make_palette(s, palette);
-	out->color_of = eco_alloc(scene->palette_count, sizeof *out->color_of);
-	for (uint32_t i = 0; i < scene->palette_count; i++) {
+	uint32_t all = scene->palette_count * (s->tint_count + 1);
+	out->color_of = eco_alloc(all, sizeof *out->color_of);
+	for (uint32_t i = 0; i < all; i++) {
+		uint8_t rgb[3];
 		if (!s->weight[i])
 			continue;
-		uint32_t k = lod_palette_index(palette, scene->palette[i]);
+		color_at(s, i, rgb);
+		uint32_t k = lod_palette_index(palette, rgb);
 		if (entry[k] == LOD_PALETTE_NONE) {
 			entry[k] = (uint16_t)out->count;
 			memcpy(out->rgb[out->count++], palette->rgb[k], sizeof *out->rgb);
@@ -374,11 +423,12 @@ void lod_summary_palette_make(struct lod_summary_palette *palette, const struct 
 {
 	const struct eco_scene *scene = input->scene;
 	struct shares s = { .input = input };
-	*palette = (struct lod_summary_palette){ .count = 0 };
-	s.plant = lod_arena_take(&s.arena, scene->plant_count, sizeof *s.plant);
+	*palette = (struct lod_summary_palette){ .color_count = scene->palette_count };
+	find_tints(&s, tile_first, tile_first + tile_count);
+	s.plant = lod_arena_take(&s.arena, (size_t)scene->plant_count * (s.tint_count + 1), sizeof *s.plant);
 	s.nested = lod_arena_take(&s.arena, count_placed(scene, tile_first, tile_first + tile_count),
 		sizeof *s.nested);
-	s.weight = lod_arena_take(&s.arena, scene->palette_count, sizeof *s.weight);
+	s.weight = lod_arena_take(&s.arena, (size_t)scene->palette_count * (s.tint_count + 1), sizeof *s.weight);
 	add_up(&s, tile_first, tile_first + tile_count);
 	weigh_plants(&s);
 	weigh_nested(&s);

@@ -34,9 +34,10 @@ struct lod_summary_input {
 	uint64_t seed;
 	/* Per tile, NULL for a tile to descend into; may itself be NULL. */
 	const struct lod_summary_root *const *roots;
-	/* Per colour of the scene, as pools and roots name it: that of a point (lod_summary_palette). NULL: the
-	 * same, of at most 65536. */
+	/* Per colour of the scene, as pools and roots name it, without a tint, then with each of the lists' tints: that
+	 * of a point (lod_summary_palette). NULL: the same, of at most 65536. */
 	const uint16_t *color_of;
+	uint32_t color_count;                /* of the scene, when color_of was made */
 };
 /* About four points a plant, within bounds. */
 uint32_t lod_summary_count(const struct eco_tile *tile);
@@ -49,13 +50,14 @@ void lod_summary_make(struct lod_summary *summary, const struct lod_summary_inpu
  * plants come, go or move. Nested files give the colours of their stored summaries.
  *
  *   lod_summary_palette_make(&palette, &input, tile_first, tile_count);
- *   input.color_of = palette.color_of;                      lod_summary_make(&summary, &input)
+ *   input.color_of = palette.color_of; input.color_count = palette.color_count;    lod_summary_make(&summary, &input)
  *   free(palette.color_of); */
 #define LOD_SUMMARY_COLORS 32u
 
 struct lod_summary_palette {
 	uint8_t rgb[LOD_SUMMARY_COLORS][3];      uint32_t count; /* 0: the tiles show nothing */
-	uint16_t *color_of;          /* per colour of the scene: its entry, 0 if no point has it; owned */
+	/* per colour, as lod_summary_input has it: its entry, 0 if no point has it; owned */
+	uint16_t *color_of;          uint32_t color_count;
 };
 
 /* Colours of points in tiles [tile_first, tile_first + tile_count), which are all of one eco file. The tile,

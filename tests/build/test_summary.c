@@ -18,6 +18,7 @@ static struct {
 	struct lod_pool pools[PLANTS];
 	float at[PLANTS][POINTS][3];
 	uint32_t color[PLANTS][POINTS];
+	bool keeps[POINTS];
 } w;
 
 static void add_group(uint32_t tile, uint32_t plant, uint32_t count, double x, double y)
@@ -30,7 +31,7 @@ static void add_group(uint32_t tile, uint32_t plant, uint32_t count, double x, d
 	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count, 0, 0 });
 	for (uint32_t i = 0; i < count; i++)
 		scene_add_place(b, (struct eco_place){ { (int32_t)(i * 100), (int32_t)(i % 3 * 100), 0 },
-			(uint16_t)(i * 7000), 65536, 0 });
+			(uint16_t)(i * 7000), 65536, 0, 0 });
 	b->tiles[tile].instance_count += count;
 	b->tiles[tile].area += count * (double)b->plants[plant].area;
 }
@@ -50,7 +51,7 @@ static void add_plant(float area, float z, uint32_t colors)
 		w.at[p][i][2] = z;
 		w.color[p][i] = w.b.scene.palette_count - colors + i % colors;
 	}
-	w.pools[p] = (struct lod_pool){ POINTS, w.at[p], w.color[p], (uint8_t)(100 + p) };
+	w.pools[p] = (struct lod_pool){ POINTS, w.at[p], w.color[p], w.keeps, (uint8_t)(100 + p) };
 }
 
 static void begin(uint32_t tiles)

@@ -153,7 +153,7 @@ UNIT_TEST(all_payloads_decode)
 				fail_msg("list %u: %s", i, error.text);
 			for (uint32_t n = 0; list->kind == ECO_LIST_INSTANCES && n < e.element_count;
 					n++, places++) {
-				struct eco_place a = eco_place_of(&e, n),
+				struct eco_place a = eco_place_of(list, &e, n),
 					b = eco_place_read(&pack->scene, places);
 				assert_memory_equal(a.position, b.position, sizeof a.position);
 				assert_int_equal(a.turn, b.turn);

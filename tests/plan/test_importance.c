@@ -64,7 +64,7 @@ static void add_places(uint32_t plant, uint32_t side)
 	for (uint32_t i = 0; i < side * side; i++)
 		if ((i % side + i / side) % SPECIES == plant)
 			scene_add_place(&scene, (struct eco_place){ { (int32_t)(1000 * PLACE_M * (i % side)),
-				(int32_t)(1000 * PLACE_M * (i / side)), 0 }, 0, 65536, 0 });
+				(int32_t)(1000 * PLACE_M * (i / side)), 0 }, 0, 65536, 0, 0 });
 }
 
 static const struct scene_builder nothing = { .scene.near_m = 0.1,

@@ -39,7 +39,7 @@ static void add_stand(uint32_t tile, int x, int y, int side, int apart)
 	scene_add_group(&scene, (struct eco_group){ tile, 0, list, scene.scene.place_count, 0, 0 });
 	for (int i = 0; i < side * side; i++)
 		scene_add_place(&scene, (struct eco_place){ { x + i % side * apart, y + i / side * apart, 3 },
-			0, 2 << 16, 0 });
+			0, 2 << 16, 0, 0 });
 }
 
 static void assert_look(const double low[3], const double high[3])

@@ -211,7 +211,7 @@ void scene_add_instances(struct scene_builder *b, uint32_t list, uint32_t plant)
 	scene_add_group(b, (struct eco_group){ b->lists[list].owner, plant, list,
 		b->scene.place_count, 0, e->element_count });
 	for (uint32_t i = 0; i < e->element_count; i++)
-		scene_add_place(b, eco_place_of(e, i));
+		scene_add_place(b, eco_place_of(&b->lists[list], e, i));
 }
 
 enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground *ground,

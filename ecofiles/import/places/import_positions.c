@@ -301,6 +301,7 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 	read_sizes(p, record);
 	record->yaw_deg = read_yaw(p);
 	record->scale = read_scale(p);
+	record->tint = p->spec->tint.column ? eco_row_field(p, ECO_COLUMN_TINT) : NULL;
 	record->row = p->rows->row;
 	record->line = p->rows->line;
 	p->plants++;
@@ -372,7 +373,7 @@ static void name_columns(const struct eco_positions_spec *s, const char *names[E
 {
 	const char *const fixed[ECO_COLUMN_HEIGHTS] = { s->x, s->y, s->z, s->species[0], s->species[1],
 		s->species[2], s->yaw_deg, s->scale, s->crown.columns[0], s->crown.columns[1], s->crown.columns[2],
-		s->crown.columns[3], s->quadrat.column, s->polar.azimuth, s->polar.distance };
+		s->crown.columns[3], s->quadrat.column, s->polar.azimuth, s->polar.distance, s->tint.column };
 	memset(names, 0, ECO_COLUMN_COUNT * sizeof *names);
 	memcpy(names, fixed, sizeof fixed);
 	for (uint32_t i = 0; i < s->height_count; i++)

@@ -16,6 +16,7 @@
 #include <stdint.h>
 
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/tints.h"
 #include "ecofiles/base/status.h"
 
 #define ECO_SPECIES_BYTES 255u
@@ -99,6 +100,7 @@ struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: n
 	struct eco_size *heights;    uint32_t height_count;
 	struct eco_crown crown;
 	bool stand;                  /* guesses are by curves of plants in stands, not in the open */
+	struct eco_tint tint;
 	/* 0: as they are; else heights of a plant are brought to at most so many values */
 	uint32_t levels;
 	char *yaw_deg;               /* 0: unlimited; else at most so many heights per plant */
@@ -118,6 +120,7 @@ struct eco_position {
 	/* as the row itself has it: UTF-8 without control characters, at most ECO_SPECIES_BYTES; "": it
 	 * states none; NULL: no column does. Valid until the next call */
 	const char *species;
+	const char *tint;            /* the field of the tint's column; NULL: there is none. Valid likewise */
 	uint32_t plant;              /* a variant, by a hash of the row's number; ECO_NONE: end */
 	uint32_t variant_first, variant_count;       /* the variants it was taken from */
 	double at[3];                /* metres from the origin; z is 0 if the row has none */

@@ -82,7 +82,7 @@ static void add_tile(struct scene_builder *b, uint32_t tile, uint32_t across, co
 		for (uint32_t i = 0; i < stand->each; i++, spot++)
 			scene_add_place(b,
 				(struct eco_place){ { (int32_t)(1000 * PLACE_M * (spot % TILE_SIDE)),
-				(int32_t)(1000 * PLACE_M * (spot / TILE_SIDE % TILE_SIDE)), 0 }, 0, 65536, 0 });
+				(int32_t)(1000 * PLACE_M * (spot / TILE_SIDE % TILE_SIDE)), 0 }, 0, 65536, 0, 0 });
 	}
 	scene_add_child(b, 0, (struct eco_child){ .tile = tile, .scale = 1 });
 	b->tiles[0].instance_count += count;
