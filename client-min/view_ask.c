@@ -333,7 +333,7 @@ static int by_list(const void *a, const void *b, void *ctx)
 	return x->index < y->index ? -1 : x->index > y->index;
 }
 
-/* Asks for plants of one list, all within TOGETHER of the first: {species, plant, file, row, line} of
+/* Asks for plants of one list, all within TOGETHER of the first: {species, plant, class, file, row, line} of
  * openapi.yaml's Plants. */
 static enum eco_code ask_together(const struct view_geojson_job *job, struct seen **seen, uint32_t count,
 	struct eco_error *error)
@@ -382,7 +382,7 @@ static enum eco_code ask(const struct view_geojson_job *job, struct seen *seen, 
 
 static void set_row(json_t *properties, const json_t *said)
 {
-	static const char *const names[] = { "species", "plant", "file", "row", "line" };
+	static const char *const names[] = { "species", "plant", "class", "file", "row", "line" };
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		json_t *value = json_object_get(said, names[i]);
 		if (json_object_set_new(properties, names[i], value ? json_incref(value) : json_null()))

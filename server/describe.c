@@ -4,6 +4,7 @@
 
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/inventory.h"
+#include "ecofiles/format/legend.h"
 #include "ecofiles/format/wire.h"
 #include "lod/eye.h"
 
@@ -85,6 +86,13 @@ static double number_in(const json_t *object, const char *key)
 	return json_number_value(json_object_get(object, key));
 }
 
+/* "": there is none. */
+static const char *text_in(const json_t *object, const char *key)
+{
+	const char *text = json_string_value(json_object_get(object, key));
+	return text ? text : "";
+}
+
 /* The scene's place on Earth, from the pack's META. null: the scene has its own coordinates only. */
 static void describe_origin(struct srv_json *json, const json_t *meta)
 {
@@ -102,6 +110,24 @@ static void describe_origin(struct srv_json *json, const json_t *meta)
 		srv_json_add(json, "longitude_deg:%g latitude_deg:%g convergence_deg:%g", number_in(place,
 			"longitude_deg"), number_in(place, "latitude_deg"), number_in(place, "convergence_deg"));
 	srv_json_add(json, "}");
+}
+
+/* By the pack's META: columns of inventories and their classes. */
+static void describe_tints(struct srv_json *json, const json_t *meta)
+{
+	const json_t *tint, *class;
+	size_t t, c;
+	srv_json_add(json, "tints:[");
+	json_array_foreach(json_object_get(meta, "tints"), t, tint) {
+		srv_json_add(json, "{column:%s classes:[", text_in(tint, "column"));
+		json_array_foreach(json_object_get(tint, "classes"), c, class) {
+			json_int_t plants = json_integer_value(json_object_get(class, "plants"));
+			srv_json_add(json, "{name:%s color:%s plants:%lu}", text_in(class, "name"),
+				json_string_value(json_object_get(class, "color")), plants > 0 ? (uint64_t)plants : 0);
+		}
+		srv_json_add(json, "]}");
+	}
+	srv_json_add(json, "]");
 }
 
 static void describe_box(struct srv_json *json, const double *low, const double *high)
@@ -131,6 +157,8 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, co
 	srv_json_add(json, "near_m:%g draft:%d", (double)tables->near_m, json_is_true(json_object_get(scene->meta, "draft")));
 	describe_origin(json, scene->meta);
 	describe_needs(json, tables->needs);
+	if (tables->needs & ECO_NEED_TINTS)
+		describe_tints(json, scene->meta);
 	srv_json_add(json, "cap_vertices:%lx cap_bytes:%lx", most->vertices, most->bytes);
 	describe_links(json, scene);
 	srv_json_add(json, "}");
@@ -148,9 +176,12 @@ uint32_t srv_plants_list(const struct srv_scene *scene, const char *text)
 		: ECO_NONE;
 }
 
-static void describe_row(struct srv_json *json, const char *plant, const struct eco_inventory_row *row)
+static void describe_row(struct srv_json *json, const char *plant, const char *class,
+	const struct eco_inventory_row *row)
 {
 	srv_json_add(json, "{species:%s plant:%s", eco_inventory_species(row, plant), plant);
+	if (class)
+		srv_json_add(json, "class:%s", class);
 	if (row->file)
 		srv_json_add(json, "file:%s row:%u", row->file, row->row);
 	if (row->file && row->line)
@@ -159,9 +190,10 @@ static void describe_row(struct srv_json *json, const char *plant, const struct 
 }
 
 /* Plants [first, end) of the list whose groups begin at `group`. */
-static enum eco_code describe_rows(struct srv_json *json, const struct eco_pack *pack,
+static enum eco_code describe_rows(struct srv_json *json, const struct srv_scene *scene,
 	const struct eco_group *group, uint32_t first, uint32_t end, struct eco_error *error)
 {
+	const struct eco_pack *pack = scene->pack;
 	struct eco_inventory_block block = { 0 };
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = first; i < end && !code; i++) {
@@ -171,7 +203,8 @@ static enum eco_code describe_rows(struct srv_json *json, const struct eco_pack 
 		const struct eco_inventory_row *row;
 		code = eco_inventory_at(&block, pack, place, &row, error);
 		if (!code)
-			describe_row(json, pack->scene.plants[group->plant].name, row);
+			describe_row(json, pack->scene.plants[group->plant].name,
+				eco_legend_class(scene->meta, &pack->scene, group->list, place), row);
 	}
 	eco_inventory_free(&block);
 	return code;
@@ -187,7 +220,7 @@ enum eco_code srv_describe_plants(struct srv_json *json, const struct srv_scene 
 			"parameter 'first': list %u has %u plants, the first is 0", list, all);
 	uint32_t end = all - first < query->count ? all : first + (uint32_t)query->count;
 	srv_json_add(json, "{pack:%s list:%u first:%u of:%u plants:[", pack_id(scene).hex, list, first, all);
-	enum eco_code code = describe_rows(json, pack, eco_list_groups(&pack->scene, list), first, end, error);
+	enum eco_code code = describe_rows(json, scene, eco_list_groups(&pack->scene, list), first, end, error);
 	srv_json_add(json, "]}");
 	return code;
 }

@@ -2,7 +2,7 @@
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
 import { readLink, writeLink } from './viewer_link.mjs';
-import { nameSpecies, number, showFacts, showNorth, showPicked, showPlant, showReasons, showScale,
+import { nameSpecies, number, showFacts, showLegend, showNorth, showPicked, showPlant, showReasons, showScale,
 	showWhy } from './viewer_panel.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -161,6 +161,7 @@ function know(said) {
 	showSettings();
 	document.title = `${about.title ?? settings.scene} – ecostream`;
 	$('draft').hidden = !about.draft;
+	showLegend(about.tints);
 	camera.reach(about.bounds, about.near_m);
 	const stays = !view && located && camera.transfer(located, about);
 	located = about;

@@ -29,9 +29,9 @@ function row(texts) {
 	return tr;
 }
 
-function swatch([r, g, b]) {
+function swatch(color) {
 	const box = Object.assign(document.createElement('span'), { className: 'swatch' });
-	box.style.background = `rgb(${r} ${g} ${b})`;
+	box.style.backgroundColor = Array.isArray(color) ? `rgb(${color.join(' ')})` : color;
 	return box;
 }
 
@@ -77,6 +77,22 @@ function named({ short, long }) {
 	box.open = opened.has(long);
 	box.ontoggle = () => opened[box.open ? 'add' : 'delete'](long);
 	return box;
+}
+
+// ---- Tints ----
+
+/** What the colours of plants mean, on the picture: classes of a column and how many plants have each. */
+export function showLegend(tints = []) {
+	const lists = tints.map(({ classes }) => {
+		const ul = document.createElement('ul');
+		ul.append(...classes.map(({ name, color, plants }) =>
+			item(color ? swatch(color) : span('own'), span(name), span(number(plants)))));
+		return ul;
+	});
+	const legend = $('legend'), [head] = legend.children;
+	head.textContent = tints.map(({ column }) => column).join(', ');
+	legend.replaceChildren(head, ...lists);
+	legend.hidden = !lists.length;
 }
 
 // ---- The picture ----
@@ -165,9 +181,11 @@ export function showPicked(picked, origin) {
 
 /** The plant by the inventory that it comes from, if it comes from one. The picture alone knows only what
  * it is shown as, which may stand for several species. */
-export function showPlant({ species, plant, file, row: number, line }) {
+export function showPlant({ species, plant, class: tint, file, row: number, line }) {
 	$('card-title').textContent = species ?? 'Species not stated';
 	const facts = isSame(species, plant) ? [] : [['Shown as', plant]];
+	if (tint)
+		facts.push(['Class', tint]);
 	if (file)
 		facts.push(['Row', `${number} of ${file}${line ? ` (line ${line})` : ''}`]);
 	$('card-facts').rows[0].after(...facts.map(row));

@@ -26,6 +26,13 @@ const struct color kind_colors[MAP_COLORS + 1] = { { 0.07, 0.47, 0.20, 1 }, { 0.
 	{ 0.20, 0.13, 0.53, 1 }, { 0.87, 0.80, 0.47, 1 }, { 0.53, 0.80, 0.93, 1 }, { 0.53, 0.13, 0.33, 1 },
 	{ 0.60, 0.60, 0.20, 1 }, { 0.27, 0.67, 0.60, 1 }, { 0.67, 0.27, 0.60, 1 }, { 0.45, 0.45, 0.45, 1 } };
 
+struct color class_color(const struct map *m, uint32_t class)
+{
+	const struct eco_tint_legend *of = class ? &m->tints.classes[class - 1] : NULL;
+	return of && !of->own ? (struct color){ of->rgb[0] / 255.0, of->rgb[1] / 255.0, of->rgb[2] / 255.0, 1 }
+		: kind_colors[MAP_COLORS];
+}
+
 /* ---- Hillshade ---- */
 
 struct grid { double *z; uint32_t columns, rows; };      /* NaN beyond the ground's border */
@@ -243,7 +250,7 @@ static void draw_dots(struct map *m, cairo_t *canvas, bool pale)
 			radius = land_radius(m, (double)p->height_m);
 		if (radius >= 2)
 			canvas_disc(canvas, x, y, radius + 0.7, (struct color){ 1, 1, 1, 0.75 });
-		struct color color = kind_colors[m->kinds[p->kind].color];
+		struct color color = m->tints.class_count ? class_color(m, p->class) : kind_colors[m->kinds[p->kind].color];
 		color.a = pale ? PALE_DOT : 1;
 		canvas_disc(canvas, x, y, radius, color);
 	}

@@ -114,7 +114,7 @@ static void write_kind(struct legend *l, const struct map_kind *kind, const char
 		     right = { .size = 13, .align = ALIGN_RIGHT }, small = { .size = 11, .color = gray };
 	char text[32];
 	double radius = fmin(fmax(land_radius(l->m, (kind->low_m + kind->high_m) / 2), 3), 8);
-	canvas_disc(l->canvas, l->x + 8, l->y - 4.5, radius, kind_colors[kind->color]);
+	canvas_disc(l->canvas, l->x + 8, l->y - 4.5, radius, l->m->tints.class_count ? class_color(l->m, 0) : kind_colors[kind->color]);
 	canvas_text(l->canvas, l->x + 22, l->y, &style, name);
 	canvas_text(l->canvas, l->x + LEGEND - 90, l->y, &right, eco_phrase_count(kind->count, text));
 	canvas_text(l->canvas, l->x + LEGEND - 82, l->y, &small, map_range_text(kind, text));
@@ -166,6 +166,23 @@ static void write_kinds(struct legend *l)
 				write_kind(l, &m->kinds[i], m->kinds[i].name);
 	write_others(l);
 	write_unused(l);
+}
+
+/* Classes of tints, which the points are coloured by. */
+static void write_classes(struct legend *l)
+{
+	const struct eco_tints *tints = &l->m->tints;
+	struct style style = { .size = 13, .room = LEGEND - 190 }, right = { .size = 13, .align = ALIGN_RIGHT };
+	char text[32];
+	for (uint32_t i = 0; i < tints->class_count; i++) {
+		const struct eco_tint_legend *class = &tints->classes[i];
+		if (i == 0 || strcmp(class->column, tints->classes[i - 1].column) != 0)
+			write_heading(l, class->column);
+		canvas_disc(l->canvas, l->x + 8, l->y - 4.5, 6, class_color(l->m, i + 1));
+		canvas_text(l->canvas, l->x + 22, l->y, &style, class->name);
+		canvas_text(l->canvas, l->x + LEGEND - 90, l->y, &right, eco_phrase_count(class->plants, text));
+		l->y += LINE;
+	}
 }
 
 static void write_edges(struct legend *l, const struct map_edges *edges, struct color color, const char *says)
@@ -287,6 +304,7 @@ static double draw_legend(const struct map *m, cairo_t *canvas, double x, double
 		m->total == 1 ? "" : "s", kinds, kinds == 1 ? "" : "s");
 	write_heading(&l, heading);
 	write_kinds(&l);
+	write_classes(&l);
 	if (m->points.count)
 		write_line(&l, &plain, m->typical_m > 0 ? "Dots are larger the taller the plant is."
 			: "Heights are those of the models: not known here.");

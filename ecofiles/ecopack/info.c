@@ -260,7 +260,7 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 				(json_int_t)t->kind[ECO_LIST_GROUND_IMAGE].bytes));
 	}
 	static const char *const copied[] = { "generator", "order", "draft", "crs", "origin", "place",
-		"eco_files", "off_ground", "rows" };
+		"eco_files", "off_ground", "rows", "tints" };
 	for (size_t i = 0; i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));
@@ -386,6 +386,12 @@ static void print_info(const struct eco_scene *s, const json_t *info, FILE *out)
 	inspect_table(out, NULL, json_object_get(info, "plants"), "name height_m triangles_in triangles "
 		"triangles_dropped cells grid_bits half_a_pixel_m area_m2 bytes organs");
 	inspect_table(out, "lists", json_object_get(info, "lists"), "lists chunks primitives bytes bits_each");
+	const json_t *tint;
+	size_t i;
+	json_array_foreach(json_object_get(info, "tints"), i, tint) {
+		fprintf(out, "\ntints by %s", json_string_value(json_object_get(tint, "column")));
+		inspect_table(out, NULL, json_object_get(tint, "classes"), "name color plants");
+	}
 }
 
 enum eco_code inspect_info(const char *path, bool json, FILE *out, struct eco_error *error)

@@ -26,8 +26,8 @@ struct map_kind {                /* plants of one name, in whatever file */
 };
 
 /* metres from the origin; height 0: not known; species: of m->species; row of an inventory, from 1; 0: it is
- * of none; line of the file, from 1; 0: it has none */
-struct map_point { float x, y, height_m, crown_m; uint32_t kind, species, file, row, line; };
+ * of none; line of the file, from 1; 0: it has none; class: 1 + that of m->tints, 0: it has none */
+struct map_point { float x, y, height_m, crown_m; uint32_t kind, species, file, row, line, class; };
 struct map_points { struct map_point *items; uint32_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
@@ -49,6 +49,7 @@ struct map {
 	struct map_kind *kinds;      uint32_t kind_count, other_count;
 	uint32_t **kind_of;          /* [source][plant of the source] */
 	struct eco_string_pool species;    /* as rows state them ("": none), else the kinds' names */
+	struct eco_tints tints;      /* of all files: where there are some, they colour the points */
 	/* inventories, for the rows of points; of the sources */
 	const char **files;          uint32_t file_count, file_capacity;
 	struct map_points *own;      /* per source: its own plants, in its coordinates */

@@ -214,6 +214,7 @@ static void point_of(void *ctx, uint64_t index, struct eco_point *out)
 	const double *origin = m->sources.items[0].origin;
 	*out = (struct eco_point){ { origin[0] + (double)p->x, origin[1] + (double)p->y },
 		m->species.items[p->species], m->kinds[p->kind].name, p->row ? m->files[p->file] : "",
+		p->class ? m->tints.classes[p->class - 1].name : "",
 		(double)p->height_m, (double)p->crown_m, p->row, p->line };
 }
 
@@ -222,6 +223,7 @@ static void write_table(struct map *m, const char *path)
 {
 	const struct eco_source *outer = &m->sources.items[0];
 	struct eco_point_table table = { .name = "plants", .crs = outer->crs, .count = m->points.count,
+		.has_classes = m->tints.class_count > 0,
 		.point = point_of, .ctx = m };
 	uint8_t *bytes = NULL;
 	size_t size = 0;
@@ -269,6 +271,9 @@ static void print_map(const struct map *m, const char *path)
 	for (uint32_t i = 0; i < m->kind_count; i++)
 		printf("  %-24s %10" PRIu64 "  %s\n", m->kinds[i].name, m->kinds[i].count,
 			map_range_text(&m->kinds[i], range));
+	for (uint32_t i = 0; i < m->tints.class_count; i++)
+		printf("  %s: %-*s %10" PRIu64 "\n", m->tints.classes[i].column, (int)(22 - strlen(m->tints.classes[i].column)),
+			m->tints.classes[i].name, m->tints.classes[i].plants);
 	if (m->outside)
 		printf("%" PRIu64 " stand outside the picture, far from the rest\n", m->outside);
 	if (m->off_ground)

@@ -80,7 +80,8 @@ static void find_kinds(struct map *m)
 }
 
 /* height_m: NAN where the plant's own counts; scale multiplies it. species NULL: as the plant is named. */
-struct stand { const double *at; double height_m, scale; const char *species; uint32_t file, row, line; double crown_m; };
+struct stand { const double *at; double height_m, scale; const char *species; uint32_t file, row, line; double crown_m;
+	uint32_t class; };
 
 static void add_plant(struct map *m, uint32_t source, uint32_t plant, const struct stand *stand)
 {
@@ -89,7 +90,7 @@ static void add_plant(struct map *m, uint32_t source, uint32_t plant, const stru
 		: stand->height_m;
 	struct map_point point = { (float)at[0], (float)at[1],
 		height > 0 ? (float)(height * stand->scale) : 0, (float)stand->crown_m, m->kind_of[source][plant], 0, stand->file,
-		stand->row, stand->line };
+		stand->row, stand->line, stand->class };
 	point.species = eco_string_number(&m->species, stand->species ? stand->species
 		: m->kinds[point.kind].name);
 	if (source == 0 && m->has_ground) {
@@ -187,7 +188,8 @@ static void add_rows(struct map *m, uint32_t source, const struct eco_positions_
 		add_plant(m, source, row.plant, &(struct stand){ row.at, row.height_m, row.scale,
 			row.species, file, row.row <= UINT32_MAX ? (uint32_t)row.row : 0,
 			row.line <= UINT32_MAX && eco_positions_has_lines(reader) ? (uint32_t)row.line : 0,
-			isnan(row.crown_radius_m) ? 0 : 2 * row.crown_radius_m * row.scale });
+			isnan(row.crown_radius_m) ? 0 : 2 * row.crown_radius_m * row.scale,
+			eco_tints_value(&m->tints, &spec->tint, row.tint) });
 	}
 	eco_positions_report(reader, main_note_text, NULL);
 	say_rows(m, reader, spec);
@@ -401,6 +403,10 @@ static void read_sources(struct map *m)
 			add_scattered(m, s, &m->sources.items[s].scatters[i]);
 		sum_up(m, s);
 	}
+	eco_check(eco_tints_settle(&m->tints, m->error));
+	for (uint32_t s = 0; s < count; s++)
+		for (uint64_t i = 0; i < m->own[s].count; i++)
+			m->own[s].items[i].class = eco_tints_class(&m->tints, m->own[s].items[i].class);
 }
 
 static void gather(void *map)
@@ -442,6 +448,7 @@ void map_free(struct map *m)
 	free(m->totals);
 	free(m->kinds);
 	eco_string_pool_free(&m->species);
+	eco_tints_free(&m->tints);
 	free(m->points.items);
 	free(m->left);
 	free(m->outlines);

@@ -99,7 +99,8 @@ static void print_export(const struct export *x, const char *dir)
 
 enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain, struct eco_error *error)
 {
-	struct export x = { .final = dir, .error = error, .pack = pack, .is_plain = is_plain };
+	struct export x = { .final = dir, .error = error, .pack = pack,
+		.meta = json_loadb(pack->meta, pack->meta_size, 0, NULL), .is_plain = is_plain };
 	eco_at_end(remove_folder, &x);
 	enum eco_code code = eco_try(write_all, &x, error);
 	main_progress_end();
@@ -113,6 +114,7 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 		for (uint32_t level = 0; level < EXPORT_LEVELS; level++)
 			export_mesh_free(&x.plants[i].level[level]);
 	free(x.plants);
+	json_decref(x.meta);
 	return code;
 }
 

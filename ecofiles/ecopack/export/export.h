@@ -56,6 +56,7 @@ struct export_plant {            /* levels from coarse to fine; the last has no 
 struct export {
 	struct eco_error *error;
 	struct eco_pack *pack;
+	json_t *meta;                    /* of the pack; NULL: it is no JSON */
 	bool is_plain;                   /* nothing is compressed */
 	bool is_made;                    /* `dir` */
 	char dir[PATH_MAX];              /* where files are written until all are ... */

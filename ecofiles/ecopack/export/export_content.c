@@ -14,7 +14,10 @@
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/inventory.h"
+#include "ecofiles/format/legend.h"
 #include "lod/eye.h"
+#include "lod/light.h"
+#include "lod/tint.h"
 
 #define MESHOPT "EXT_meshopt_compression"
 #define SUMMARY_POINTS 2000u
@@ -210,31 +213,39 @@ static void middle_of(const struct eco_tile *tile, double middle[3])
 
 /* ---- Instances ---- */
 
-/* Offsets in a tile's file: translations, turns, scales and numbers by group, then heights and names. */
-struct layout { size_t *group, height, name, offset, end; char **species; uint32_t count; };
+/* Offsets in a tile's file: translations, turns, scales, numbers and, with tints, colours by group, then heights and
+ * texts: species and, with tints, classes. */
+struct layout { size_t *group, height, name[2], offset[2], end; char **texts[2]; uint32_t count, kinds; };
 
 static size_t aligned(size_t at) { return (at + 7) & ~(size_t)7; }
 
 static void layout_free(struct layout *l)
 {
-	for (uint32_t i = 0; i < l->count && l->species; i++)
-		free(l->species[i]);
-	free(l->species);
+	for (uint32_t k = 0; k < l->kinds; k++) {
+		for (uint32_t i = 0; i < l->count && l->texts[k]; i++)
+			free(l->texts[k][i]);
+		free(l->texts[k]);
+	}
 	free(l->group);
 }
 
-/* A plant of the pack may stand for several species: each place says its own. */
-static void find_species(struct export *x, const struct eco_tile *t, struct layout *l)
+/* A plant of the pack may stand for several species: each place says its own, and its class. */
+static void find_texts(struct export *x, const struct eco_tile *t, struct layout *l)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_inventory_row *row;
-	char **species = l->species = eco_alloc(l->count, sizeof *species);
-	for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
-		const struct eco_group *group = &s->groups[g];
-		for (uint32_t i = 0; i < group->count; i++) {
-			eco_check(eco_inventory_at(&x->rows, x->pack, group->place_first + i, &row, x->error));
-			const char *own = eco_inventory_species(row, s->plants[group->plant].name);
-			*species++ = eco_copy_text(own ? own : "");
+	for (uint32_t k = 0, at = 0; k < l->kinds; k++, at = 0) {
+		l->texts[k] = eco_alloc(l->count, sizeof *l->texts[k]);
+		for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
+			const struct eco_group *group = &s->groups[g];
+			for (uint32_t i = 0; i < group->count; i++) {
+				uint64_t place = group->place_first + i;
+				if (k == 0)
+					eco_check(eco_inventory_at(&x->rows, x->pack, place, &row, x->error));
+				const char *own = k ? eco_legend_class(x->meta, s, group->list, place)
+					: eco_inventory_species(row, s->plants[group->plant].name);
+				l->texts[k][at++] = eco_copy_text(own ? own : "");
+			}
 		}
 	}
 }
@@ -243,28 +254,43 @@ static void lay_out(struct export *x, uint32_t tile, struct layout *l)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_tile *t = &s->tiles[tile];
-	*l = (struct layout){ .group = eco_alloc(t->group_count, sizeof *l->group) };
-	size_t at = 0, names = 0;
+	bool tints = s->needs & ECO_NEED_TINTS;
+	*l = (struct layout){ .group = eco_alloc(t->group_count, sizeof *l->group), .kinds = tints ? 2 : 1 };
+	size_t at = 0;
 	for (uint32_t g = 0; g < t->group_count; g++) {
 		const struct eco_group *group = &s->groups[t->group_first + g];
 		l->group[g] = at;
-		at += (size_t)group->count * 44;
+		at += (size_t)group->count * (tints ? 56 : 44);
 		l->count += group->count;
 	}
-	find_species(x, t, l);
-	for (uint32_t i = 0; i < l->count; i++)
-		names += strlen(l->species[i]);
+	find_texts(x, t, l);
 	l->height = aligned(at);
-	l->name = aligned(l->height + (size_t)l->count * 4);
-	l->offset = aligned(l->name + names);
-	l->end = l->offset + ((size_t)l->count + 1) * 4;
+	l->end = l->height + (size_t)l->count * 4;
+	for (uint32_t k = 0; k < l->kinds; k++) {
+		size_t names = 0;
+		for (uint32_t i = 0; i < l->count; i++)
+			names += strlen(l->texts[k][i]);
+		l->name[k] = aligned(l->end);
+		l->offset[k] = aligned(l->name[k] + names);
+		l->end = l->offset[k] + ((size_t)l->count + 1) * 4;
+	}
+}
+
+/* What a tint multiplies a plant's own light with, wood's too, as glTF knows no more: that of usual leaves. */
+static void write_color(struct eco_writer *w, const struct eco_scene *s, uint32_t list, uint64_t place)
+{
+	const uint8_t *rgb = eco_legend_color(s, list, place);
+	uint8_t leaf[3] = { 95, 127, 79 }, usual[3] = { 95, 127, 79 };
+	lod_tint_apply(rgb ? lod_tint_word(rgb) : 0, leaf);
+	for (int k = 0; k < 3; k++)
+		eco_write_f32(w, (float)lod_light_of[leaf[k]] / (float)lod_light_of[usual[k]]);
 }
 
 static void write_group(struct eco_writer *w, const struct eco_scene *s, const struct eco_group *group,
 	const double middle[3], uint32_t number)
 {
 	const struct eco_placement here = { .scale = 1 };
-	for (int what = 0; what < 4; what++)
+	for (int what = 0; what < (s->needs & ECO_NEED_TINTS ? 5 : 4); what++)
 		for (uint32_t i = 0; i < group->count; i++) {
 			struct eco_place p = eco_place_read(s, group->place_first + i);
 			struct lod_place place;
@@ -280,6 +306,8 @@ static void write_group(struct eco_writer *w, const struct eco_scene *s, const s
 				eco_write_f32(w, (float)place.scale);
 			if (what == 3)
 				eco_write_f32(w, (float)(number + i));
+			if (what == 4)
+				write_color(w, s, group->list, group->place_first + i);
 		}
 }
 
@@ -289,30 +317,30 @@ static void pad_to(struct eco_writer *w, size_t at)
 		eco_write_u8(w, 0);
 }
 
+static void write_texts(struct eco_writer *w, const struct layout *l, uint32_t kind)
+{
+	uint32_t chars = 0;
+	pad_to(w, l->name[kind]);
+	for (uint32_t i = 0; i < l->count; i++)
+		eco_write_bytes(w, l->texts[kind][i], strlen(l->texts[kind][i]));
+	pad_to(w, l->offset[kind]);
+	eco_write_u32(w, 0);
+	for (uint32_t i = 0; i < l->count; i++)
+		eco_write_u32(w, chars += (uint32_t)strlen(l->texts[kind][i]));
+}
+
 static void write_table(struct eco_writer *w, const struct eco_scene *s, const struct eco_tile *t,
 	const struct layout *l)
 {
-	for (int what = 0; what < 3; what++) {
-		uint32_t chars = 0;
-		char **species = l->species;
-		pad_to(w, what == 0 ? l->height : what == 1 ? l->name : l->offset);
-		if (what == 2)
-			eco_write_u32(w, 0);
-		for (uint32_t g = 0; g < t->group_count; g++) {
-			const struct eco_group *group = &s->groups[t->group_first + g];
-			const struct eco_plant *plant = &s->plants[group->plant];
-			for (uint32_t i = 0; i < group->count; i++, species++) {
-				uint32_t length = (uint32_t)strlen(*species);
-				struct eco_place p = eco_place_read(s, group->place_first + i);
-				if (what == 0)
-					eco_write_f32(w, plant->height_m * (float)p.scale / 65536);
-				else if (what == 1)
-					eco_write_bytes(w, *species, length);
-				else
-					eco_write_u32(w, chars += length);
-			}
-		}
+	pad_to(w, l->height);
+	for (uint32_t g = 0; g < t->group_count; g++) {
+		const struct eco_group *group = &s->groups[t->group_first + g];
+		for (uint32_t i = 0; i < group->count; i++)
+			eco_write_f32(w, s->plants[group->plant].height_m
+				* (float)eco_place_read(s, group->place_first + i).scale / 65536);
 	}
+	for (uint32_t kind = 0; kind < l->kinds; kind++)
+		write_texts(w, l, kind);
 }
 
 void export_instances(struct export *x, uint32_t tile)
@@ -342,16 +370,20 @@ void export_instances(struct export *x, uint32_t tile)
 
 static json_t *metadata_of(struct document *d, json_int_t buffer, const struct layout *l)
 {
-	json_int_t heights = add_view(d, buffer, l->height, (size_t)l->count * 4, 0),
-		names = add_view(d, buffer, l->name, l->offset - l->name, 0),
-		offsets = add_view(d, buffer, l->offset, ((size_t)l->count + 1) * 4, 0);
-	json_t *schema = json_pack("{s:s, s:{s:{s:{s:{s:s}, s:{s:s, s:s}}}}}", "id", "ecostream", "classes",
-		"plant",
-		"properties", "species", "type", "STRING", "height_m", "type", "SCALAR", "componentType",
-		"FLOAT32");
-	json_t *table = json_pack("{s:s, s:I, s:{s:{s:I, s:I, s:s}, s:{s:I}}}", "class", "plant", "count",
-		(json_int_t)l->count, "properties", "species", "values", names, "stringOffsets", offsets,
-		"stringOffsetType", "UINT32", "height_m", "values", heights);
+	static const char *const names[] = { "species", "class" };
+	json_t *properties = json_object(), *values = json_object();
+	json_int_t heights = add_view(d, buffer, l->height, (size_t)l->count * 4, 0);
+	for (uint32_t k = 0; k < l->kinds; k++) {
+		json_int_t texts = add_view(d, buffer, l->name[k], l->offset[k] - l->name[k], 0),
+			offsets = add_view(d, buffer, l->offset[k], ((size_t)l->count + 1) * 4, 0);
+		json_object_set_new(properties, names[k], json_pack("{s:s}", "type", "STRING"));
+		json_object_set_new(values, names[k], json_pack("{s:I, s:I, s:s}", "values", texts, "stringOffsets", offsets,
+			"stringOffsetType", "UINT32"));
+	}
+	json_object_set_new(properties, "height_m", json_pack("{s:s, s:s}", "type", "SCALAR", "componentType", "FLOAT32"));
+	json_object_set_new(values, "height_m", json_pack("{s:I}", "values", heights));
+	json_t *schema = json_pack("{s:s, s:{s:{s:o}}}", "id", "ecostream", "classes", "plant", "properties", properties);
+	json_t *table = json_pack("{s:s, s:I, s:o}", "class", "plant", "count", (json_int_t)l->count, "properties", values);
 	return json_pack("{s:{s:o, s:[o]}}", "EXT_structural_metadata", "schema", schema, "propertyTables",
 		table);
 }
@@ -365,16 +397,19 @@ static json_int_t add_column(struct document *d, json_int_t buffer, size_t from,
 
 /* Not compressed: few plants of a kind stand in a tile, and the JSON of a compressed view outweighs what it
  * saves. */
-static json_t *instances_of(struct document *d, json_int_t buffer, size_t from, uint32_t count)
+static json_t *instances_of(struct document *d, json_int_t buffer, size_t from, uint32_t count, bool tints)
 {
 	size_t n = count;
 	json_int_t at = add_column(d, buffer, from, count, "VEC3"),
 		turn = add_column(d, buffer, from + 12 * n, count, "VEC4"),
 		scale = add_column(d, buffer, from + 28 * n, count, "VEC3"),
 		id = add_column(d, buffer, from + 40 * n, count, "SCALAR");
-	return json_pack("{s:{s:{s:I, s:I, s:I, s:I}}, s:{s:[{s:I, s:i, s:i}]}}", "EXT_mesh_gpu_instancing",
-		"attributes", "TRANSLATION", at, "ROTATION", turn, "SCALE", scale, "_FEATURE_ID_0", id,
-		"EXT_instance_features", "featureIds", "featureCount", (json_int_t)count, "attribute", 0,
+	json_t *attributes = json_pack("{s:I, s:I, s:I, s:I}", "TRANSLATION", at, "ROTATION", turn, "SCALE", scale,
+		"_FEATURE_ID_0", id);
+	if (tints)
+		json_object_set_new(attributes, "_COLOR_0", json_integer(add_column(d, buffer, from + 44 * n, count, "VEC3")));
+	return json_pack("{s:{s:o}, s:{s:[{s:I, s:i, s:i}]}}", "EXT_mesh_gpu_instancing",
+		"attributes", attributes, "EXT_instance_features", "featureIds", "featureCount", (json_int_t)count, "attribute", 0,
 		"propertyTable", 0);
 }
 
@@ -410,7 +445,7 @@ void export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXP
 		json_int_t mesh = add_mesh(&d, &plant->level[own], add_buffer(&d, uri,
 			plant->level[own].bytes), NULL, false);
 		add_node(&d, json_pack("{s:s, s:I, s:o}", "name", s->plants[group->plant].name, "mesh", mesh,
-			"extensions", instances_of(&d, instances, l.group[g], group->count)));
+			"extensions", instances_of(&d, instances, l.group[g], group->count, s->needs & ECO_NEED_TINTS)));
 		*error_m = fmax(*error_m, plant->error_m[own] * largest_scale(s, group));
 	}
 	json_t *extensions = metadata_of(&d, instances, &l);

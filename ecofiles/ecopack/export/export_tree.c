@@ -33,12 +33,12 @@ static json_t *box_of(const double low[3], const double high[3])
 /* From the scene, Z up and +Y the map's north, to the Earth's middle. null: nobody knows. */
 static json_t *place_of(const struct export *x)
 {
-	json_t *meta = json_loadb(x->pack->meta, x->pack->meta_size, 0, NULL), *matrix = json_array();
-	const json_t *place = json_object_get(meta, "place");
+	json_t *matrix = json_array();
+	const json_t *place = json_object_get(x->meta, "place");
 	double degree = M_PI / 180, lon = json_number_value(json_object_get(place, "longitude_deg")) * degree,
 		lat = json_number_value(json_object_get(place, "latitude_deg")) * degree,
 		turn = json_number_value(json_object_get(place, "convergence_deg")) * degree,
-		height = json_number_value(json_array_get(json_object_get(meta, "origin"), 2));
+		height = json_number_value(json_array_get(json_object_get(x->meta, "origin"), 2));
 	const double east[3] = { -sin(lon), cos(lon), 0 },
 		north[3] = { -sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat) },
 		up[3] = { cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat) };
@@ -52,9 +52,7 @@ static json_t *place_of(const struct export *x)
 				: (n * (k == 2 ? 1 - e2 : 1) + height) * up[k];
 			json_array_append_new(matrix, json_real(v));
 		}
-	bool known = json_is_object(place);
-	json_decref(meta);
-	if (known)
+	if (json_is_object(place))
 		return matrix;
 	json_decref(matrix);
 	return NULL;

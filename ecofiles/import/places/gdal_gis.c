@@ -96,22 +96,24 @@ static enum eco_code raster_extent(const char *path, struct eco_raster_extent *e
 	return code;
 }
 
-enum field { SPECIES, PLANT, HEIGHT, CROWN, SOURCE_FILE, SOURCE_ROW, SOURCE_LINE, FIELD_COUNT };
+enum field { SPECIES, PLANT, HEIGHT, CROWN, SOURCE_FILE, SOURCE_ROW, SOURCE_LINE, CLASS, FIELD_COUNT };
 
 static const struct { const char *name; OGRFieldType type; } fields[FIELD_COUNT] = {
 	[SPECIES] = { "species", OFTString }, [PLANT] = { "plant", OFTString },
 	[HEIGHT] = { "height_m", OFTReal }, [CROWN] = { "crown_m", OFTReal }, [SOURCE_FILE] = { "file", OFTString },
-	[SOURCE_ROW] = { "row", OFTInteger64 }, [SOURCE_LINE] = { "line", OFTInteger64 } };
+	[SOURCE_ROW] = { "row", OFTInteger64 }, [SOURCE_LINE] = { "line", OFTInteger64 },
+	[CLASS] = { "class", OFTString } };
 
 static enum eco_code failed(const char *path, struct eco_error *error)
 {
 	return eco_fail(error, ECO_IO, "%s: %s", path, CPLGetLastErrorMsg());
 }
 
-static bool add_fields(OGRLayerH layer)
+/* Classes come last, so that the others' numbers stay. */
+static bool add_fields(OGRLayerH layer, bool classes)
 {
 	bool good = true;
-	for (int i = 0; i < FIELD_COUNT && good; i++) {
+	for (int i = 0; i < (classes ? FIELD_COUNT : CLASS) && good; i++) {
 		OGRFieldDefnH field = OGR_Fld_Create(fields[i].name, fields[i].type);
 		good = OGR_L_CreateField(layer, field, TRUE) == OGRERR_NONE;
 		OGR_Fld_Destroy(field);
@@ -144,7 +146,7 @@ static void set_size(OGRFeatureH feature, enum field field, double metres)
 		OGR_F_SetFieldNull(feature, (int)field);
 }
 
-static bool add_point(OGRLayerH layer, const struct eco_point *point)
+static bool add_point(OGRLayerH layer, const struct eco_point *point, bool classes)
 {
 	OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
 	OGRGeometryH at = OGR_G_CreateGeometry(wkbPoint);
@@ -157,6 +159,8 @@ static bool add_point(OGRLayerH layer, const struct eco_point *point)
 	set_text(feature, SOURCE_FILE, point->row ? point->file : "");
 	set_count(feature, SOURCE_ROW, point->row);
 	set_count(feature, SOURCE_LINE, point->row ? point->line : 0);
+	if (classes)
+		set_text(feature, CLASS, point->class);
 	bool good = OGR_L_CreateFeature(layer, feature) == OGRERR_NONE;
 	OGR_F_Destroy(feature);
 	return good;
@@ -168,12 +172,12 @@ static enum eco_code fill(GDALDatasetH file, const struct eco_point_table *table
 	char **options = json ? CSLSetNameValue(NULL, "RFC7946", crs ? "YES" : "NO") : NULL;
 	OGRLayerH layer = GDALDatasetCreateLayer(file, table->name, crs, wkbPoint, options);
 	CSLDestroy(options);
-	bool good = layer && add_fields(layer)
+	bool good = layer && add_fields(layer, table->has_classes)
 		&& (json || GDALDatasetStartTransaction(file, FALSE) == OGRERR_NONE);
 	for (uint64_t i = 0; i < table->count && good; i++) {
 		struct eco_point point;
 		table->point(table->ctx, i, &point);
-		good = add_point(layer, &point);
+		good = add_point(layer, &point, table->has_classes);
 	}
 	good = good && (json || GDALDatasetCommitTransaction(file) == OGRERR_NONE);
 	return good ? ECO_OK : failed(path, error);

@@ -30,6 +30,7 @@ struct eco_point {
 	double at[2];                /* in the table's CRS, easting first */
 	/* species: "": none is stated; plant: as the scene names what is shown; file: "": the scene itself */
 	const char *species, *plant, *file;
+	const char *class;           /* of a tint; "": none */
 	double height_m, crown_m;    /* crown: its diameter; 0: not known */
 	uint64_t row, line;          /* of the file, from 1; 0: none */
 };
@@ -37,6 +38,7 @@ struct eco_point {
 struct eco_point_table {
 	const char *name;            /* of the layer */
 	const char *crs;             /* NULL: plain metres */
+	bool has_classes;            /* a column of them */
 	uint64_t count;
 	void (*point)(void *ctx, uint64_t index, struct eco_point *point);
 	void *ctx;
