@@ -81,6 +81,7 @@ static void start_free(struct start *s)
 	start_raster_free(&s->image);
 	free(s->scene);
 	json_decref(s->skip);
+	json_decref(s->tint);
 	json_decref(s->other);
 }
 
@@ -177,6 +178,7 @@ static void run_steps(void *start)
 	start_models_find(s);
 	start_match_species(s);
 	start_models_see(s);
+	start_tint(s);
 	start_scene(s);
 	start_write(s);
 }
@@ -221,6 +223,8 @@ static const struct eco_option options[] = {
 		.help = "column of trunk diameters at breast height" },
 	{ "dbh-unit", 0, ECO_OPTION_TEXT, "U", &given.options.dbh_unit,
 		.help = "unit of diameters or girths" },
+	{ "tint", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.tint,
+		.help = "colours plants by the values of a column, such as their health; its values leave out no rows" },
 	{ "dem", 0, ECO_OPTION_TEXT, "FILE", &given.options.dem,
 		.help = "raster of heights; no guess by its bands" },
 	{ "image", 0, ECO_OPTION_TEXT, "FILE", &given.options.image,

@@ -6,6 +6,7 @@
  *   start_models_find(&start)     the folder: which files are models                  start_models.c
  *   start_match(&start)           a model for each species                            start_match.c
  *   start_models_see(&start)      the chosen ones: their sizes
+ *   start_tint(&start)            colours by a column                                 start_tint.c
  *   start_scene(&start)           scene.json as text                                  start_scene.c
  *   start_write(&start)           scene.json, map.png, camera.json, all or nothing    start_scene.c
  *
@@ -30,7 +31,7 @@
 struct start_options {           /* NULL: not given */
 	const char *table, *models, *dem, *image, *image_crs, *folder;
 	char **rasters; uint32_t raster_count;       /* of which it is not said what they are */
-	const char *crs, *scene_crs, *x, *y, *species, *height, *dbh, *layer, *plant;
+	const char *crs, *scene_crs, *x, *y, *species, *height, *dbh, *layer, *plant, *tint;
 	const char *height_unit, *dbh_unit, *separator, *decimal, *same_place;
 	bool force;
 };
@@ -82,6 +83,7 @@ struct start {
 	uint32_t crowns[ECO_CROWN_COLUMNS], crown_columns;   /* radii to the north, east, south, west; two widths; or none */
 	int now;                             /* the year from which ages are counted */
 	json_t *skip;                        /* of rows without a plant: column to values */
+	json_t *tint;                        /* as a scene has it; NULL: none */
 	struct start_model *models; uint32_t model_count, model_capacity;
 	struct eco_table_values species;
 	struct start_match *matches;         /* per value of species */
@@ -111,6 +113,7 @@ void start_sizes(struct start *s);           /* start_sizes.c */
 void start_models_find(struct start *s);
 void start_match_species(struct start *s);
 void start_models_see(struct start *s);
+void start_tint(struct start *s);
 void start_scene(struct start *s);
 void start_write(struct start *s);
 

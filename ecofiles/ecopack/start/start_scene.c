@@ -279,6 +279,8 @@ static json_t *entry_json(const struct start *s)
 		json_object_set(entry, "crown_m", crown);
 	set_text(entry, "grown", p->stand ? "stand" : "");
 	json_decref(crown);
+	if (s->tint)
+		json_object_set(entry, "tint", s->tint);
 	if (json_object_size(s->skip) > 0)
 		json_object_set(entry, "skip", s->skip);
 	for (size_t i = 0; i < 2; i++) {         /* a file's own turn and scale, as a plan's blocks have them */
