@@ -21,7 +21,7 @@ printf 'v -0.5 0 0\nv 0.5 0 0\nv 0.5 1 0\nv -0.5 1 0\nv 0 0 -0.5\nv 0 0 0.5\nv 0
 echo '{ "crs": "EPSG:32632", "origin": [447000, 5411000, 0],
 	"plants": {"oak": {"model": "board.obj"}, "ash": {"model": "board.obj"}},
 	"instances": [{"from": "trees.csv", "x": "x", "y": "y", "species": "kind", "map": {"oak": "oak", "ash": "ash", "*": "oak"},
-		"height_m": {"column": "height"}}] }' >"$dir/scene.json"
+		"height_m": {"column": "height"}, "tint": {"column": "kind", "palette": "owner"}}] }' >"$dir/scene.json"
 echo '{"fps": 1, "keyframes": [{"time_s": 0, "eye": [0, 0, 1], "target": [0, 10, 1], "fov_y_deg": 60}]}' >"$dir/camera.json"
 "$BUILD/ecopack" make "$dir/scene.json" -o "$dir/board.eco" --draft --no-cache -q || fail "no pack"
 "$BUILD/ecopack" make "$dir/scene.json" -o "$dir/bare.eco" --no-rows --draft --no-cache -q || fail "no bare pack"
@@ -45,6 +45,10 @@ jq -e --slurpfile all "$dir/all.geojson" 'all(.features[]; . as $a | any($all[0]
 jq -e 'all(.features[].properties; .line == .row + 1)' "$seen" >/dev/null || fail "no lines: $(cat "$seen")"
 jq -e '[.features[].properties | select(.species != .plant) | .species] == ["ash", "linden"]' "$seen" >/dev/null ||
 	fail "what they are shown as: $(cat "$seen")"
+jq -e 'all(.features[].properties; .class == .species)' "$seen" "$dir/all.geojson" >/dev/null || fail "classes: $(cat "$seen")"
+curl -s "$url/scene" | jq -e '.needs[-1] == "tints" and .tints[0].column == "kind"
+	and ([.tints[0].classes[] | [.name, .plants]] == [["ash", 2], ["oak", 2], ["linden", 1]]) and all(.tints[0].classes[]; .color[:1] == "#")' \
+	>/dev/null || fail "the legend: $(curl -s "$url/scene")"
 view bare --geojson -o "$dir/plain" || fail "$(cat "$dir/out")"
 jq -e '[.features[].properties | select(.row == null and .file == null) | .species] | sort == ["ash", "oak", "oak"]' \
 	"$dir/plain/frame-0000.geojson" >/dev/null || fail "without rows: $(cat "$dir/plain/frame-0000.geojson")"

@@ -7,6 +7,7 @@
 
 #include "client-min/view_reference.h"
 #include "lod/build/texture.h"
+#include "lod/tint.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -183,6 +184,103 @@ UNIT_TEST(samples_count_what_is_covered)
 		assert_true(samples > 0.99 * covered && samples < 1.01 * covered);
 	}
 	free(counts);
+}
+
+/* ---- Tints ---- */
+
+static const uint8_t tints[4][3] = { { 200, 30, 30 }, { 40, 60, 220 }, { 240, 220, 60 }, { 0, 0, 0 } };
+
+/* The grove, whose trees have one of four tints each; `code`: of the first of them. */
+static void make_tinted(struct scene_builder *b, int32_t code)
+{
+	scene_make(b, NULL, 0);
+	struct eco_elements *e = &b->elements[L_TREES];
+	int32_t *extra = malloc(e->element_count * 3 * sizeof *extra);
+	for (uint32_t i = 0; i < e->element_count; i++) {
+		extra[3 * i] = i ? (int32_t)(1 + i % 4) : code;
+		memcpy(extra + 3 * i + 1, e->extra + 2 * i, 2 * sizeof *extra);
+	}
+	free(e->extra);
+	e->extra = extra;
+	e->extra_count = 3;
+	b->lists[L_TREES].attributes |= ECO_ATTR_COLOR;
+	b->lists[L_TREES].palette_first = b->scene.palette_count;
+	b->lists[L_TREES].palette_count = 4;
+	scene_add_colors(b, tints, 4);
+	b->scene.needs |= ECO_NEED_TINTS;
+	scene_encode(b);
+}
+
+static const struct view_instance *instance_at(const struct view_selection *s, uint64_t owner)
+{
+	for (uint32_t i = 0; i < s->instance_count; i++)
+		if (owner && s->instances[i].owner == owner)
+			return &s->instances[i];
+	return NULL;
+}
+
+/* Pixels of each class have the tint's mix with what they are without it, or, if wood, stay; in all forms of the
+ * trees, and by both engines. The last class keeps its colours, and so do bushes and summaries. */
+UNIT_TEST(tints_mix_with_the_colour_of_what_is_no_wood)
+{
+	struct scene_builder b, plain;
+	make_tinted(&b, 1);
+	scene_make(&plain, NULL, 0);
+	AT_END(scene_release) struct scene_held d = scene_hold(&b), without = scene_hold(&plain);
+	scene_select(&d);
+	scene_select(&without);
+	assert_true(view_store_needs(d.store) & ECO_NEED_TINTS);
+	for (int by_gl = 0; by_gl <= (scene_gl != NULL); by_gl++) {
+		FREED(view_picture) tinted = scene_draw(&d, by_gl, VIEW_TINT_OWN), own = scene_draw(&without, by_gl, VIEW_TINT_OWN);
+		uint32_t mixed[4] = { 0 }, kept[4] = { 0 }, others = 0;
+		double sum[4][3] = { { 0 } };
+		for (uint32_t i = 0; i < own.width * own.height; i++) {
+			const uint8_t *now = tinted.rgb + 3 * i, *before = own.rgb + 3 * i;
+			const struct view_instance *tree = instance_at(&d.selection, own.owner[i]);
+			assert_true(tinted.owner[i] == own.owner[i]);
+			if (!tree || tree->list != L_TREES) {
+				others += own.owner[i] != 0;
+				assert_memory_equal(now, before, 3);
+				continue;
+			}
+			uint32_t class = tree->index ? tree->index % 4 : 0;
+			uint8_t expected[3];
+			memcpy(expected, before, 3);
+			lod_tint_apply(lod_tint_word(tints[class]), expected);
+			bool same = memcmp(now, before, 3) == 0;
+			for (int k = 0; k < 3; k++) {
+				assert_true(same || abs(now[k] - expected[k]) <= 1);
+				sum[class][k] += now[k];
+			}
+			kept[class] += same;
+			mixed[class] += !same;
+		}
+		for (int c = 0; c < 4; c++) {
+			uint32_t pixels = mixed[c] + kept[c];
+			print_message("%s: class %d: %u pixels, %u kept, mean %.0f %.0f %.0f\n", by_gl ? "OpenGL" : "software", c,
+				pixels, kept[c], sum[c][0] / pixels, sum[c][1] / pixels, sum[c][2] / pixels);
+			assert_true(pixels > 500 && (c == 3 ? mixed[c] == 0 : mixed[c] > 9 * kept[c]));
+		}
+		assert_true(others > 500);
+		assert_true(sum[0][0] > 1.5 * sum[0][1] && sum[1][2] > 1.5 * sum[1][0] && sum[2][1] > 1.3 * sum[2][2]);
+	}
+	scene_free(&b);
+	scene_free(&plain);
+}
+
+/* A stream whose instance names a tint beyond its palette is refused. */
+UNIT_TEST(a_tint_that_is_not_there_is_refused)
+{
+	struct scene_builder b;
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	make_tinted(&b, 5);
+	scene_plan(&b, &view, 1, &plan);
+	struct eco_error error = { 0 };
+	assert_null(scene_store(&b, &plan, &error));
+	assert_non_null(strstr(error.text, "outside the palette of 4"));
+	eco_plan_free(&plan);
+	scene_free(&b);
 }
 
 UNIT_MAIN(open_all, close_all)

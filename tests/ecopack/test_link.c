@@ -13,6 +13,7 @@
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/wire.h"
 #include "lod/plan/planner.h"
+#include "lod/tint.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
@@ -221,6 +222,65 @@ UNIT_TEST(summaries_of_nested_files_keep_their_colours)
 	assert_true(check_summaries("whole.eco") <= 5);      /* one for a file at most */
 	assert_int_equal(check_summaries("linked.eco"), check_summaries("whole.eco"));
 	assert_int_equal(check_summaries("part2.eco"), 2);
+}
+
+/* A part's plants as an inventory, a tenth of them in a state that is not stated. */
+static void write_tinted(uint32_t part, const char *column, const char *palette)
+{
+	char name[32];
+	snprintf(name, sizeof name, "part%u.csv", part);
+	FILE *file = open_text(name);
+	fprintf(file, "x,y,%s\n", column);
+	for (uint32_t i = 0; i < parts[part].count; i++)
+		fprintf(file, "%.2f,%.2f,%s\n", parts[part].plants[i].x, parts[part].plants[i].y, i % 10 == 0 ? "" : i % 3 ? "good"
+			: "dead");
+	assert_int_equal(fclose(file), 0);
+	snprintf(name, sizeof name, "part%u.json", part);
+	file = open_text(name);
+	fprintf(file, "{\"name\": \"p\", \"tile\": {\"instances\": 16}, \"plants\": {" BOTH "}, \"instances\": [{\"from\": \"part%u.csv\", "
+		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"tint\": {\"column\": \"%s\", \"palette\": %s}}]}", part, column, palette);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* The mean of a part's summary is that of its plants' colours, each with its tint. */
+static void check_mean(const char *name)
+{
+	static const uint8_t classes[3][3] = { { 0x00, 0x9e, 0x73 }, { 0x4d, 0x4d, 0x4d }, { 0xc8, 0xc8, 0xc8 } };
+	static const double shares[3] = { 0.6, 0.3, 0.1 };
+	struct eco_pack *pack = NULL;
+	FREED(eco_elements) e = { 0 };
+	double mean[3] = { 0 }, wanted[3] = { 0 };
+	assert_good(eco_pack_open(&pack, in_root(name), &cause));
+	const struct eco_scene *s = &pack->scene;
+	uint32_t list = s->tiles[s->root].summary;
+	assert_good(eco_pack_points(pack, list, &e, &cause));
+	for (uint32_t c = 0; c < 3; c++) {
+		uint8_t rgb[3];
+		memcpy(rgb, models[0].rgb, sizeof rgb);
+		lod_tint_apply(lod_tint_word(classes[c]), rgb);
+		for (int k = 0; k < 3; k++)
+			wanted[k] += shares[c] * rgb[k];
+	}
+	for (uint32_t i = 0; i < e.element_count; i++)
+		for (int k = 0; k < 3; k++)
+			mean[k] += s->palette[s->lists[list].palette_first + (uint32_t)e.extra[3 * (size_t)i]][k] / (double)e.element_count;
+	print_message("summary: %.1f %.1f %.1f, its plants: %.1f %.1f %.1f\n", mean[0], mean[1], mean[2], wanted[0], wanted[1],
+		wanted[2]);
+	for (int k = 0; k < 3; k++)
+		assert_true(fabs(mean[k] - wanted[k]) < 6);
+	eco_pack_close(pack);
+}
+
+UNIT_TEST(parts_with_tints_equal_the_whole)
+{
+	write_parts(5);
+	write_tinted(0, "health", "\"health\"");
+	write_tinted(2, "state", "{\"good\": \"#102030\", \"dead\": null}");
+	make_parts();
+	check_mean("part0.eco");
+	make("whole.json", "whole.eco", true);
+	assert_good(link_parts("linked.eco", &cause));
+	assert_true(same("linked.eco", "whole.eco"));
 }
 
 /* ---- Impostors ---- */

@@ -212,6 +212,74 @@ UNIT_TEST(test_crowns_have_a_width_of_their_own)
 	eco_pack_close(pack);
 }
 
+/* Rows have a class each, missing values too; a scene without a tint stores none. */
+UNIT_TEST(test_plants_have_the_tint_of_their_row)
+{
+	static const char entry[] = "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": "
+		"\"tints.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\"%s}, {\"plant\": \"a\", \"at\": [50, 50]}]}";
+	static const struct { const char *column, *palette; uint32_t classes, of_row[6]; } cases[] = {
+		{ "health", "\"health\"", 4, { 1, 2, 3, 4, 4, 3 } },
+		{ "health", "{\"Poor\": \"#102030\", \"good\": null, \"*\": \"#000000\"}", 3, { 1, 2, 2, 3, 3, 2 } },
+		{ "age", "\"age\", \"breaks\": [10, 20.5]", 4, { 1, 2, 3, 4, 4, 4 } },
+		{ "owner", "[\"#ff0000\", \"#00ff00\"]", 4, { 2, 1, 1, 4, 3, 3 } } };
+	char text[600], tint[200];
+	write_tree("wide.obj", 5);
+	write_text("tints.csv", "x,y,health,age,owner\n0,0,Good,9.9,B\n10,0,POOR (root),10,a\n20,0,who knows,99,A \n"
+		"30,0,,NaN,\n40,0,n/a,-,C\n50,0,who knows,old,D\n");
+	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+		snprintf(tint, sizeof tint, ", \"tint\": {\"column\": \"%s\", \"palette\": %s}", cases[c].column,
+			cases[c].palette);
+		snprintf(text, sizeof text, entry, tint);
+		write_text("tints.json", text);
+		OWNED(eco_pack) *pack = made("tints.json", "tints.eco");
+		const struct eco_scene *s = &pack->scene;
+		json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL),
+			*classes = json_object_get(json_array_get(json_object_get(meta, "tints"), 0), "classes");
+		double at[8][3];
+		uint32_t plant[8], plants = 0;
+		assert_true(s->needs & ECO_NEED_TINTS);
+		assert_int_equal(s->lists[s->groups[0].list].palette_count, cases[c].classes);
+		assert_int_equal(json_array_size(classes), cases[c].classes);
+		for (uint32_t i = 0; i < cases[c].classes; i++)
+			plants += (uint32_t)json_integer_value(json_object_get(json_array_get(classes, i), "plants"));
+		assert_int_equal(plants, 6);
+		assert_string_equal(json_string_value(json_object_get(json_array_get(classes, cases[c].classes - 1), "name")),
+			"not stated");
+		assert_int_equal(standing(s, at, plant, 8), 7);
+		for (uint32_t i = 0; i < 7; i++) {
+			uint8_t found = eco_place_read(s, s->groups[0].place_first + i).tint;
+			assert_int_equal(found, at[i][1] > 40 ? 0 : cases[c].of_row[(uint32_t)(at[i][0] / 10 + 0.5)]);
+		}
+		json_decref(meta);
+	}
+	snprintf(text, sizeof text, entry, "");
+	write_text("tints.json", text);
+	OWNED(eco_pack) *pack = made("tints.json", "plain.eco");
+	assert_false(pack->scene.needs & ECO_NEED_TINTS);
+	assert_int_equal(eco_place_read(&pack->scene, 0).tint, 0);
+	assert_null(memmem(pack->meta, pack->meta_size, "\"tints\":", 8));
+}
+
+UNIT_TEST(test_tints_that_cannot_be_are_refused)
+{
+	static char text[30000];
+	struct eco_error error = { 0 };
+	int used = snprintf(text, sizeof text, "{\"plants\": {\"a\": {\"model\": \"wide.obj\"}}, \"instances\": [{\"from\": "
+		"\"tints.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"tint\": {\"column\": \"healthy\", \"palette\": \"health\"}}]}");
+	write_text("hostile.json", text);
+	assert_int_not_equal(make("hostile.json", "hostile.eco", 1, &error), ECO_OK);
+	assert_non_null(strstr(error.text, "healthy"));
+	used = snprintf(text, sizeof text, "{\"plants\": {\"a\": {\"model\": \"wide.obj\"}}, \"instances\": [{\"from\": \"tints.csv\", "
+		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"tint\": {\"column\": \"health\", \"palette\": {");
+	for (int i = 0; i < 300; i++)
+		used += snprintf(text + used, sizeof text - (size_t)used, "%s\"c%d\": \"#%06x\"", i ? ", " : "", i, i + 1);
+	snprintf(text + used, sizeof text - (size_t)used, "}}}]}");
+	write_text("hostile.json", text);
+	error = (struct eco_error){ 0 };
+	assert_int_not_equal(make("hostile.json", "hostile.eco", 1, &error), ECO_OK);
+	assert_non_null(strstr(error.text, "64"));
+}
+
 /* Plants, rows and nested files beyond the raster are kept, and counted. */
 UNIT_TEST(test_what_stands_beyond_the_ground_is_counted)
 {

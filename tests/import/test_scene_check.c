@@ -19,7 +19,7 @@
 	}
 #define BREAK(id, what) BREAK_OF(false, id, what)
 #define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
-#define BREAKS 160
+#define BREAKS 163
 
 static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
@@ -112,6 +112,9 @@ BREAK(kind_large, l->lists[1].kind = 7)
 BREAK(coder, l->lists[1].coder = ECO_CODER_KD)
 BREAK(attributes, l->lists[4].attributes = ECO_ATTR_PLACE)
 BREAK(level, l->lists[4].level = 1)
+BREAK(tints_need, l->lists[10].attributes |= ECO_ATTR_COLOR; l->lists[10].palette_count = 1)
+BREAK(tints_many, l->lists[10].palette_count = ECO_LIST_TINTS_MAX + 1)
+BREAK(tints_none, l->lists[10].attributes |= ECO_ATTR_COLOR; l->scene.needs |= ECO_NEED_TINTS; l->lists[10].palette_count = 0)
 BREAK(no_place, l->lists[10].attributes = 0)
 BREAK(owner, l->lists[4].owner = 1)
 BREAK(owner_tile, l->lists[10].owner = 2)
