@@ -55,7 +55,7 @@ double canvas_paragraph(cairo_t *canvas, double x, double y, double leading, con
 /* Colours of kinds, which people with any colour vision tell apart (Paul Tol, "muted"), and a gray for the
  * rest. */
 extern const struct color kind_colors[MAP_COLORS + 1];
-/* Of a class from 1 on; without one gray. */
+/* Classes count from 1; without one it is gray. */
 struct color class_color(const struct map *m, uint32_t class);
 
 /* Round numbers (1, 2 or 5 times a power of ten) from low to high, at most `most` of them (most >= 2). */

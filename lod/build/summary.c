@@ -369,7 +369,7 @@ static uint32_t count_placed(const struct eco_scene *scene, uint32_t first, uint
 	return count;
 }
 
-/* Of lod_summary_input.color_of. */
+/* The colour that an index of lod_summary_input.color_of stands for. */
 static void color_at(const struct shares *s, uint32_t i, uint8_t rgb[3])
 {
 	const struct eco_scene *scene = s->input->scene;

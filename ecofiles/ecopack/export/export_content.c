@@ -276,7 +276,7 @@ static void lay_out(struct export *x, uint32_t tile, struct layout *l)
 	}
 }
 
-/* What a tint multiplies a plant's own light with, wood's too, as glTF knows no more: that of usual leaves. */
+/* A factor of the light of all that a plant shows, wood too, as glTF knows no more: the one of usual leaves. */
 static void write_color(struct eco_writer *w, const struct eco_scene *s, uint32_t list, uint64_t place)
 {
 	const uint8_t *rgb = eco_legend_color(s, list, place);
