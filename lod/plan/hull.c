@@ -46,22 +46,41 @@ static void set_slopes(const struct lod_hull_point *from, struct lod_hull_point 
 	to->open_slope = (from->open - to->open) / vertices;
 }
 
+uint32_t lod_hull_lower(const struct lod_hull_point *points, const double *errors, uint32_t count, double ratio,
+	uint8_t kept[LOD_HULL_POINTS_MAX])
+{
+	double slopes[LOD_HULL_POINTS_MAX] = { INFINITY }, slope;
+	uint32_t last = 0;
+	kept[0] = 0;
+	for (uint32_t i = 1; i < count; i++) {
+		for (;; last--) {
+			const uint32_t from = kept[last];
+			slope = (errors[from] - errors[i]) / (double)(points[i].vertices - points[from].vertices);
+			if (last == 0 || ratio * slope < slopes[last])
+				break;
+		}
+		if (slope > 0) {
+			kept[++last] = (uint8_t)i;
+			slopes[last] = slope;
+		}
+	}
+	return last + 1;
+}
+
 void lod_hull_reduce(struct lod_hull *hull, double ratio)
 {
 	struct lod_hull_point *a = hull->points;
-	uint32_t kept = 1;
+	double errors[LOD_HULL_POINTS_MAX];
+	uint8_t kept[LOD_HULL_POINTS_MAX];
+	for (uint32_t i = 0; i < hull->count; i++)
+		errors[i] = lod_hull_error(hull, &a[i]);
+	hull->count = lod_hull_lower(a, errors, hull->count, ratio, kept);
 	a[0].alike_slope = INFINITY;
 	a[0].open_slope = 0;
 	for (uint32_t i = 1; i < hull->count; i++) {
-		a[kept] = a[i];
-		for (;; kept--, a[kept] = a[kept + 1]) {
-			set_slopes(&a[kept - 1], &a[kept]);
-			if (kept == 1 || ratio * lod_hull_slope(hull, kept) < lod_hull_slope(hull, kept - 1))
-				break;
-		}
-		kept += lod_hull_slope(hull, kept) > 0;
+		a[i] = a[kept[i]];
+		set_slopes(&a[i - 1], &a[i]);
 	}
-	hull->count = kept;
 }
 
 /* Share of a whole-plant list that is drawn without cells: all of the list is only a share of the plant,
@@ -90,7 +109,8 @@ static double share_beside(const struct lod_way *way, uint64_t vertices)
 static struct lod_hull_point measured(const struct lod_way *way, double share, uint64_t vertices, double size)
 {
 	struct eco_curve curve = lod_ladder_curve(way->scene, way->ladder, share),
-		above = lod_ladder_curve_seen(way->scene, way->ladder, share, 1);
+		above = way->ladder->flags & ECO_LADDER_ABOVE
+		? lod_ladder_curve_seen(way->scene, way->ladder, share, 1) : curve;
 	struct lod_hull_point point = { .vertices = vertices, .fp = curve.fp, .fn = curve.fn, .above_fp = above.fp,
 		.above_fn = above.fn };
 	set_errors(&point, &curve.seen);

@@ -171,22 +171,19 @@ struct hulls {                       /* of one ladder, while they are made */
 /* Keeps the points that are on the hull of some size and weight, and the last. */
 static void keep_used(struct lod_hull *hull)
 {
-	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
-	bool used[LOD_HULL_POINTS_MAX] = { [0] = true };
+	double errors[LOD_HULL_POINTS_MAX];
+	uint8_t on[LOD_HULL_POINTS_MAX];
+	bool used[LOD_HULL_POINTS_MAX] = { false };
 	uint32_t kept = 0;
-	for (uint32_t i = 0; i < 2 * ECO_SEEN_SIZES; i++) {
-		struct lod_hull one = { points, hull->count, i % 2 ? 1 : LOD_OPEN_LEAST, i / 2, ECO_NONE };
-		memcpy(points, hull->points, hull->count * sizeof *points);
-		for (uint32_t k = 0; k < hull->count; k++)
-			lod_hull_set_size(&points[k], one.size);
-		lod_hull_reduce(&one, LOD_HULL_SLOPE_RATIO);
-		for (uint32_t k = 0, on = 0; k < hull->count && on < one.count; k++)
-			if (hull->points[k].vertices == points[on].vertices) {
-				used[k] = true;
-				on++;
-			}
-	}
 	used[hull->count - 1] = true;
+	for (uint32_t i = 0; i < 2 * ECO_SEEN_SIZES; i++) {
+		for (uint32_t k = 0; k < hull->count; k++) {
+			const struct lod_seen_error *seen = &hull->points[k].seen[i / 2];
+			errors[k] = (double)seen->alike + (i % 2 ? 1 : LOD_OPEN_LEAST) * (double)seen->open;
+		}
+		for (uint32_t k = lod_hull_lower(hull->points, errors, hull->count, LOD_HULL_SLOPE_RATIO, on); k-- > 0;)
+			used[on[k]] = true;
+	}
 	for (uint32_t k = 0; k < hull->count; k++)
 		if (used[k])
 			hull->points[kept++] = hull->points[k];
