@@ -517,7 +517,7 @@ static void drop_tiles(struct lod_screen *screen)
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < screen->count; i++)
 		if (screen->visibilities[i].slot != ECO_NONE) {
-			screen->outlines[kept] = screen->outlines[i];
+			screen->crowns[kept] = screen->crowns[i];
 			screen->visibilities[kept++] = screen->visibilities[i];
 		}
 	if (kept < screen->count)
@@ -643,7 +643,7 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 		bool affordable = code || !bound || is_affordable(p, 1);
 		if ((code != ECO_TOO_LARGE && affordable) || *level <= COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
-		p->screen.count = p->screen.shared = 0;
+		p->screen.count = p->screen.stem_count = p->screen.shared = 0;
 		code = lod_visible_tree_restart(&p->visible, error);
 		if (code)
 			return code;

@@ -164,7 +164,7 @@ static float taken_at(const struct lod_screen *screen, uint32_t index, int row, 
 	double x = (column + 0.5 - 0.5 * screen->columns) / screen->per_x,
 		y = (0.5 * screen->rows - row - 0.5) / screen->per_y;
 	return (float)(1 - lod_exp_minus((double)screen->visibilities[index].density
-		* lod_outline_way(&screen->outlines[index].crown, screen->eye, x, y)));
+		* lod_outline_way(&screen->crowns[index], screen->eye, x, y)));
 }
 
 /* Cells of runs; those that leaves or wood cover; the same, times the light there. */
@@ -237,7 +237,8 @@ void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const
 void lod_screen_free(struct lod_screen *screen)
 {
 	free(screen->visibilities);
-	free(screen->outlines);
+	free(screen->crowns);
+	free(screen->stems);
 	free(screen->runs);
 	*screen = (struct lod_screen){ 0 };
 }
@@ -310,15 +311,16 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 	const struct lod_proxy_shape *proxy_shape)
 {
 	if (!eco_array_grow(&screen->visibilities, &screen->capacity, screen->count, sizeof *screen->visibilities)
-			|| !eco_array_grow(&screen->outlines, &screen->outline_capacity, screen->count,
-			sizeof *screen->outlines))
+			|| !eco_array_grow(&screen->crowns, &screen->crown_capacity, screen->count, sizeof *screen->crowns)
+			|| !eco_array_grow(&screen->stems, &screen->stem_capacity, screen->stem_count,
+			sizeof *screen->stems))
 		return NULL;
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] },
 		crown[3] = { d[0], d[1], d[2] + proxy_shape->rise }, foot[3] = { d[0], d[1], d[2] - proxy_shape->up };
 	double ahead = lod_dot(eye->forward, d), closest = 0.25 * fmax(proxy_shape->across, proxy_shape->up),
 		under = fmax(lod_dot(eye->forward, foot), 1e-9), range = eye->right[0] * d[1] - eye->right[1] * d[0];
-	struct lod_outlines *outlines = &screen->outlines[screen->count];
+	struct lod_outline *outline = &screen->crowns[screen->count];
 	struct lod_visibility *visibility = &screen->visibilities[screen->count++];
 	*visibility = (struct lod_visibility){
 		.foot_x = (float)(0.5 * screen->columns + lod_dot(eye->right, foot) / under * screen->per_x),
@@ -329,21 +331,24 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 		.before = closest > 0 ? (float)fmax(0, fmin(1, ahead / closest - 1)) : 1,
 		.wood_nearer = (float)wood_nearer(d, proxy_shape),
 		.wood_behind = (float)wood_behind(d, proxy_shape) };
-	lod_outline_make(&outlines->crown, eye, crown, proxy_shape->crown_across, proxy_shape->crown_up);
-	outlines->stem = (struct lod_outline){ .high = 0 };
-	if (proxy_shape->stem > 0 && proxy_shape->up * screen->per_y > STEM_ROWS * (double)visibility->distance)
-		lod_outline_make(&outlines->stem, eye, d, proxy_shape->stem, proxy_shape->up);
+	lod_outline_make(outline, eye, crown, proxy_shape->crown_across, proxy_shape->crown_up);
+	double stem = 0;             /* cells of its outline */
+	if (proxy_shape->stem > 0 && proxy_shape->up * screen->per_y > STEM_ROWS * (double)visibility->distance) {
+		struct lod_outline *made = &screen->stems[screen->stem_count].outline;
+		lod_outline_make(made, eye, d, proxy_shape->stem, proxy_shape->up);
+		stem = area_of(screen, made);
+		visibility->stem = ++screen->stem_count;
+	}
 	double density = density_of(proxy_shape);
 	double across = way_across(proxy_shape, crown);
-	visibility->near = outlines->crown.around
+	visibility->near = outline->around
 		|| lod_dot(crown, crown) < NEAR * NEAR * proxy_shape->crown_across * proxy_shape->crown_up;
 	visibility->density = (float)(CLUMPED * density);
 	visibility->opacity = (float)(1 - lod_exp_minus(density * across));
 	visibility->shown = (float)covered_by(1.5 * CLUMPED * density * across);
 	double px = 1 / ((double)visibility->depth * eye->pixel_rad), cell = screen->cell_x * screen->cell_y;
-	visibility->ellipse = (float)(cell * area_of(screen, &outlines->crown));
-	visibility->pixels = (float)((double)(visibility->shown * visibility->ellipse)
-		+ cell * area_of(screen, &outlines->stem));
+	visibility->ellipse = (float)(cell * area_of(screen, outline));
+	visibility->pixels = (float)((double)(visibility->shown * visibility->ellipse) + cell * stem);
 	visibility->leaves = (float)(0.5 * proxy_shape->leaf_area * px * px);
 	return visibility;
 }
@@ -389,7 +394,7 @@ struct light { float *cells, *horizon; };
 /* The box AROUND times as wide and high; around the eye the picture. Returns its cells, in the picture or not. */
 static double surroundings(const struct lod_screen *screen, uint32_t index, struct span *across, struct span *down)
 {
-	const struct lod_outline *o = &screen->outlines[index].crown;
+	const struct lod_outline *o = &screen->crowns[index];
 	double x = 0.5 * screen->columns + columns_of(screen, o->x), y = 0.5 * screen->rows - rows_of(screen, o->y),
 		wide = AROUND * BOX * columns_of(screen, o->wide), high = AROUND * BOX * rows_of(screen, o->high);
 	if (o->around) {
@@ -463,7 +468,9 @@ static void take(const struct lod_screen *screen, uint32_t index, float *light)
 	struct lod_visibility *v = &screen->visibilities[index];
 	double cell = screen->cell_x * screen->cell_y;
 	struct lit crown = take_light(screen, index, &v->crown, v->near ? -1 : v->shown, light),
-		stem = take_light(screen, index, &v->stem, 1, light);
+		stem = { 0, 0, 0 };
+	if (v->stem)
+		stem = take_light(screen, index, &screen->stems[v->stem - 1].runs, 1, light);
 	if (v->near) {
 		v->ellipse = (float)(cell * crown.cells);
 		v->shown = crown.cells > 0 ? (float)(crown.all / crown.cells) : 0;
@@ -535,8 +542,9 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 		screen->run_count = 0;
 		for (uint32_t i = 0; i < screen->count && good; i++) {
 			struct lod_visibility *v = &screen->visibilities[i];
-			good = make_runs(screen, &screen->outlines[i].crown, v->bottom, &v->crown)
-				&& make_runs(screen, &screen->outlines[i].stem, v->bottom, &v->stem);
+			struct lod_stem *stem = v->stem ? &screen->stems[v->stem - 1] : NULL;
+			good = make_runs(screen, &screen->crowns[i], v->bottom, &v->crown)
+				&& (!stem || make_runs(screen, &stem->outline, v->bottom, &stem->runs));
 		}
 		for (uint32_t i = 0; i < screen->count && good; i++) {
 			for (uint32_t c = 0; c < cells && (i == 0 || !hide); c++)

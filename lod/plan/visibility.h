@@ -40,8 +40,8 @@
 #define LOD_SCREEN_COLUMNS 96u
 #define LOD_OWNER_WEIGHT 0.5
 
-struct lod_outlines { struct lod_outline crown, stem; };
 struct lod_runs { uint32_t first; uint16_t row, end; };      /* an outline's cells in rows [row, end) */
+struct lod_stem { struct lod_outline outline; struct lod_runs runs; };
 
 struct lod_visibility {
 	float foot_x, foot;          /* column and row of its foot */
@@ -59,7 +59,8 @@ struct lod_visibility {
 	                              * at most share */
 	float ellipse;               /* pixels of its crown, gaps included; of a near one, in the picture */
 	float leaves;                /* pixels of all its leaves, each by itself */
-	struct lod_runs crown, stem; /* set by lod_screen_shares */
+	struct lod_runs crown;       /* set by lod_screen_shares */
+	uint32_t stem;               /* in the screen's stems, + 1; 0: it shows none beside its crown */
 	bool near;                   /* the eye is in its crown or next to it: each ray has its way */
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
@@ -78,7 +79,8 @@ struct lod_screen {
 	double per_x, per_y;         /* cells per length 1 of the image plane at distance 1 */
 	bool ground;
 	struct lod_visibility *visibilities;    uint32_t count, capacity;
-	struct lod_outlines *outlines;       uint32_t outline_capacity;      /* as many */
+	struct lod_outline *crowns;          uint32_t crown_capacity;        /* as many */
+	struct lod_stem *stems;      uint32_t stem_count, stem_capacity;
 	struct lod_run *runs;        uint32_t run_count, run_capacity;
 	uint32_t shared;             /* of so many the shares are found; a caller that drops any says 0 */
 };

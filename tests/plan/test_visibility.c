@@ -113,7 +113,7 @@ UNIT_TEST(plants_around_the_eye_hide_each_other)
 	double seen = 0;
 	for (uint32_t i = 0; i < 6; i++)
 		seen += pixels_of(&screen.visibilities[i]);
-	assert_true(screen.outlines[1].crown.inside && screen.outlines[5].crown.inside);
+	assert_true(screen.crowns[1].inside && screen.crowns[5].inside);
 	assert_true(seen < 800 * 600);
 	assert_true(screen.visibilities[0].share < 0.2f * alone);
 	lod_screen_free(&screen);
