@@ -10,6 +10,8 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
+#define PART_TRIES 24            /* numbers of vertices between two hull points that are tried, ... */
+#define PART_STEP 4              /* ... each a quarter nearer to the lower one */
 #define BISECTIONS 14            /* of the bracket of lambda: the rest is filled step by step */
 #define BRACKET_FACTOR 1.4       /* widens the bracket until one end does not fit */
 #define BRACKETS_FEW 24          /* then NEGLIGIBLE is tried */
@@ -304,42 +306,48 @@ static const struct lod_way *way_of(const struct lod_fill *fill, const struct lo
 		fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
 }
 
-/* From the curve, which is no straight line between hull points. */
+/* From the curve, which is no straight line between hull points. Fewer splats than the first level of several has were not
+ * measured: they show their share of it. */
 static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices,
 	error_part error)
 {
-	if (vertices == candidate->hull->points->vertices)
-		return error(candidate->hull, candidate->hull->points);
+	const struct lod_hull *hull = candidate->hull;
+	const struct lod_way *way = way_of(fill, candidate);
+	uint64_t measured = way->has_splats ? lod_way_level_above(way, 1) : 0;
+	if (vertices == hull->points->vertices)
+		return error(hull, hull->points);
+	bool part = vertices < measured && !(vertices == 1 && hull->impostor != ECO_NONE);
 	lod_planner_work(fill->allocation->p, LOD_WORK_CURVE);
-	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices,
-		candidate->hull->size, candidate->hull->impostor);
-	return error(candidate->hull, &point);
+	struct lod_hull_point point = lod_hull_point_at(way, part ? measured : vertices, hull->size, hull->impostor);
+	double found = error(hull, &point), none = error(hull, hull->points);
+	return part ? none + (found - none) * (double)vertices / (double)measured : found;
 }
 
-/* A few splats are worse than an impostor. Is this state, beyond that of one? */
-static bool is_worse(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
+/* Vertices that a plant may draw between candidate->low and candidate->high: those that leave least wrong, of some
+ * tried from `vertices` down. Between two points of a hull a curve may rise. Where there are many plants only the most
+ * are tried: they are one plant's. */
+static uint64_t best_part(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
-	if (candidate->hull->impostor == ECO_NONE || candidate->low != 1 || vertices >= candidate->high)
-		return false;
-	const struct lod_hull_point *here = lod_candidate_point(candidate);
-	return error_at(fill, candidate, vertices, lod_hull_error) > lod_hull_error(candidate->hull, here);
+	const struct lod_way *way = way_of(fill, candidate);
+	uint64_t best = candidate->low, to = lod_way_floor(way, vertices);
+	double least = error_at(fill, candidate, best, lod_hull_error);
+	for (int tries = fill->allocation->few_plants ? PART_TRIES : 1; to > candidate->low && tries; tries--) {
+		double error = error_at(fill, candidate, to, lod_hull_error);
+		if (error < least) {
+			least = error;
+			best = to;
+		}
+		to = lod_way_floor(way, to - 1 - (to - candidate->low) / PART_STEP);
+	}
+	return best;
 }
 
-/* Vertices that a plant may draw between candidate->low and candidate->high: the most up to `vertices`, and
- * the least beyond `at`. */
-static uint64_t part_floor(const struct lod_fill *fill, const struct lod_candidate *candidate,
-	uint64_t vertices)
-{
-	uint64_t to = lod_way_floor(way_of(fill, candidate), vertices);
-	return is_worse(fill, candidate, to) ? candidate->low : to;
-}
-
+/* The least beyond `at` that gains. */
 static uint64_t part_next(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t at)
 {
 	uint64_t next = lod_way_next(way_of(fill, candidate), at);
-	while (is_worse(fill, candidate, next))
-		next = lod_way_next(way_of(fill, candidate), next);
-	return next;
+	return next < candidate->high && error_at(fill, candidate, next, lod_hull_error)
+		>= error_at(fill, candidate, at, lod_hull_error) ? candidate->high : next;
 }
 
 /* All plants have `vertices`, at the next hull point or on the way to it. */
@@ -371,7 +379,7 @@ static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candida
 static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t each = left / candidate->count, spent = 0,
-		to = part_floor(fill, candidate, each < candidate->high - candidate->low
+		to = best_part(fill, candidate, each < candidate->high - candidate->low
 		? candidate->low + each : candidate->high);
 	if (to > candidate->low) {
 		spent = (to - candidate->low) * candidate->count;
@@ -395,7 +403,7 @@ static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candi
 {
 	uint64_t plants = candidate->between ? 0 : lod_fill_share_next(fill, candidate, candidate->ahead)
 		- candidate->ahead;
-	uint64_t to = plants ? part_floor(fill, candidate, candidate->low + left / plants) : 0;
+	uint64_t to = plants ? best_part(fill, candidate, candidate->low + left / plants) : 0;
 	if (to <= candidate->low)
 		return 0;
 	candidate->middle = to;
@@ -408,7 +416,7 @@ static uint64_t fill_thinly(struct lod_fill *fill, struct lod_candidate *candida
 {
 	uint64_t had = candidate->ahead * (candidate->high - candidate->low),
 		plants = lod_fill_share_next(fill, candidate, candidate->ahead);
-	uint64_t to = part_floor(fill, candidate, candidate->low + (had + left) / plants);
+	uint64_t to = best_part(fill, candidate, candidate->low + (had + left) / plants);
 	if (to <= candidate->low || to >= candidate->high || plants * (to - candidate->low) <= had)
 		return 0;
 	uint64_t spent = plants * (to - candidate->low) - had;
