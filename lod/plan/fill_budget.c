@@ -10,8 +10,8 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
-#define PART_TRIES 24            /* numbers of vertices between two hull points that are tried, ... */
-#define PART_STEP 4              /* ... each a quarter nearer to the lower one */
+#define PART_STEP 4              /* between two hull points numbers of vertices are tried, each a quarter nearer to
+                                  * the lower one */
 #define BISECTIONS 14            /* of the bracket of lambda: the rest is filled step by step */
 #define BRACKET_FACTOR 1.4       /* widens the bracket until one end does not fit */
 #define BRACKETS_FEW 24          /* then NEGLIGIBLE is tried */
@@ -81,12 +81,12 @@ enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, str
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
 		const struct lod_ladder_choice *o = &m->ladder_choices[i];
 		uint64_t count = plants_of(m, i);
-		if (count)
-			fill->candidates[fill->candidate_count++] =
-				(struct lod_candidate){ .ladder_choice = i, .node = ECO_NONE,
-				.hull = &o->hull, .count = count, .weight_px = o->weight_px,
-				.seen = o->weight_px * m->scratch[o->slot]
-				* ((double)count / (double)p->visible.slots[o->slot].count) };
+		if (!count)
+			continue;
+		double seen = o->weight_px * m->scratch[o->slot] / (double)p->visible.slots[o->slot].count;
+		fill->candidates[fill->candidate_count++] = (struct lod_candidate){ .ladder_choice = i,
+			.node = ECO_NONE, .hull = &o->hull, .count = count,
+			.weight_px = m->few_plants ? seen : o->weight_px, .seen = seen * (double)count };
 	}
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
@@ -113,6 +113,16 @@ void lod_fill_free(struct lod_fill *fill)
 
 /* ---- At a lambda ---- */
 
+/* Sets all plants of a candidate to a hull point, none of them ahead. */
+static void reach_step(struct lod_candidate *candidate, uint32_t step)
+{
+	candidate->step = step;
+	candidate->ahead = candidate->between = 0;
+	candidate->low = lod_candidate_point(candidate)->vertices;
+	candidate->high = lod_candidate_ended(candidate) ? candidate->low
+		: lod_candidate_point(candidate)[1].vertices;
+}
+
 static void add_vertices(struct lod_fill *fill, uint64_t count, uint64_t each)
 {
 	uint64_t product;
@@ -132,7 +142,8 @@ static void fill_at(struct lod_fill *fill, double lambda)
 		double position = candidate->weight_px > 0
 			? lod_hull_position(candidate->hull, lambda / candidate->weight_px, candidate->step)
 			: lambda > 0 ? 0 : candidate->hull->count - 1;
-		lod_candidate_reach(candidate, (uint32_t)position);
+		position = fmax(position, candidate->least);
+		reach_step(candidate, (uint32_t)position);
 		double part = position - candidate->step;
 		if (candidate->ladder_choice == ECO_NONE) /* a summary can have any number of points */
 			candidate->low += (uint64_t)(part * (double)(candidate->high - candidate->low));
@@ -143,18 +154,18 @@ static void fill_at(struct lod_fill *fill, double lambda)
 	}
 }
 
-typedef double (*error_part)(const struct lod_hull *hull, const struct lod_hull_point *point);
-
-static double candidate_wrong(const struct lod_candidate *candidate, error_part error)
+static double candidate_wrong(const struct lod_candidate *candidate)
 {
 	const struct lod_hull_point *a = lod_candidate_point(candidate);
-	double now = error(candidate->hull, a), part = 0;
+	double now = lod_hull_error(candidate->hull, a), part = 0;
 	if (!lod_candidate_ended(candidate))
 		part = ((double)(candidate->low - a->vertices)
 			+ (double)candidate->ahead / (double)candidate->count * (double)(candidate->high
 			- candidate->low))
 			/ (double)(a[1].vertices - a->vertices);
-	return candidate->seen * (part > 0 ? now + part * (error(candidate->hull, a + 1) - now) : now);
+	if (part > 0)
+		now += part * (lod_hull_error(candidate->hull, a + 1) - now);
+	return candidate->seen * now;
 }
 
 /* A tile that draws nothing, or only its plants, is no candidate: the caller adds what it leaves wrong. */
@@ -162,7 +173,7 @@ static void sum_wrong(struct lod_fill *fill)
 {
 	fill->wrong = 0;
 	for (uint32_t i = 0; i < fill->candidate_count; i++)
-		fill->wrong += candidate_wrong(&fill->candidates[i], lod_hull_error);
+		fill->wrong += candidate_wrong(&fill->candidates[i]);
 }
 
 void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
@@ -279,7 +290,8 @@ static uint64_t share_floor(struct lod_fill *fill, const struct lod_candidate *c
 	return wanted;
 }
 
-uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t plants)
+/* The least number of plants above `plants` that a range of hashes can hold; `plants` < count. */
+static uint64_t share_next(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t plants)
 {
 	const uint16_t *hashes = hashes_of(fill, candidate);
 	while (++plants < candidate->count && hashes[plants - 1] == hashes[plants])
@@ -306,48 +318,44 @@ static const struct lod_way *way_of(const struct lod_fill *fill, const struct lo
 		fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
 }
 
-/* From the curve, which is no straight line between hull points. Fewer splats than the first level of several has were not
- * measured: they show their share of it. */
-static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices,
-	error_part error)
+/* From the curve, which is no straight line between hull points. Fewer splats than the first level of several
+ * has were not measured: they show their share of it. */
+static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
 	const struct lod_hull *hull = candidate->hull;
 	const struct lod_way *way = way_of(fill, candidate);
-	uint64_t measured = way->has_splats ? lod_way_level_above(way, 1) : 0;
+	double none = lod_hull_error(hull, hull->points);
 	if (vertices == hull->points->vertices)
-		return error(hull, hull->points);
+		return none;
+	uint64_t measured = way->has_splats ? lod_way_level_above(way, 1) : 0;
 	bool part = vertices < measured && !(vertices == 1 && hull->impostor != ECO_NONE);
 	lod_planner_work(fill->allocation->p, LOD_WORK_CURVE);
-	struct lod_hull_point point = lod_hull_point_at(way, part ? measured : vertices, hull->size, hull->impostor);
-	double found = error(hull, &point), none = error(hull, hull->points);
+	struct lod_hull_point point = lod_hull_point_at(way, part ? measured : vertices, hull->size,
+		hull->impostor);
+	double found = lod_hull_error(hull, &point);
 	return part ? none + (found - none) * (double)vertices / (double)measured : found;
 }
 
-/* Vertices that a plant may draw between candidate->low and candidate->high: those that leave least wrong, of some
- * tried from `vertices` down. Between two points of a hull a curve may rise. Where there are many plants only the most
- * are tried: they are one plant's. */
-static uint64_t best_part(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
+/* Vertices that a plant may draw between candidate->low and candidate->high: those that leave least wrong, of
+ * some tried from `vertices` down. Between two points of a hull a curve may rise. Where there are many plants
+ * only the most are tried: they are one plant's. */
+static uint64_t best_part(const struct lod_fill *fill, const struct lod_candidate *candidate,
+	uint64_t vertices)
 {
 	const struct lod_way *way = way_of(fill, candidate);
 	uint64_t best = candidate->low, to = lod_way_floor(way, vertices);
-	double least = error_at(fill, candidate, best, lod_hull_error);
-	for (int tries = fill->allocation->few_plants ? PART_TRIES : 1; to > candidate->low && tries; tries--) {
-		double error = error_at(fill, candidate, to, lod_hull_error);
+	double least = error_at(fill, candidate, best);
+	while (to > candidate->low) {
+		double error = error_at(fill, candidate, to);
 		if (error < least) {
 			least = error;
 			best = to;
 		}
+		if (!fill->allocation->few_plants)
+			break;
 		to = lod_way_floor(way, to - 1 - (to - candidate->low) / PART_STEP);
 	}
 	return best;
-}
-
-/* The least beyond `at` that gains. */
-static uint64_t part_next(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t at)
-{
-	uint64_t next = lod_way_next(way_of(fill, candidate), at);
-	return next < candidate->high && error_at(fill, candidate, next, lod_hull_error)
-		>= error_at(fill, candidate, at, lod_hull_error) ? candidate->high : next;
 }
 
 /* All plants have `vertices`, at the next hull point or on the way to it. */
@@ -357,7 +365,7 @@ static void reach(struct lod_candidate *candidate, uint64_t vertices)
 	candidate->ahead = 0;
 	candidate->high = lod_candidate_point(candidate)[1].vertices;
 	if (candidate->low == candidate->high)
-		lod_candidate_reach(candidate, candidate->step + 1);
+		reach_step(candidate, candidate->step + 1);
 }
 
 /* As many plants as `left` allows take the whole step. */
@@ -385,8 +393,9 @@ static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candida
 		spent = (to - candidate->low) * candidate->count;
 		candidate->low = to;
 	}
-	uint64_t next = part_next(fill, candidate, candidate->low);
-	if (next < candidate->high && next - candidate->low <= left - spent) {
+	uint64_t next = lod_way_next(way_of(fill, candidate), candidate->low);
+	if (next < candidate->high && next - candidate->low <= left - spent
+			&& error_at(fill, candidate, next) < error_at(fill, candidate, candidate->low)) {
 		uint64_t plants = share_floor(fill, candidate, (left - spent) / (next - candidate->low));
 		if (plants > 0) {
 			candidate->high = next;
@@ -401,7 +410,7 @@ static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candida
  * picture to picture, and the difference must not be visible. */
 static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
-	uint64_t plants = candidate->between ? 0 : lod_fill_share_next(fill, candidate, candidate->ahead)
+	uint64_t plants = candidate->between ? 0 : share_next(fill, candidate, candidate->ahead)
 		- candidate->ahead;
 	uint64_t to = plants ? best_part(fill, candidate, candidate->low + left / plants) : 0;
 	if (to <= candidate->low)
@@ -415,7 +424,7 @@ static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candi
 static uint64_t fill_thinly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t had = candidate->ahead * (candidate->high - candidate->low),
-		plants = lod_fill_share_next(fill, candidate, candidate->ahead);
+		plants = share_next(fill, candidate, candidate->ahead);
 	uint64_t to = best_part(fill, candidate, candidate->low + (had + left) / plants);
 	if (to <= candidate->low || to >= candidate->high || plants * (to - candidate->low) <= had)
 		return 0;
@@ -448,7 +457,9 @@ static uint64_t fill_candidate(struct lod_fill *fill, struct lod_candidate *cand
 	return spent;
 }
 
-bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
+/* Greedy fill: gives the rest of the budget to candidates in falling order of slope. Sets vertices. False
+ * without memory. */
+static bool fill_rest(struct lod_fill *fill, uint64_t budget)
 {
 	struct lod_heap_item *heap = malloc(((size_t)fill->candidate_count + 1) * sizeof *heap);
 	uint32_t count = 0;
@@ -461,7 +472,7 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 		candidate->ahead = candidate->ahead ? share_floor(fill, candidate, candidate->ahead) : 0;
 		add_vertices(fill, candidate->count, candidate->low);
 		add_vertices(fill, candidate->ahead, candidate->high - candidate->low);
-		if (i != except && lod_candidate_next(candidate) > 0)
+		if (lod_candidate_next(candidate) > 0)
 			heap[count++] = (struct lod_heap_item){ lod_candidate_next(candidate), i };
 	}
 	lod_heap_make(heap, count);
@@ -485,32 +496,18 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 	return true;
 }
 
-/* Vertices of one more primitive for the plants between, or of the first for plants that would be. */
-static uint64_t part_cost(struct lod_fill *fill, const struct lod_candidate *candidate)
-{
-	uint64_t plants = candidate->between ? candidate->between
-		: lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
-	uint64_t at = candidate->between ? candidate->middle : candidate->low;
-	return plants * (part_next(fill, candidate, at) - at);
-}
-
-/* Vertices of the cheapest addition that gains. */
+/* Vertices of the cheapest step of a hull that is left, of the fewest plants. */
 static uint64_t cheapest_step(struct lod_fill *fill)
 {
 	uint64_t cheapest = UINT64_MAX;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
-		const struct lod_candidate *candidate = &fill->candidates[i];
-		if (!(lod_candidate_next(candidate) > 0))
+		const struct lod_candidate *c = &fill->candidates[i];
+		if (!(lod_candidate_next(c) > 0))
 			continue;
 		uint64_t cost = 1;
-		if (candidate->ladder_choice != ECO_NONE && !fill->allocation->few_plants)
-			cost = part_cost(fill, candidate);
-		else if (candidate->ladder_choice != ECO_NONE && candidate->ahead)
-			cost = (lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead)
-				* (candidate->high - candidate->low);
-		else if (candidate->ladder_choice != ECO_NONE)
-			cost = lod_fill_share_next(fill, candidate,
-				0) * (part_next(fill, candidate, candidate->low) - candidate->low);
+		if (c->ladder_choice != ECO_NONE)
+			cost = c->between ? c->between * (c->high - c->middle)
+				: (share_next(fill, c, c->ahead) - c->ahead) * (c->high - c->low);
 		cheapest = cost < cheapest ? cost : cheapest;
 	}
 	return cheapest;
@@ -640,46 +637,72 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 	return code;
 }
 
-static double wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate, error_part error)
+double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	const struct lod_hull_point *a = lod_candidate_point(candidate);
 	bool at_steps = lod_candidate_ended(candidate)
 		|| (!candidate->between && candidate->low == a->vertices
 		&& (!candidate->ahead || candidate->high == a[1].vertices));
 	if (candidate->ladder_choice == ECO_NONE || at_steps)
-		return candidate_wrong(candidate, error);
-	double now = error_at(fill, candidate, candidate->low, error), wrong = now;
+		return candidate_wrong(candidate);
+	double now = error_at(fill, candidate, candidate->low), wrong = now, each = 1 / (double)candidate->count;
 	if (candidate->ahead)
-		wrong += (double)candidate->ahead / (double)candidate->count
-			* (error_at(fill, candidate, candidate->high, error) - now);
+		wrong += each * (double)candidate->ahead * (error_at(fill, candidate, candidate->high) - now);
 	if (candidate->between)
-		wrong += (double)candidate->between / (double)candidate->count
-			* (error_at(fill, candidate, candidate->middle, error) - now);
+		wrong += each * (double)candidate->between
+			* (error_at(fill, candidate, candidate->middle) - now);
 	return candidate->seen * wrong;
 }
 
-double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
+/* The rest of the budget, and what is wrong then. False without memory. */
+static bool finish_rest(struct lod_fill *fill, uint64_t budget)
 {
-	return wrong_of(fill, candidate, lod_hull_error);
-}
-
-void lod_fill_sum(struct lod_fill *fill)
-{
+	if (!fill_rest(fill, budget))
+		return false;
 	fill->wrong = 0;
 	lod_planner_work(fill->allocation->p, LOD_WORK_CHOICE * (uint64_t)fill->candidate_count);
 	for (uint32_t i = 0; i < fill->candidate_count; i++)
 		fill->wrong += lod_fill_wrong_of(fill, &fill->candidates[i]);
+	return true;
 }
 
-enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error)
+/* Each slot in turn has a step more, which the others make up for at a higher lambda: the greedy fill takes no
+ * large step where small ones came first. A change that leaves less wrong is kept. */
+static bool try_steps(struct lod_fill *fill, uint64_t budget)
+{
+	const size_t size = fill->candidate_count * sizeof *fill->candidates;
+	struct lod_fill best = *fill;
+	bool good = (best.candidates = malloc(size + 1));
+	const struct lod_planner *p = fill->allocation->p;
+	for (uint32_t i = 0; good && i < fill->candidate_count && !lod_planner_over(p, 2); i++) {
+		struct lod_candidate *candidate = &fill->candidates[i];
+		if (lod_candidate_ended(candidate))
+			continue;
+		memcpy(best.candidates, fill->candidates, size);
+		best.lambda = fill->lambda;
+		best.vertices = fill->vertices;
+		best.wrong = fill->wrong;
+		candidate->least = candidate->step + 1;
+		lod_fill_search(fill, fill->lambda, budget);
+		good = fill->vertices > budget || finish_rest(fill, budget);
+		if (fill->vertices <= budget && fill->wrong < best.wrong)
+			continue;
+		memcpy(fill->candidates, best.candidates, size);
+		fill->lambda = best.lambda;
+		fill->vertices = best.vertices;
+		fill->wrong = best.wrong;
+	}
+	free(best.candidates);
+	return good;
+}
+
+enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool steps, struct eco_error *error)
 {
 	struct lod_planner *p = fill->allocation->p;
 	lod_planner_work(p, p->screen.count + LOD_WORK_CHOICE * (uint64_t)fill->candidate_count
 		+ LOD_WORK_TALLY * fill->allocation->tallies);
-	bool good = collect_hashes(fill) && lod_fill_rest(fill, budget, ECO_NONE);
-	if (good)
-		lod_fill_sum(fill);
-	if (!good || (swaps && !lod_planner_over(p, 2) && !lod_swap_steps(fill, budget)))
+	if (!collect_hashes(fill) || !finish_rest(fill, budget)
+			|| (steps && fill->lambda > 0 && !try_steps(fill, budget)))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
 			fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);

@@ -1,13 +1,13 @@
-/* Uses a budget to the last vertex, with tiles and gates fixed. First the lowest lambda whose hull points fit
- * is searched: the dual solution. The rest of the budget goes to further steps in falling order of slope
- * (greedy fill, as in the linear relaxation of the knapsack), down to steps of single plants. Where many
+/* Uses a budget to the last vertex that gains, with tiles and gates fixed. First the lowest lambda whose hull
+ * points fit is searched: the dual solution. The rest of the budget goes to further steps in falling order of
+ * slope (greedy fill, as in the linear relaxation of the knapsack), down to steps of single plants. Where many
  * plants are in view all take whole steps but the last, which goes part of the way: the rest differs from
  * picture to picture and must not change more than one plant.
  *
  *   lod_allocation_fix(&allocation);                      tiles, gates, counts
  *   lod_fill_make(&fill, &allocation, &error);            the candidates
  *   lod_fill_search(&fill, lambda, budget)                hull points that fit, and the pixels left wrong
- *   lod_fill_finish(&fill, budget, swaps, &error)         the rest of the budget; then entries of the plan
+ *   lod_fill_finish(&fill, budget, steps, &error)         the rest of the budget; then entries of the plan
  *   lod_fill_free(&fill) */
 #ifndef LOD_FILL_BUDGET_H
 #define LOD_FILL_BUDGET_H
@@ -20,9 +20,10 @@ struct lod_candidate {               /* a ladder choice for the plants of its sl
 	uint32_t ladder_choice, node; /* one of them is ECO_NONE */
 	const struct lod_hull *hull;
 	uint64_t count;              /* plants; 1 of a summary */
-	double weight_px;            /* of one plant: its lambda is that of the hull times this */
+	double weight_px;            /* of one plant: its lambda is that of the hull times this; where many plants
+	                              * are in view the slot's, which changes slowly as a camera moves */
 	double seen;                 /* wrong pixels of all plants at an error of 1 */
-	uint32_t step;               /* the last hull point that all plants have reached */
+	uint32_t step, least;        /* the last hull point that all plants have reached; it is no lower than this */
 	uint64_t low;                /* vertices of each plant, ... */
 	uint64_t high, ahead;        /* ... but `ahead` plants of the smallest hashes have `high` */
 	uint64_t middle, between;    /* and the next `between` plants, on the way there, have `middle`; 0:
@@ -34,7 +35,7 @@ struct lod_fill {
 	struct lod_candidate *candidates;        uint32_t candidate_count;
 	double lambda;               /* after search: the lambda found; 0: everything fits */
 	uint64_t vertices;
-	uint64_t cheapest;           /* after finish: vertices of the cheapest step left that gains;
+	uint64_t cheapest;           /* after finish: vertices of the cheapest step of a hull that is left;
 	                              * UINT64_MAX: none */
 	double wrong;
 	bool converged;              /* after search: lambda is known to 1/16384 of its bracket, or everything
@@ -52,11 +53,11 @@ void lod_fill_free(struct lod_fill *fill);
 /* Sets the hull points of the lowest lambda that fits, searched from `lambda` > 0. Where not even the first
  * hull points fit, `vertices` stays above the budget. */
 void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget);
-/* After a search that fits. `swaps`: runs lod_swap_steps too, which takes the square of the number of
- * candidates. */
-enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error);
+/* After a search that fits. `steps`: each slot in turn has a step more, if that leaves less wrong; takes the
+ * square of the number of candidates. */
+enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool steps, struct eco_error *error);
 
-/* ---- For swap_steps.c ---- */
+/* ---- For explain.c ---- */
 
 static inline const struct lod_hull_point *lod_candidate_point(const struct lod_candidate *candidate)
 {
@@ -66,11 +67,6 @@ static inline bool lod_candidate_ended(const struct lod_candidate *candidate)
 {
 	return candidate->step + 1 == candidate->hull->count;
 }
-static inline uint64_t lod_candidate_vertices(const struct lod_candidate *candidate)
-{
-	return candidate->count * candidate->low + candidate->ahead * (candidate->high - candidate->low)
-		+ candidate->between * (candidate->middle - candidate->low);
-}
 
 /* Wrong pixels that the next step of one plant saves per vertex; 0 at the end. */
 static inline double lod_candidate_next(const struct lod_candidate *candidate)
@@ -79,42 +75,8 @@ static inline double lod_candidate_next(const struct lod_candidate *candidate)
 		: lod_hull_slope(candidate->hull, candidate->step + 1) * candidate->weight_px;
 }
 
-/* Sets all plants of a candidate to a hull point, none of them ahead. */
-static inline void lod_candidate_reach(struct lod_candidate *candidate, uint32_t step)
-{
-	candidate->step = step;
-	candidate->ahead = candidate->between = 0;
-	candidate->low = lod_candidate_point(candidate)->vertices;
-	candidate->high = lod_candidate_ended(candidate) ? candidate->low
-		: lod_candidate_point(candidate)[1].vertices;
-}
-
-/* Plants of one hash are treated alike. The least number of plants above `plants` that a range of hashes can
- * hold; `plants` < count. */
-uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t plants);
-/* Greedy fill: gives the rest of the budget to candidates in falling order of slope, except one (ECO_NONE: to
- * all). Sets vertices. False without memory. */
-bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except);
 /* Wrong pixels that a candidate leaves, by its curve: between two hull points a curve is no straight line. */
 double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate);
-/* Sets fill->wrong to the sum over candidates. */
-void lod_fill_sum(struct lod_fill *fill);
-
-/* Local search for scenes of a few plants, where the rest of a budget is no small part of it and steps are
- * large: there the dual solution and the greedy fill may be far from optimal. One candidate is changed, the
- * others make up for it, and the change is kept if fewer pixels are wrong:
- *
- * - it releases a step, or all its steps, and the others are filled greedily with the vertices
- * - it adds a step that does not fit, for one plant more or for all, and the others release steps until it
- *   fits, those first that lose least per vertex needed; only this trades one large step for several small
- *   ones
- *
- * Ends when no change helps, after some passes, or with half of the plan's work. Takes the square of the
- * number of candidates. */
-
-/* `fill` is filled to its budget; fill->wrong is what it leaves wrong, before and after. False without
- * memory. */
-bool lod_swap_steps(struct lod_fill *fill, uint64_t budget);
 
 /* Explaining inside the planner. Nothing is recorded unless an explanation is asked for. */
 

@@ -46,8 +46,8 @@ static void set_slopes(const struct lod_hull_point *from, struct lod_hull_point 
 	to->open_slope = (from->open - to->open) / vertices;
 }
 
-uint32_t lod_hull_lower(const struct lod_hull_point *points, const double *errors, uint32_t count, double ratio,
-	uint8_t kept[LOD_HULL_POINTS_MAX])
+uint32_t lod_hull_lower(const struct lod_hull_point *points, const double *errors, uint32_t count,
+	double ratio, uint8_t kept[LOD_HULL_POINTS_MAX])
 {
 	double slopes[LOD_HULL_POINTS_MAX] = { INFINITY }, slope;
 	uint32_t last = 0;
@@ -55,7 +55,8 @@ uint32_t lod_hull_lower(const struct lod_hull_point *points, const double *error
 	for (uint32_t i = 1; i < count; i++) {
 		for (;; last--) {
 			const uint32_t from = kept[last];
-			slope = (errors[from] - errors[i]) / (double)(points[i].vertices - points[from].vertices);
+			const uint64_t vertices = points[i].vertices - points[from].vertices;
+			slope = (errors[from] - errors[i]) / (double)vertices;
 			if (last == 0 || ratio * slope < slopes[last])
 				break;
 		}

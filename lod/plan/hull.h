@@ -68,13 +68,12 @@ void lod_hull_set_size(struct lod_hull_point *point, double size);
 /* The weighted sum for one size, before ground and sky. */
 double lod_seen_worth(const struct eco_seen *seen, uint32_t size);
 
-/* Indices of those of `count` points in ascending vertices that are on the lower convex hull of `errors`; returns their
- * number. Two steps whose slopes are less than `ratio` times apart become one. */
-uint32_t lod_hull_lower(const struct lod_hull_point *points, const double *errors, uint32_t count, double ratio,
-	uint8_t kept[LOD_HULL_POINTS_MAX]);
-/* Reduces points in ascending vertices to their lower convex hull at hull->open, in place. Two steps
- * whose slopes are less than `ratio` times apart become one. Reduced again at another weight, a hull is
- * convex at both weights and between. */
+/* Indices of those of `count` points in ascending vertices that are on the lower convex hull of `errors`;
+ * returns their number. Two steps whose slopes are less than `ratio` times apart become one. */
+uint32_t lod_hull_lower(const struct lod_hull_point *points, const double *errors, uint32_t count,
+	double ratio, uint8_t kept[LOD_HULL_POINTS_MAX]);
+/* Reduces points in ascending vertices to their lower convex hull at hull->open, in place. Reduced again at
+ * another weight, a hull is convex at both weights and between. */
 void lod_hull_reduce(struct lod_hull *hull, double ratio);
 #define LOD_HULL_SLOPE_RATIO 1.25 /* for ladders: where a curve is nearly straight more points save nothing,
                                    * but more plants change as a camera moves */

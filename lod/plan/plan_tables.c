@@ -181,7 +181,8 @@ static void keep_used(struct lod_hull *hull)
 			const struct lod_seen_error *seen = &hull->points[k].seen[i / 2];
 			errors[k] = (double)seen->alike + (i % 2 ? 1 : LOD_OPEN_LEAST) * (double)seen->open;
 		}
-		for (uint32_t k = lod_hull_lower(hull->points, errors, hull->count, LOD_HULL_SLOPE_RATIO, on); k-- > 0;)
+		uint32_t count = lod_hull_lower(hull->points, errors, hull->count, LOD_HULL_SLOPE_RATIO, on);
+		for (uint32_t k = 0; k < count; k++)
 			used[on[k]] = true;
 	}
 	for (uint32_t k = 0; k < hull->count; k++)

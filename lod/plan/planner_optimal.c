@@ -11,8 +11,8 @@
  * - where few plants are in view and have a ladder that shows the whole plant, fill the budget with and
  *   without it, and keep what leaves less wrong
  * - where the answer has too many bytes, find a price for them and fill once more (lod/plan/price_search.h)
- * - in small scenes, also swap steps between choices (lod/plan/swap_steps.c). Trying other gates and tiles
- *   there was measured and is not worth it (lod/EXPERIMENTS.md, "Small scenes")
+ * - in small scenes, try a step more for each slot, which the others make up for. Trying other gates and tiles
+ *   there was measured and is not worth it (lod/EXPERIMENTS.md, Small scenes)
  *
  * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
  * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
@@ -35,10 +35,8 @@
 #define LAMBDAS_PER_PREDICTION 4 /* grid lambdas between two predicted pictures, at most */
 #define LAMBDA_TRIES 8           /* of the search between two grid lambdas, ... */
 #define LAMBDA_SLACK 0.001       /* ... which ends when no more than this share of the budget is unused */
-#define SMALL_SCENE 64u          /* ladder choices, and tiles: below, steps are swapped */
+#define SMALL_SCENE 64u          /* ladder choices, and tiles: below, each slot is tried by itself */
 #define TOGGLE_PASSES 2          /* over all slots, where few plants are in view */
-#define LOWER_TRIES 12           /* of the search below a lambda at which every curve ends, ... */
-#define LOWER_FACTOR 2.0         /* ... which begins with steps of this factor */
 #define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
 #define CELLS_PX 1.0             /* ... and cells; less at finer levels */
 #define FINER_OCTAVES 3          /* from one level to the next */
@@ -277,9 +275,8 @@ static bool is_small(const struct lod_allocation *m)
 		&& m->p->visible.node_count < SMALL_SCENE;
 }
 
-/* Entries for the structure of a lambda. */
-enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,
-	struct eco_error *error)
+static enum eco_code fill_structure(const struct lod_lambda_search *s, double lambda, uint64_t budget,
+	bool steps, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_fill fill = { 0 };
@@ -292,7 +289,7 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 	}
 	m->p->converged = fill.converged;
 	if (!code)
-		code = lod_fill_finish(&fill, budget, is_small(m), error);
+		code = lod_fill_finish(&fill, budget, steps && is_small(m), error);
 	if (!code)
 		lod_explain_tiles(&fill);
 	m->p->cheapest = fill.cheapest;
@@ -302,6 +299,12 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 	return code;
 }
 
+enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,
+	struct eco_error *error)
+{
+	return fill_structure(s, lambda, budget, true, error);
+}
+
 /* Do plants draw a ladder for the whole plant? */
 static bool draws_whole(const struct lod_planner *p)
 {
@@ -309,12 +312,6 @@ static bool draws_whole(const struct lod_planner *p)
 		if (p->visible.slots[s].whole)
 			return true;
 	return false;
-}
-
-/* Has every curve ended, with some of the budget left, while plants draw ladders for the whole plant? */
-static bool ends_whole(const struct lod_planner *p)
-{
-	return p->cheapest == UINT64_MAX && p->vertices < p->input->request->vertices && draws_whole(p);
 }
 
 /* The lambda that uses the budget, with the slots' whole_rule. */
@@ -344,7 +341,7 @@ static bool improves(const struct lod_lambda_search *s, double lambda, uint64_t 
 	struct best *best, enum eco_code *code, struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
-	*code = lod_search_fill(s, lambda, budget, error);
+	*code = fill_structure(s, lambda, budget, false, error);
 	if (*code || !(p->wrong < best->wrong))
 		return false;
 	*best = (struct best){ p->wrong, lambda };
@@ -417,40 +414,13 @@ static enum eco_code try_whole(const struct lod_lambda_search *s, double *lambda
 	return code ? code : lod_search_fill(s, best.lambda, budget, error);
 }
 
-/* Ladders for the whole plant end in coarser pictures than the plant's organs. Where they leave some of the
- * budget, at a lower lambda more plants draw their organs: searches the highest lambda that leaves nothing,
- * and keeps what leaves least wrong. */
-static enum eco_code lower_whole(const struct lod_lambda_search *s, double *lambda, uint64_t budget,
-	struct eco_error *error)
-{
-	const struct lod_planner *p = s->allocation->p;
-	struct best best = { p->wrong, *lambda };
-	double high = *lambda, low = *lambda, tried = *lambda;
-	enum eco_code code = ECO_OK;
-	for (int i = 0; i < LOWER_TRIES && !code && !is_enough(s); i++) {
-		tried = low < high ? sqrt(low * high) : high / LOWER_FACTOR;
-		improves(s, tried, budget, &best, &code, error);
-		if (ends_whole(p)) {
-			low = low < high ? low : tried;
-			high = tried;
-		} else {
-			low = tried;
-		}
-	}
-	*lambda = best.lambda;
-	return code || tried == best.lambda ? code : lod_search_fill(s, best.lambda, budget, error);
-}
-
 static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	s->lambda = s->index == LOD_LAMBDA_COUNT ? lod_lambda_at(s->index) : exact_lambda(s, budget);
-	enum eco_code code = lod_search_fill(s, s->lambda, budget, error);
-	if (code || !m->has_whole || !(s->lambda > 0) || is_enough(s))
-		return code;
-	if (ends_whole(m->p))
-		code = lower_whole(s, &s->lambda, budget, error);
-	return code || !m->few_plants || is_enough(s) ? code : try_whole(s, &s->lambda, budget, error);
+	bool both = m->has_whole && m->few_plants && s->lambda > 0;
+	enum eco_code code = fill_structure(s, s->lambda, budget, !both, error);
+	return code || !both || is_enough(s) ? code : try_whole(s, &s->lambda, budget, error);
 }
 
 /* ---- Levels of detail ---- */

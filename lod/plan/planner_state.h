@@ -40,7 +40,7 @@ struct lod_planner {
 	uint32_t entry_count, entry_capacity;
 	uint64_t vertices;
 	bool ended;                  /* every curve has ended: nothing can be added */
-	uint64_t cheapest;           /* vertices of the cheapest step left that gains; UINT64_MAX: none */
+	uint64_t cheapest;           /* vertices of the cheapest step of a hull; UINT64_MAX: none is left */
 	uint32_t level;
 	bool converged;              /* as in lod_planner_stats */
 	double wrong;                /* lod_rule_optimal: the objective that the entries reach */

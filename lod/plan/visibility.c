@@ -311,7 +311,8 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 	const struct lod_proxy_shape *proxy_shape)
 {
 	if (!eco_array_grow(&screen->visibilities, &screen->capacity, screen->count, sizeof *screen->visibilities)
-			|| !eco_array_grow(&screen->crowns, &screen->crown_capacity, screen->count, sizeof *screen->crowns)
+			|| !eco_array_grow(&screen->crowns, &screen->crown_capacity, screen->count,
+			sizeof *screen->crowns)
 			|| !eco_array_grow(&screen->stems, &screen->stem_capacity, screen->stem_count,
 			sizeof *screen->stems))
 		return NULL;
@@ -333,7 +334,8 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 		.wood_behind = (float)wood_behind(d, proxy_shape) };
 	lod_outline_make(outline, eye, crown, proxy_shape->crown_across, proxy_shape->crown_up);
 	double stem = 0;             /* cells of its outline */
-	if (proxy_shape->stem > 0 && proxy_shape->up * screen->per_y > STEM_ROWS * (double)visibility->distance) {
+	if (proxy_shape->stem > 0
+			&& proxy_shape->up * screen->per_y > STEM_ROWS * (double)visibility->distance) {
 		struct lod_outline *made = &screen->stems[screen->stem_count].outline;
 		lod_outline_make(made, eye, d, proxy_shape->stem, proxy_shape->up);
 		stem = area_of(screen, made);
