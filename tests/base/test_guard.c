@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -24,6 +23,7 @@
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/memory.h"
 #include "tests/support/input_files.h"
+#include "tests/support/serve/http_client.h"
 #include "tests/support/unit_test.h"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -398,18 +398,14 @@ UNIT_TEST(files_that_name_servers_reach_nobody)
 		{ "packed.vrt", MOSAIC, "/vsizip//vsicurl/http://127.0.0.1:%u/dem.zip" },
 		{ "http.vrt", MOSAIC, "http://127.0.0.1:%u/dem.tif" },
 		{ "tiles.xml", TILED, "http://127.0.0.1:%u" } };
-	struct sockaddr_in address = { .sin_family = AF_INET, .sin_addr = { htonl(INADDR_LOOPBACK) } };
-	socklen_t size = sizeof address;
-	int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+	uint16_t port;
+	int server = http_listen(&port);
 	struct pollfd heard = { .fd = server, .events = POLLIN };
-	if (server < 0 || bind(server, (struct sockaddr *)&address, size) != 0 || listen(server, 8) != 0
-		|| getsockname(server, (struct sockaddr *)&address, &size) != 0)
-		skip();
 	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_ground ground;
 		char within[256];
-		snprintf(within, sizeof within, files[i].within, (unsigned)ntohs(address.sin_port));
+		snprintf(within, sizeof within, files[i].within, port);
 		if (import_text(files[i].name, files[i].format, within, &ground, &error) == ECO_OK)
 			fail_msg("%s was read", files[i].name);
 		assert_non_null(strstr(error.text, files[i].name));

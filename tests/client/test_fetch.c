@@ -1,16 +1,14 @@
 /* Fetching from a server that answers well, with problems, or badly: a thread with a socket and a list of
  * canned answers.
  * Longer than 600 lines: all tests share that thread. */
-#include <arpa/inet.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "client-min/view_ask.h"
+#include "tests/support/serve/http_client.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -45,12 +43,6 @@ static struct view_store *store;
 static struct view_fetch_result result;
 static struct eco_error error;
 
-static size_t content_length(const char *text)
-{
-	const char *at = strstr(text, "Content-Length:");
-	return at ? strtoul(at + 15, NULL, 10) : 0;
-}
-
 /* The rest of the scene, for who holds what the request says. */
 static void make_answer(struct server *s, uint32_t number, struct eco_writer *w)
 {
@@ -73,19 +65,11 @@ static void make_answer(struct server *s, uint32_t number, struct eco_writer *w)
 static void serve_one(struct server *s, uint32_t number)
 {
 	struct eco_writer made = { 0 };
-	char head[512], *end = NULL;
-	s->heard_size = 0;
+	char head[512];
 	int c = accept(s->listener, NULL, NULL);
 	if (c < 0)
 		return;
-	while (!end || s->heard_size < (size_t)(end + 4 - s->heard) + content_length(s->heard)) {
-		ssize_t n = recv(c, s->heard + s->heard_size, sizeof s->heard - 1 - s->heard_size, 0);
-		if (n <= 0)
-			break;
-		s->heard_size += (size_t)n;
-		s->heard[s->heard_size] = '\0';
-		end = strstr(s->heard, "\r\n\r\n");
-	}
+	http_hear(c, s->heard, sizeof s->heard, &s->heard_size);
 	if (s->plan)
 		make_answer(s, number, &made);
 	int size = snprintf(head, sizeof head, "%sConnection: close\r\n", s->head);
@@ -153,8 +137,6 @@ static void begin(uint64_t memory_max)
 
 static void start_server(struct server given, uint64_t memory_max)
 {
-	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
-	socklen_t length = sizeof at;
 	begin(memory_max);
 	struct server *s = &server;
 	*s = given;
@@ -163,11 +145,7 @@ static void start_server(struct server given, uint64_t memory_max)
 		s->size = good.size;
 		s->declared = given.declared ? given.declared : good.size;
 	}
-	s->listener = socket(AF_INET, SOCK_STREAM, 0);
-	assert_int_equal(bind(s->listener, (struct sockaddr *)&at, sizeof at), 0);
-	assert_int_equal(listen(s->listener, 4), 0);
-	getsockname(s->listener, (struct sockaddr *)&at, &length);
-	s->port = ntohs(at.sin_port);
+	s->listener = http_listen(&s->port);
 	assert_int_equal(pthread_create(&s->thread, NULL, serve, NULL), 0);
 }
 
@@ -244,7 +222,7 @@ UNIT_TEST(stream_arrives_in_pieces)
 		"/v1/scenes/test/stream?eye=-22,-19,6.5&target=0,0,2.5&up=0,0,"
 		"1&fov_y_deg=45&width=480&height=320"
 		"&vertices=1000&bytes=5000000&rule=deussen HTTP/1.1\r\n"));
-	assert_int_equal(content_length(server.heard), 4);
+	assert_non_null(strstr(server.heard, "\r\nContent-Length: 4\r\n"));
 }
 
 UNIT_TEST(a_picture_may_be_drawn_after_so_many_bytes)

@@ -50,18 +50,9 @@ static void *told_connection(void *ctx)
 {
 	int fd = (int)(intptr_t)ctx;
 	char request[8192];
-	size_t size = 0;
-	for (ssize_t got; (got = recv(fd, request + size, sizeof request - 1 - size, 0)) > 0;) {
-		size += (size_t)got;
-		request[size] = 0;
-		char *end = strstr(request, "\r\n\r\n"), *length = strcasestr(request, "content-length:");
-		if (!end ||
-			size < (size_t)(end + 4 - request) + (length ? strtoul(length + 15, NULL, 10) : 0))
-			continue;
-		size = 0;
-		if (!told_answer(fd, request) && told.closes)
-			break;
-	}
+	size_t size;
+	while (http_hear(fd, request, sizeof request, &size) && (told_answer(fd, request) || !told.closes))
+		continue;
 	close(fd);
 	return NULL;
 }
@@ -78,15 +69,9 @@ static void *told_run(void *ctx)
 
 static void told_start(struct told given)
 {
-	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
-	socklen_t size = sizeof at;
 	told = given;
 	pthread_mutex_init(&told.lock, NULL);
-	told.listener = socket(AF_INET, SOCK_STREAM, 0);
-	assert_int_equal(bind(told.listener, (struct sockaddr *)&at, size), 0);
-	assert_int_equal(listen(told.listener, 64), 0);
-	getsockname(told.listener, (struct sockaddr *)&at, &size);
-	told.port = ntohs(at.sin_port);
+	told.listener = http_listen(&told.port);
 	assert_int_equal(pthread_create(&told.thread, NULL, told_run, NULL), 0);
 }
 

@@ -289,16 +289,7 @@ static void take_pipe(void)
 	dup2(pipe_end, STDERR_FILENO);
 }
 
-static uint64_t dropped_lines(uint16_t port)
-{
-	static const char name[] = "\necoserve_log_lines_dropped_total ";
-	struct http_answer answer = http_get(port, "/metrics");
-	const char *at = answer.status == 200 ? strstr(answer.body, name) : NULL;
-	assert_non_null(at);
-	uint64_t count = strtoull(at + strlen(name), NULL, 10);
-	http_free(&answer);
-	return count;
-}
+static uint64_t dropped_lines(uint16_t port) { return http_metric(port, "log_lines_dropped_total"); }
 
 /* The reader of the pipe has gone, or has stopped before the start. */
 UNIT_TEST(a_log_that_cannot_be_written_stops_nothing)

@@ -86,16 +86,10 @@ static int run_export(const char *from)
 
 static int start(void **state)
 {
-	struct sockaddr_in address = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
-	socklen_t size = sizeof address;
 	if (serve_start(state))
 		return 1;
 	snprintf(host.folder, sizeof host.folder, "build/tmp/named-%d", (int)getpid());
-	host.listener = socket(AF_INET, SOCK_STREAM, 0);
-	if (bind(host.listener, (struct sockaddr *)&address, size) || listen(host.listener, 64)
-			|| getsockname(host.listener, (struct sockaddr *)&address, &size))
-		return 1;
-	host.port = ntohs(address.sin_port);
+	host.listener = http_listen(&host.port);
 	return run_export("300") || pthread_create(&host.thread, NULL, serve_folder, NULL);
 }
 

@@ -203,14 +203,10 @@ UNIT_TEST(calls_that_it_does_not_need_are_refused)
 
 UNIT_TEST(what_it_serves_with_is_allowed)
 {
-	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
-	socklen_t size = sizeof at;
+	uint16_t port;
 	char byte = 'a';
-	listener = socket(AF_INET, SOCK_STREAM, 0);
-	assert_int_equal(bind(listener, (struct sockaddr *)&at, sizeof at), 0);
-	assert_int_equal(listen(listener, 1), 0);
-	assert_int_equal(getsockname(listener, (struct sockaddr *)&at, &size), 0);
-	int fd = http_connect(ntohs(at.sin_port));
+	listener = http_listen(&port);
+	int fd = http_connect(port);
 	assert_int_equal(send(fd, &byte, 1, 0), 1);
 	assert_int_equal(inside(do_what_it_does), 0);
 	assert_int_equal(recv(fd, &byte, 1, 0), 1);

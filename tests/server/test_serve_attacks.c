@@ -259,17 +259,6 @@ static int ask_much(const struct srv_daemon *daemon)
 	return fd;
 }
 
-static uint64_t gauge(const struct srv_daemon *daemon, const char *name)
-{
-	struct http_answer answer = http_get(srv_daemon_port(daemon), "/metrics");
-	assert_int_equal(answer.status, 200);
-	const char *at = strstr(answer.body, name);
-	assert_non_null(at);
-	uint64_t value = strtoull(at + strlen(name), NULL, 10);
-	http_free(&answer);
-	return value;
-}
-
 /* Connections that ask for much and take nothing: their answers stay within the bound, and what others ask
  * for is sent to its end. */
 UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
@@ -281,10 +270,10 @@ UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
 		http_come_from((uint32_t)(HONEST + 1 + i % 3));
 		fds[i] = ask_much(daemon);
 	}
-	WAIT_UNTIL(gauge(daemon, "\necoserve_answers_bytes ") >= MOST / 2);
+	WAIT_UNTIL(http_metric(srv_daemon_port(daemon), "answers_bytes") >= MOST / 2);
 	for (uint32_t i = 0; i < 20; i++) {
 		assert_answered(daemon, HONEST - i, i % 2 ? BASE "/stream?" VIEW_BY("3000000") : "/healthz");
-		assert_in_range(gauge(daemon, "\necoserve_answers_bytes "), 0, MOST);
+		assert_in_range(http_metric(srv_daemon_port(daemon), "answers_bytes"), 0, MOST);
 	}
 	close_all(fds, STALLED);
 	srv_daemon_stop(daemon);

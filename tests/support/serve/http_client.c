@@ -9,6 +9,31 @@ void http_come_from(uint32_t number)
 	source = number ? 0x7f000000u + number : 0;
 }
 
+int http_listen(uint16_t *port)
+{
+	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	socklen_t size = sizeof at;
+	int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+	assert_int_equal(bind(fd, (struct sockaddr *)&at, size), 0);
+	assert_int_equal(listen(fd, 64), 0);
+	assert_int_equal(getsockname(fd, (struct sockaddr *)&at, &size), 0);
+	*port = ntohs(at.sin_port);
+	return fd;
+}
+
+bool http_hear(int fd, char *request, size_t room, size_t *size)
+{
+	*size = 0;
+	for (ssize_t got; (got = recv(fd, request + *size, room - 1 - *size, 0)) > 0;) {
+		*size += (size_t)got;
+		request[*size] = 0;
+		char *end = strstr(request, "\r\n\r\n"), *length = strcasestr(request, "content-length:");
+		if (end && *size >= (size_t)(end + 4 - request) + (length ? strtoul(length + 15, NULL, 10) : 0))
+			return true;
+	}
+	return false;
+}
+
 int http_socket(void)
 {
 	struct sockaddr_in from = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(source) };
@@ -169,4 +194,16 @@ void http_expect(uint16_t port, const char *method, const char *target, const ch
 		fail_msg("%s %s: not %u, %s:\n%s\n%.300s", method, target, status, says ? says : "",
 			answer.head, answer.body);
 	http_free(&answer);
+}
+
+uint64_t http_metric(uint16_t port, const char *name)
+{
+	char line[100];
+	struct http_answer answer = http_get(port, "/metrics");
+	snprintf(line, sizeof line, "\necoserve_%s ", name);
+	const char *at = answer.status == 200 ? strstr(answer.body, line) : NULL;
+	assert_non_null(at);
+	uint64_t value = strtoull(at + strlen(line), NULL, 10);
+	http_free(&answer);
+	return value;
 }

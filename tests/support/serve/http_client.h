@@ -24,6 +24,10 @@ struct http_answer {
 	bool closed;                 /* the server closed the connection behind it */
 };
 
+/* A socket that listens on a free port of 127.0.0.1, for servers that tests play. */
+int http_listen(uint16_t *port);
+/* Reads one request whole, with a body of its Content-Length, as a text. False: the connection ended before. */
+bool http_hear(int fd, char *request, size_t room, size_t *size);
 int http_connect(uint16_t port);
 int http_socket(void);               /* not connected yet */
 /* Sockets come from 127.0.0.0 + `number` from now on; 0: from where the system likes. */
@@ -41,6 +45,8 @@ struct http_answer http_ask(uint16_t port, const char *method, const char *targe
 	const void *body, size_t body_size);
 struct http_answer http_get(uint16_t port, const char *target);
 void http_free(struct http_answer *answer);
+/* A value of /metrics. */
+uint64_t http_metric(uint16_t port, const char *name);
 /* Receives an answer of this status (0: none, and the end of the connection); drops it. */
 void http_receive_status(int fd, bool to_end, unsigned status);
 /* Status of the answer alone. */
