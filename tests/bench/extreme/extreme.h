@@ -38,7 +38,7 @@ extern const struct extreme_case extreme_place[], extreme_camera[], extreme_stif
 struct extreme_kind { const char *name; const struct extreme_case *cases; };
 #define EXTREME_KINDS 6u
 extern const struct extreme_kind extreme_kinds[EXTREME_KINDS];
-#define EXTREME_CASES 57u
+#define EXTREME_CASES 56u
 
 void extreme_run(const struct extreme_case *row, bool quick, struct extreme *x);
 

@@ -1,10 +1,7 @@
 /* Stiff budgets and curves: where one vertex more or less, or one plant among a million, decides. Scenes are
  * tables only: the planner looks at no payload. */
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
-#include "server/request/query.h"
 #include "tests/bench/extreme/extreme_scene.h"
 #include "tests/support/scene_builder.h"
 
@@ -235,41 +232,6 @@ static void unbounded(struct extreme *x)
 	scene_free(&t);
 }
 
-static void impossible(struct extreme *x)
-{
-	static const char *const bad[] = {
-		"vertices=nan", "vertices=-1", "vertices=-0", "vertices=9223372036854775808",
-		"vertices=18446744073709551616", "vertices=1e5", "vertices=inf", "vertices=+1",
-		"vertices=0x10", "vertices=1.5", "vertices=99999999999999999999999999",
-		"vertices=1&eye=nan,0,0", "vertices=1&fov_y_deg=nan", "vertices=1&fov_y_deg=0",
-		"vertices=1&fov_y_deg=180", "vertices=1&fov_y_deg=-45", "vertices=1&fov_y_deg=1e-999",
-		"vertices=1&eye=1e999,0,0", "vertices=1&eye=1e13,0,0", "vertices=1&ground_px=nan",
-		"vertices=1&ground_px=-1", "vertices=1&bytes=-1", "vertices=1&width=0",
-		"vertices=1&width=16385", "vertices=1&eye=4,5,6" };
-	static const char *const fine[] = { "vertices=0", "vertices=1", "vertices=9223372036854775807",
-		"vertices=1&fov_y_deg=1e-9",
-		"vertices=1&eye=-1e12,1e12,1e12" };
-	for (size_t i = 0; i < sizeof bad / sizeof *bad + sizeof fine / sizeof *fine; i++) {
-		bool is_bad = i < sizeof bad / sizeof *bad;
-		const char *text = is_bad ? bad[i] : fine[i - sizeof bad / sizeof *bad];
-		char raw[400];
-		struct srv_target target;
-		struct srv_query query;
-		struct eco_error error = { 0 };
-		snprintf(raw, sizeof raw, "/v1/scenes/a/plan?%s%s%s&target=4,5,6%s", text,
-			strstr(text, "eye=") ? "" : "&eye=1,2,3", strstr(text, "width=") ? "" : "&width=800",
-			"&height=600");
-		enum eco_code code = srv_target_parse(&target, raw, strlen(raw), &error);
-		if (!code)
-			code = srv_query_parse(&query, &target, &error);
-		extreme_must(x, is_bad == (code == ECO_BAD_INPUT) && (is_bad || code == ECO_OK),
-			"%s: status %d", text, code);
-		extreme_must(x, !is_bad || strlen(error.text) > 10, "%s: refused without a reason", text);
-	}
-	extreme_say(x, "%zu refused with a reason; %zu accepted", sizeof bad / sizeof *bad,
-		sizeof fine / sizeof *fine);
-}
-
 /* ---- What must hold at any budget ---- */
 
 /* 1 - predicted Q of the budget before; vertices left over at most */
@@ -404,8 +366,6 @@ const struct extreme_case extreme_stiff[] = {
 		"within the budget, error does not rise, what is left over is less than any step; by Deussen's "
 		"rule at most 2 %", steps),
 	EXTREME_CASE("budgets to 2^63-1", "all there is, exactly", unbounded),
-	EXTREME_CASE("budgets and views that are no numbers",
-		"refused with a reason before anything is computed", impossible),
 	EXTREME_CASE("1e5 budgets, swept", HOLD, sweep),
 	EXTREME_CASE("jumps of 1e6 vertices", HOLD, jumps),
 	EXTREME_CASE("1e6 identical candidates", HOLD "; also for 1e6 plants of one kind", identical),
