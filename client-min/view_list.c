@@ -77,46 +77,6 @@ static bool is_texture(const struct view_list *list)
 static size_t element_bytes(const struct eco_elements *e) { return 1 + (size_t)e->extra_count * 4; }
 static size_t corner_bytes(const struct eco_elements *e) { return 12 + (e->uv ? 8 : 0); }
 
-static enum eco_code check_codes(const struct view_piece_input *in, const struct eco_elements *more,
-	enum eco_attr attribute, uint32_t codes, struct eco_error *error)
-{
-	const int32_t *extra = more->extra;
-	if (!(in->list->list.attributes & attribute))
-		return ECO_OK;
-	for (uint32_t i = 0, at = eco_list_extra_at(&in->list->list, attribute); i < more->element_count;
-			i++, extra += more->extra_count)
-		if (extra[at] < 0 || (uint32_t)extra[at] >= codes)
-			return BAD("list %u, chunk %u: %s code %d is not below %u",
-				in->list->id, in->ordinal, attribute == ECO_ATTR_SIZE ? "size" : "growth",
-				extra[at], codes);
-	return ECO_OK;
-}
-
-static enum eco_code check_values(const struct view_piece_input *in, const struct eco_elements *more,
-	struct eco_error *error)
-{
-	const struct view_list *list = in->list;
-	if (more->extra_count != eco_list_extra_count(&list->list)
-			|| (more->uv != NULL) != !!(list->list.attributes & ECO_ATTR_UV))
-		return BAD("list %u, chunk %u: attributes differ from the list's", list->id, in->ordinal);
-	enum eco_code code = check_codes(in, more, ECO_ATTR_GROWTH, ECO_GROWTHS, error);
-	if (!code)
-		code = check_codes(in, more, ECO_ATTR_SIZE, ECO_SIZES, error);
-	if (code)
-		return code;
-	bool color = list->list.attributes & ECO_ATTR_COLOR, width = list->list.attributes & ECO_ATTR_WIDTH;
-	uint32_t tints = list->list.kind == ECO_LIST_INSTANCES;  /* 0 is none of the palette */
-	for (uint32_t i = 0; (color || width) && i < more->element_count; i++) {
-		const int32_t *extra = more->extra + (size_t)i * more->extra_count;
-		if (color && (extra[0] < 0 || (uint32_t)extra[0] >= list->list.palette_count + tints))
-			return BAD("list %u, chunk %u: colour %d is outside the palette of %u", list->id,
-				in->ordinal, extra[0], list->list.palette_count);
-		if (width && extra[color] < 0)
-			return BAD("list %u, chunk %u: negative line width", list->id, in->ordinal);
-	}
-	return ECO_OK;
-}
-
 static enum eco_code decode_image(struct view_piece *piece, const struct view_piece_input *in,
 	struct eco_error *error)
 {
@@ -169,8 +129,9 @@ static enum eco_code decode_elements(struct view_piece *piece, const struct view
 	struct eco_elements *e = &piece->elements;
 	enum eco_code code = eco_chunk_decode(&in->list->list, in->chunk, in->ordinal, in->payload,
 		in->chunk->size_bytes, e, error);
-	if (!code)
-		code = check_values(in, e, error);
+	const char *fault = code ? NULL : eco_elements_fault(e, &in->list->list, in->scene->plant_count);
+	if (fault)
+		code = BAD("list %u, chunk %u: it %s", in->list->id, in->ordinal, fault);
 	if (!code && in->list->list.kind == ECO_LIST_GROUND)
 		code = check_ground(piece, in, error);
 	if (code)

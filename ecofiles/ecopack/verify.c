@@ -14,7 +14,6 @@
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/inventory.h"
 #include "ecofiles/format/pack.h"
-#include "ecofiles/format/splat.h"
 #include "ecofiles/format/texture.h"
 #include "ecofiles/import/ground/ground.h"
 
@@ -35,39 +34,6 @@ static void complain(struct verify *v, const char *format, ...)
 	va_end(args);
 	fputc('\n', v->out);
 	v->counts->damaged++;
-}
-
-static bool in_range(int32_t value, uint64_t count) { return value >= 0 && (uint64_t)value < count; }
-
-/* Checks the colours, plants and sizes that decoded elements name. */
-static const char *bad_values(const struct eco_scene *s, const struct eco_list *list,
-	const struct eco_elements *e)
-{
-	bool color = list->attributes & ECO_ATTR_COLOR, plant = list->attributes & ECO_ATTR_PLANT,
-		place = list->attributes & ECO_ATTR_PLACE;
-	if (e->extra_count != eco_list_extra_count(list))
-		return "has other attributes than its list says";
-	for (uint32_t i = 0; i < e->element_count && e->extra_count; i++) {
-		const int32_t *extra = e->extra + (size_t)e->extra_count * i;
-		if (color && !in_range(extra[0], list->palette_count + (place ? 1ull : 0)))
-			return "names a colour outside its palette";
-		if (plant && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_PLANT)], s->plant_count))
-			return "names a plant that is not there";
-		if (list->attributes & ECO_ATTR_GROWTH
-				&& !in_range(extra[eco_list_extra_at(list, ECO_ATTR_GROWTH)], ECO_GROWTHS))
-			return "has a growth code that does not exist";
-		if (list->attributes & ECO_ATTR_SIZE
-				&& !in_range(extra[eco_list_extra_at(list, ECO_ATTR_SIZE)], ECO_SIZES))
-			return "has a size code that does not exist";
-		if (list->attributes & ECO_ATTR_SPLAT
-				&& !eco_splat_good(extra + eco_list_extra_at(list, ECO_ATTR_SPLAT)))
-			return "has a splat code that does not exist";
-		const int32_t *at = place ? extra + eco_list_extra_at(list, ECO_ATTR_PLACE) : extra;
-		if (place && (!in_range(at[0], 65536) || at[1] <= 0
-				|| (list->attributes & ECO_ATTR_WIDTH && !in_range(at[-1], ECO_WIDTH_MOST + 1))))
-			return "holds an impossible turn, width or scale";
-	}
-	return NULL;
 }
 
 /* Compares an instance list with the places that the planner reads; `first`: primitives of the list before
@@ -147,7 +113,7 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 			|| elements.primitive_count != chunk->primitive_count)
 		bad = "decodes to other counts than its record says";
 	else
-		bad = bad_values(s, list, &elements);
+		bad = eco_elements_fault(&elements, list, s->plant_count);
 	if (bad)
 		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset,
 			bad);

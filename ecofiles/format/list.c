@@ -84,6 +84,39 @@ uint32_t eco_list_needs(const struct eco_list *list)
 	return list->attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES : of_kind[list->kind];
 }
 
+const char *eco_elements_fault(const struct eco_elements *e, const struct eco_list *list, uint32_t plant_count)
+{
+	const bool instances = list->kind == ECO_LIST_INSTANCES, splats = list->attributes & ECO_ATTR_SPLAT;
+	const struct { enum eco_attr attribute; int64_t count; const char *fault; } values[] = {
+		/* of an instance 0 is none of the palette */
+		{ ECO_ATTR_COLOR, (int64_t)list->palette_count + instances, "names a colour outside its palette" },
+		{ ECO_ATTR_PLANT, plant_count, "names a plant that is not there" },
+		{ ECO_ATTR_GROWTH, ECO_GROWTHS, "has a growth code that does not exist" },
+		{ ECO_ATTR_SIZE, ECO_SIZES, "has a size code that does not exist" },
+		{ ECO_ATTR_WIDTH, instances ? ECO_WIDTH_MOST + 1 : INT64_MAX, "has an impossible width" },
+		{ ECO_ATTR_PLACE, 65536, "has an impossible turn" } };
+	if (e->extra_count != eco_list_extra_count(list) || !e->uv != !(list->attributes & ECO_ATTR_UV))
+		return "has other attributes than its list says";
+	for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
+		if (!(list->attributes & values[k].attribute))
+			continue;
+		const uint32_t at = eco_list_extra_at(list, values[k].attribute);
+		for (uint32_t i = 0; i < e->element_count; i++) {
+			int32_t value = e->extra[(size_t)e->extra_count * i + at];
+			if (value < 0 || value >= values[k].count)
+				return values[k].fault;
+		}
+	}
+	for (uint32_t i = 0; (instances || splats) && i < e->element_count; i++) {
+		const int32_t *extra = e->extra + (size_t)e->extra_count * i;
+		if (splats && !eco_splat_good(extra + eco_list_extra_at(list, ECO_ATTR_SPLAT)))
+			return "has a splat code that does not exist";
+		if (instances && extra[eco_list_extra_at(list, ECO_ATTR_PLACE) + 1] <= 0)
+			return "has an impossible scale";
+	}
+	return NULL;
+}
+
 const struct eco_group *eco_list_groups(const struct eco_scene *scene, uint32_t list)
 {
 	const struct eco_tile *tile = &scene->tiles[scene->lists[list].owner];

@@ -131,6 +131,10 @@ struct eco_elements {
 	                              * `exact` as rounding to position could be. Decoders leave it NULL */
 };
 void eco_elements_free(struct eco_elements *elements);
+/* NULL, or what is wrong with decoded elements of a list: other attributes than its own, colours beyond its palette,
+ * plants from plant_count on, codes that do not exist, an impossible turn, width or scale. */
+const char *eco_elements_fault(const struct eco_elements *elements, const struct eco_list *list,
+	uint32_t plant_count);
 uint32_t eco_list_extra_count(const struct eco_list *list);
 /* Index of an attribute's first value among an element's extra values; the list must have the attribute. */
 uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute);
