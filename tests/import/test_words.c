@@ -224,7 +224,7 @@ UNIT_TEST(names_become_words)
 		{ "H\u00f6HE", "hohe" }, { "HH\u00f6he", "hhohe" }, { "H\u00c3\u00b6he", "hohe" },
 		{ "\u3051\u3084\u304d\uff08\u6b05\uff09", "\u30b1\u30e4\u30ad \u6b05" },
 		{ "20\u00a0m\u00b2", "20 m" }, { "\u6a39\u9ad8\uff08\uff4d\uff09", "\u6a39\u9ad8 m" },
-		{ "długość", "dlugosc" }, { "růžeŽ", "ruzez" }, { "Ho\u0308he", "hohe" }, { "Πλάτανος", "πλατανοσ" }, { "ΠΕΥΚΟ", "πευκο" }, { "Высота, м", "высота м" }, { "ЁЛКАКрона2", "елкакрона 2" } };
+		{ "długość", "dlugosc" }, { "růžeŽ", "ruze z" }, { "Ho\u0308he", "hohe" }, { "Πλάτανος", "πλατανοσ" }, { "ΠΕΥΚΟ", "πευκο" }, { "Высота, м", "высота м" }, { "ЁЛКАКрона2", "елкакрона 2" } };
 	char words[ECO_WORDS_BYTES];
 	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
 		assert_int_equal(eco_words_of(pairs[i][0], words, sizeof words), strlen(pairs[i][1]));

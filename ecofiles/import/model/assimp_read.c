@@ -210,6 +210,7 @@ static bool has_picture(const struct aiMaterial *material)
 
 
 #define BLACK 0.02f
+#define CLEAR 0.02f              /* alpha below is full transparency */
 
 /* A black surface without a picture under a colour that it emits: shadeless models have it so. */
 static bool is_emissive(const struct aiMaterial *from)
@@ -233,7 +234,8 @@ static bool color_of(const struct aiMaterial *from, struct aiColor4D *color)
 	bool told = aiGetMaterialFloatArray(from, "$mat.opacity", 0, 0, &opacity, NULL) == AI_SUCCESS;
 	color->a = told && isfinite(opacity) ? opacity : 1;
 	/* exporters write a factor of full transparency beside a picture that says where: it switches that on */
-	if (!eco_alpha_shows((double)color->a) && aiGetMaterialTextureCount(from, aiTextureType_OPACITY) > 0)
+	if (!eco_alpha_shows((double)color->a) && (aiGetMaterialTextureCount(from, aiTextureType_OPACITY) > 0
+			|| (color->a < CLEAR && has_picture(from))))
 		color->a = 1;
 	if (is_emissive(from))
 		aiGetMaterialColor(from, AI_MATKEY_COLOR_EMISSIVE, color);

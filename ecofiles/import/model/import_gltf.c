@@ -197,6 +197,15 @@ static uint32_t source_of(const struct eco_gltf *doc, const json_t *texture)
 		"source");
 }
 
+/* Under a picture that is emitted it shows nothing. */
+static bool is_black_picture(const struct eco_image *image)
+{
+	for (size_t i = 0; i < (size_t)image->width * image->height; i++)
+		if (image->rgba[4 * i] + image->rgba[4 * i + 1] + image->rgba[4 * i + 2] > 0)
+			return false;
+	return true;
+}
+
 static void read_material(struct eco_images *images, const struct eco_gltf *doc, uint32_t index,
 	const struct gltf_look *look, struct eco_notes *notes)
 {
@@ -220,6 +229,10 @@ static void read_material(struct eco_images *images, const struct eco_gltf *doc,
 		eco_note(notes, "material %.63s: its texture has no picture in a known format; it keeps "
 			"one colour", to->name);
 	eco_material_take_picture(to, images, &wanted, false);
+	const json_t *emitted = json_object_get(material, "emissiveTexture");
+	if (emitted && to->image != ECO_NONE && is_black_picture(&images->model->images[to->image])
+			&& image_name(doc, source_of(doc, emitted), name, sizeof name))
+		eco_material_take_picture(to, images, &wanted, false);
 }
 
 static void read_materials(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks,
@@ -376,29 +389,34 @@ static void add_vertex(struct gltf_reader *r, const struct gltf_piece *p, uint32
 	eco_soup_vertex(&r->soup, (const double[3]){ at[0], -at[2], at[1] }, uv, rgb);
 }
 
-#define WEIGHT_OTHER 0.1         /* linear light: the other two primaries of weights are below */
-#define WEIGHT_RANGE 0.3         /* from the least to the largest weight */
+#define WEIGHT_RANGE 0.3         /* linear light: from the least to the largest weight */
+#define WEIGHT_LOW 0.1           /* the mean of each vertex's darkest primary */
+#define WEIGHT_CHROMA 0.2        /* the mean between its primaries: shades have none */
+#define WEIGHT_DARK 0.5          /* tints are brighter */
 
-/* Whether vertex colours beside a picture run from black to red or blue alone: games keep there how far wind moves a
- * leaf. Other colours tint the picture. */
+/* Whether vertex colours beside a picture are dark, differ, and are no shades of grey: games keep there how far wind moves
+ * a leaf. Other colours tint the picture. */
 static bool are_weights(const struct gltf_reader *r, const struct gltf_piece *p)
 {
-	double least[3] = { INFINITY, INFINITY, INFINITY }, most[3] = { 0, 0, 0 };
+	double least[3] = { INFINITY, INFINITY, INFINITY }, most[3] = { 0, 0, 0 }, low = 0, chroma = 0, bright = 0,
+	       range = 0;
 	if (!p->values[GLTF_COLOR].there || !r->looks[p->material].textured)
 		return false;
 	for (uint32_t v = 0; v < p->vertex_count; v++) {
 		double values[4] = { 0, 0, 0, 0 };
 		gltf_values(p, GLTF_COLOR, p->source[v], values);
+		double dark = fmin(fmin(values[0], values[1]), values[2]), light = fmax(fmax(values[0], values[1]), values[2]);
+		low += dark / p->vertex_count;
+		chroma += (light - dark) / p->vertex_count;
+		bright += (values[0] + values[1] + values[2]) / 3 / p->vertex_count;
 		for (int k = 0; k < 3; k++) {
 			least[k] = fmin(least[k], values[k]);
 			most[k] = fmax(most[k], values[k]);
+			range = fmax(range, most[k] - least[k]);
 		}
 	}
-	for (int k = 0; k < 3; k += 2)
-		if (most[k] - least[k] > WEIGHT_RANGE && least[k] < WEIGHT_OTHER && most[1] < WEIGHT_OTHER
-				&& most[2 - k] < WEIGHT_OTHER)
-			return true;
-	return false;
+	return range > WEIGHT_RANGE && chroma > (low < WEIGHT_LOW ? WEIGHT_CHROMA / 2 : WEIGHT_CHROMA)
+		&& bright < WEIGHT_DARK;
 }
 
 static void add_piece(struct gltf_reader *r, const struct gltf_piece *p, const double world[16],
@@ -510,7 +528,7 @@ static void tell(struct gltf_reader *r)
 		{ r->shapeless, "primitives without positions are left out" },
 		{ r->partial, "corners at the ends of lists of triangles make no triangle" },
 		{ r->morphed, "meshes have morph targets at rest, which are not applied" },
-		{ r->weighted, "meshes have vertex colours from black to red or blue beside a picture: they are taken for "
+		{ r->weighted, "meshes have dark vertex colours that differ beside a picture: they are taken for "
 			"weights of wind, not for colours" },
 		{ r->doc->coarser, "nodes are coarser levels of others (MSFT_lod): they are left out" },
 		{ r->faint, "vertices have colours with alpha below 0.5, which is not applied" } };

@@ -70,12 +70,24 @@ enum eco_code eco_crs_choices(const double xy[2], const char *words,
 	return !proj ? ECO_NOT_FOUND : proj->crs_choices(xy, words, choices, found, error);
 }
 
+static size_t grid_row(uint32_t epsg)
+{
+	size_t i = 0;
+	while (i < sizeof grids_rows / sizeof *grids_rows && (epsg < grids_rows[i].first || epsg > grids_rows[i].last))
+		i++;
+	return i;
+}
+
 uint32_t eco_crs_usual(uint32_t epsg)
 {
-	for (size_t i = 0; i < sizeof grids_rows / sizeof *grids_rows; i++)
-		if (epsg >= grids_rows[i].first && epsg <= grids_rows[i].last)
-			return (uint32_t)grids_rows[i].rank;
-	return 0;
+	size_t row = grid_row(epsg);
+	return row < sizeof grids_rows / sizeof *grids_rows ? (uint32_t)grids_rows[row].rank : 0;
+}
+
+const char *eco_crs_words(const char *code)
+{
+	size_t row = grid_row((uint32_t)strtoul(code + strcspn(code, "0123456789"), NULL, 10));
+	return row < sizeof grids_rows / sizeof *grids_rows ? grids_rows[row].words : "";
 }
 
 void eco_crs_utm(const double degrees[2], char code[32])

@@ -64,6 +64,8 @@ enum eco_code eco_crs_choices(const double xy[2], const char *words,
 
 /* How usual a CRS is for tables of plants: 0 for most, the higher the more usual. */
 uint32_t eco_crs_usual(uint32_t epsg);
+/* Words of columns in tables of the country of a CRS, "EPSG:2154"; "": none. */
+const char *eco_crs_words(const char *code);
 
 /* The code of the UTM zone of a place in degrees: "EPSG:32632". */
 void eco_crs_utm(const double degrees[2], char code[32]);

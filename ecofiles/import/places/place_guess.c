@@ -193,10 +193,32 @@ static bool may_be_utm(const struct eco_place_look *l)
 		&& l->xy[1].middle < 1e7;
 }
 
-/* Names the few grids that have the place; else all UTM zones may be meant. */
-static enum eco_code ask_for_grid(struct eco_place_look *l, const struct eco_crs_choice *choices,
-	uint32_t found)
+/* Words of the table's columns that tables of the country of a CRS have, too. */
+static unsigned words_of(const struct eco_place_look *l, const struct eco_crs_choice *choice)
 {
+	const struct eco_table *table = l->asked->table;
+	const char *words = eco_crs_words(choice->code);
+	unsigned count = 0;
+	for (uint32_t i = 0; i < table->column_count; i++)
+		count += eco_words_any(table->columns[i], words);
+	return count;
+}
+
+/* Puts the grids of countries whose words the columns have first. */
+static void sort_choices(const struct eco_place_look *l, struct eco_crs_choice *choices, uint32_t count)
+{
+	for (uint32_t i = 1; i < count; i++)
+		for (uint32_t k = i; k > 0 && words_of(l, &choices[k]) > words_of(l, &choices[k - 1]); k--) {
+			struct eco_crs_choice other = choices[k];
+			choices[k] = choices[k - 1];
+			choices[k - 1] = other;
+		}
+}
+
+/* Names the few grids that have the place; else all UTM zones may be meant. */
+static enum eco_code ask_for_grid(struct eco_place_look *l, struct eco_crs_choice *choices, uint32_t found)
+{
+	sort_choices(l, choices, listed(found));
 	char list[400] = "";
 	struct eco_crs_facts facts;
 	if (may_be_utm(l) && eco_crs_look("EPSG:32631", l->at, &facts, l->error) == ECO_OK) {

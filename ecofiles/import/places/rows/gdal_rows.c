@@ -45,7 +45,8 @@ struct ogr_rows {
 	bool sheet;                  /* of a workbook: no geometry, perhaps titles above the names */
 	int passed, titles;          /* passed: rows read; titles: rows above the first row of data, that of the names among them */
 	uint32_t html_columns;       /* the last columns, from tables in that field */
-	int html;                    /* the field that holds a table of HTML, -1: none */
+	int html;                    /* the field that holds a table of HTML or attributes, -1: none */
+	double unit_m;               /* of a plan's drawing */
 	char *path;
 	char broken[200]; /* the first error by which GDAL says that the file does not hold together */
 	uint8_t *wkb; size_t wkb_capacity;
@@ -334,6 +335,21 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	return ECO_OK;
 }
 
+/* The unit of a plan's drawing, where its head says it: $INSUNITS. */
+static void take_unit(struct ogr_rows *r)
+{
+	static const double metres[] = { 1, 0.0254, 0.3048, 1609.344, 0.001, 0.01, 1, 1000 };
+	size_t size;
+	char *head = is_of(r, "DXF") ? eco_file_read_head(r->path, &size) : NULL, *at = head ? strstr(head, "$INSUNITS") : NULL;
+	int group = 0, unit = 0;
+	r->unit_m = 1;
+	if (at && sscanf(at + 9, "%d %d", &group, &unit) == 2 && unit > 0 && unit < (int)(sizeof metres / sizeof *metres))
+		r->unit_m = metres[unit];
+	if (r->unit_m != 1)
+		eco_rows_note(&r->rows, "its drawing is in units of %g m, by its $INSUNITS", r->unit_m);
+	free(head);
+}
+
 /* Checks whether the first features' coordinates fit degrees and have heights. A few absurd ones count
  * only as bad rows. */
 static void look_at_some(struct ogr_rows *r)
@@ -361,7 +377,7 @@ static void look_at_some(struct ogr_rows *r)
 	r->rows.degrees_doubted = crs && OSRIsGeographic(crs) && beyond > within;
 }
 
-/* ---- A table of HTML in a field, as KML has it in its description ---- */
+/* ---- Pairs of names and values in a field: a table of HTML in a KML's description, attributes of a plan's block ---- */
 
 static bool is_markup(const struct ogr_rows *r)
 {
@@ -393,10 +409,30 @@ static char *next_cell(const char **at)
 	return text;
 }
 
-/* Calls `take` with each name and value of a table of two columns. */
-static void each_pair(struct ogr_rows *r, const char *html,
-	void (*take)(struct ogr_rows *r, const char *name, const char *value))
+typedef void take_pair(struct ogr_rows *r, const char *name, const char *value);
+
+/* Attributes are "SPECIES Pinus nigra". */
+static void each_attribute(struct ogr_rows *r, OGRFeatureH feature, int field, take_pair *take)
 {
+	char **list = OGR_F_GetFieldAsStringList(feature, field);
+	for (; list && *list; list++) {
+		char *name = eco_copy_text(*list), *value = strchr(name, ' ');
+		if (value) {
+			*value = 0;
+			take(r, name, value + 1);
+		}
+		free(name);
+	}
+}
+
+/* Calls `take` with each name and value of a table of two columns. */
+static void each_pair(struct ogr_rows *r, OGRFeatureH feature, int field, take_pair *take)
+{
+	if (is_of(r, "DXF")) {
+		each_attribute(r, feature, field, take);
+		return;
+	}
+	const char *html = OGR_F_GetFieldAsString(feature, field);
 	for (char *name, *value; (name = next_cell(&html)) != NULL; free(name), free(value)) {
 		value = next_cell(&html);
 		if (value && *name)
@@ -435,22 +471,24 @@ static void find_html(struct ogr_rows *r, int count)
 {
 	r->html = -1;
 	OGR_L_ResetReading(r->layer);
-	for (int k = 0; k < LOOKED_AT && is_markup(r); k++) {
+	for (int k = 0; k < LOOKED_AT && (is_markup(r) || is_of(r, "DXF")); k++) {
 		OGRFeatureH feature = OGR_L_GetNextFeature(r->layer);
 		for (int i = 0; feature && i < count; i++) {
 			const char *text = OGR_F_GetFieldAsString(feature, i);
-			if (!strcasestr(text, "<table") || !strcasestr(text, "<td") || (r->html >= 0 && r->html != i))
+			bool pairs = is_of(r, "DXF") ? strcmp(r->rows.columns[i], "BlockAttributes") == 0
+				: strcasestr(text, "<table") && strcasestr(text, "<td");
+			if (!pairs || (r->html >= 0 && r->html != i))
 				continue;
 			r->html = i;
-			each_pair(r, text, add_column);
+			each_pair(r, feature, i, add_column);
 		}
 		if (!feature)
 			break;
 		OGR_F_Destroy(feature);
 	}
 	OGR_L_ResetReading(r->layer);
-	if (r->html >= 0)
-		eco_rows_note(&r->rows, "\"%.60s\" holds a table of HTML: its %u rows are columns",
+	if (r->html_columns > 0)
+		eco_rows_note(&r->rows, "\"%.60s\" holds a table: its %u rows are columns",
 			r->rows.columns[r->html], r->html_columns);
 }
 
@@ -588,7 +626,11 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 		return ECO_OK;
 	if (r->areas)
 		return take_area(r, geometry, error);
-	if (type == wkbPoint) {
+	int text = is_of(r, "DXF") ? OGR_F_GetFieldIndex(r->feature, "Text") : -1;
+	if (text >= 0 && *OGR_F_GetFieldAsString(r->feature, text)) {
+		place->kind = ECO_PLACE_OTHER;       /* a plan's lettering */
+		strcpy(place->what, "text");
+	} else if (type == wkbPoint) {
 		take_point(place, geometry);
 	} else if (type == wkbMultiPoint) {
 		r->points = geometry;
@@ -602,6 +644,8 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 		place->kind = ECO_PLACE_OTHER;
 		snprintf(place->what, sizeof place->what, "%.15s", OGRGeometryTypeToName(type));
 	}
+	for (int k = 0; k < 3; k++)
+		place->at[k] *= r->unit_m;
 	return ECO_OK;
 }
 
@@ -630,7 +674,7 @@ static void take_fields(struct ogr_rows *r)
 	for (uint32_t i = own; i < r->rows.column_count; i++)
 		r->rows.fields[i] = "";
 	if (r->html >= 0 && own < r->rows.column_count)
-		each_pair(r, OGR_F_GetFieldAsString(r->feature, r->html), set_field);
+		each_pair(r, r->feature, r->html, set_field);
 	r->rows.field_count = r->rows.column_count;
 }
 
@@ -787,6 +831,7 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 		code = take_columns(r, error);
 	if (!code) {
 		find_points(r);
+		take_unit(r);
 		look_at_some(r);
 		*rows = &r->rows;
 	} else {
