@@ -8,7 +8,9 @@
 #include "build/words/leaves.table"
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
-#define TRIANGLES_MAX 16000u /* of a plant's leaves */
+#define TRIANGLES_MAX 16000u /* of the leaves of a plant with LARGE_M2 of them or more, */
+#define LARGE_M2 200.0
+#define TRIANGLES_SMALL 0.45 /* and a share of these for a small one */
 #define LARGER_MOST 4.5      /* a large crown is thinner before its leaves are larger than this many times */
 #define GOLDEN_DEG 137.50776405
 
@@ -26,7 +28,7 @@ static const struct outline {
 	enum gen_leaf_shape shape;
 	double area, triangles;
 } outlines[] = { { "rhomb", GEN_LEAF_RHOMB, 0.5, 2 }, { "hexagon", GEN_LEAF_HEXAGON, 0.62, 4 },
-	{ "blade", GEN_LEAF_BLADE, 0.68, 3 } };
+	{ "blade", GEN_LEAF_BLADE, 0.68, 3 }, { "spike", GEN_LEAF_SPIKE, 0.5, 1 } };
 
 void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, double area, double part_m,
 	double slim)
@@ -43,7 +45,8 @@ void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, 
 	f->droop = row->droop;
 	f->flowers = look->flowers;
 	double one = f->pieces * outline->area * f->length * f->width, wanted = area / one,
-	       most = TRIANGLES_MAX / (f->pieces * outline->triangles);
+	       share = gen_clamp(sqrt(area / LARGE_M2), TRIANGLES_SMALL, 1),
+	       most = share * TRIANGLES_MAX / (f->pieces * outline->triangles);
 	if (wanted > most) {
 		double larger = fmin(sqrt(wanted / most), LARGER_MOST);
 		f->length *= larger;

@@ -55,20 +55,18 @@ static const struct looks_row *look_of(const char *genus, enum eco_form form)
 }
 
 /* A genus grows as its row says, but for columns, weeping trees and shrubs of genera that mostly do not. */
-const char *eco_library_habit_of(const struct eco_flora *flora, double height_m)
+const char *eco_library_habit_of(const struct eco_flora *flora)
 {
 	struct eco_habit habit;
 	size_t number;
 	enum eco_form form = flora->form < ECO_FORM_NOTHING ? flora->form : ECO_FORM_UNKNOWN;
 	const struct looks_row *row = look_of(flora->genus, form);
-	bool known = find_habit(row->habit, &number, &habit);
+	find_habit(row->habit, &number, &habit);
 	bool other = form == ECO_FORM_COLUMN || form == ECO_FORM_WEEPING || form == ECO_FORM_SHRUB;
-	if (known && other && habit.like != form &&
+	if (other && habit.like != form &&
 		(form != ECO_FORM_SHRUB || eco_form_is_tree(habit.like)) &&
 		!(form == ECO_FORM_COLUMN && habit.like == ECO_FORM_CONIFER))
-		known = find_habit(look_of(NULL, form)->habit, &number, &habit);
-	while (known && habit.grown && height_m > habit.most_m)
-		known = find_habit(habit.grown, &number, &habit);
+		find_habit(look_of(NULL, form)->habit, &number, &habit);
 	return habit.name;
 }
 
@@ -249,6 +247,8 @@ enum eco_code eco_library_make(struct eco_model *model, const struct eco_library
 	if (code)
 		return code;
 	find_habit(plant->habit, &number, &habit);
+	while (habit.grown && plant->height_m > habit.most_m)
+		find_habit(habit.grown, &number, &habit);
 	if (sized.crown_m == 0)
 		sized.crown_m = habit.crown * sized.height_m;
 	struct gen_plant_look look = make_look(plant, &habit);

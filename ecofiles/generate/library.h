@@ -41,14 +41,14 @@ struct eco_habit {
 	enum eco_form like;
 	double height_m, least_m, most_m; /* usual, least and greatest height */
 	double crown;                     /* usual width as a share of the height */
-	const char *grown;                /* the habit above most_m; NULL: the same */
+	const char *grown;                /* the habit that is grown above most_m; NULL: the same */
 };
 /* The habit number i; false: there are no more. */
 bool eco_library_habit(size_t i, struct eco_habit *habit);
 /* The usual height of that habit; 0: there is none of that name. */
 double eco_library_height(const char *habit);
-/* The habit of a plant of that genus or form at that height; always one of the table. */
-const char *eco_library_habit_of(const struct eco_flora *flora, double height_m);
+/* The habit of a plant of that genus or form; always one of the table. */
+const char *eco_library_habit_of(const struct eco_flora *flora);
 
 /* ECO_BAD_INPUT: no such habit (the error names all), a size that no plant has, an individual that is none. */
 enum eco_code eco_library_check(const struct eco_library_plant *plant, struct eco_error *error);

@@ -150,7 +150,7 @@ awk 'BEGIN { print "IDBASE;ESPECE;CIRCONFERENCE (cm);geo_point_2d"
 	for (i = 0; i < 45; i++) printf "%d;%s;%d;48.8%04d, 2.36%03d\n", i, species[1 + i % 3], 40 + 3 * i, 3000 + 7 * i, 9 * i }' >"$DIR/portal.csv"
 start 0 'latitude and longitude in one field' portal.csv
 is '[.crs, (.instances[0] | has("x")), .instances[0].height_m[0].from_girth]' '["EPSG:32631",false,"CIRCONFERENCE (cm)"]'
-is '.instances[0].map | [."Cupressus sempervirens", ."Tilia cordata"]' '["norway_spruce","linden"]'
+is '.instances[0].map | [."Cupressus sempervirens", ."Tilia cordata"]' '["cupressus cypress","linden"]'
 is '.instances[0].map."Salix alba" | . == "stieleiche" or . == "linden"' true
 
 # ---- English: degrees, feet and inches that no name says, vacant places, a misspelling ----
@@ -231,7 +231,7 @@ start 0 'a place at 21.01' pl.csv --x 'Y (PUWG 1992)' --y 'X (PUWG 1992)'
 
 # ---- Titles before the names; species of no known form ----
 { printf 'Trees of a town\n2024\n\n'; awk 'BEGIN { print "species,height_m,lon,lat"; for (i = 0; i < 40; i++) printf "%s,%d,%.4f,48.1\n", i % 2 ? "oak" : "zzyzx", 5 + i % 9, 11.5 + i / 5000 }'; } >"$DIR/titles.csv"
-start 0 'before line 4 are no table.*no model has their form, or it is not known: zzyzx' titles.csv
+start 0 'before line 4 are no table.*their form is not known: zzyzx' titles.csv
 is '.instances[0].map.oak' '"stieleiche"'
 
 # ---- A model that cannot be read: what to do ----
@@ -473,7 +473,20 @@ cp "$DIR/models/linden_2.obj" "$DIR/sites/rubra_oak/scene.obj"
 sites sites/rubra_oak/scene.obj
 is '.plants | keys' '["rubra_oak"]'
 sites sites/tall_spruce/
-is '.plants | keys' '["tall_spruce"]'
+is '.plants | keys' '["quercus spreading","tilia oval"]'
+is '.plants["quercus spreading"] | [.library, .genus, (.height_m | length), .individual]' '["spreading","quercus",2,[1,2]]'
+grep -q 'no model has their form: the library grows it' "$DIR/out" || complain "library: $(cat "$DIR/out")"
+
+# ---- No models at all: the library grows every plant, as old as its rows say; one habit, if no column says a species ----
+rm -rf "$DIR/my"
+"$PACK" start "$DIR/de.csv" -o "$DIR/my" >"$DIR/out" 2>&1 || complain "no models: $(cat "$DIR/out")"
+is '.instances[0].map | keys' '["*","Quercus robur","Tilia cordata"]'
+is '[.plants[] | .height_m[-1] / .height_m[0] < 3]' '[true,true]'
+"$PACK" make --draft "$DIR/my/scene.json" -o "$DIR/my.eco" -q >"$DIR/out" 2>&1 || complain "no models: $(cat "$DIR/out")"
+"$PACK" info "$DIR/my.eco" --json | jq -e '.instances == 60 and (.plants | length) == 8' >/dev/null || complain "no models: $("$PACK" info "$DIR/my.eco")"
+rm -rf "$DIR/my"
+"$PACK" start "$DIR/off.csv" "$DIR/metres.asc" -o "$DIR/my" --crs EPSG:25832 --plant vase >"$DIR/out" 2>&1 || complain "a habit: $(cat "$DIR/out")"
+is '[.ground.heights, .plants.vase.library]' '["../metres.asc","vase"]'
 
 # ---- A variant that cannot be read is told at once ----
 mkdir "$DIR/variants"

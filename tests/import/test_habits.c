@@ -252,21 +252,31 @@ UNIT_TEST(seasons_change_leaves_and_blossom)
 
 UNIT_TEST(a_genus_has_its_habit)
 {
-	static const struct {
-		const char *name, *habit;
-		double height_m;
-	} cases[] = { { "Zelkova serrata", "vase", 12 }, { "Picea abies", "spruce", 20 },
-		{ "Pinus sylvestris", "pine young", 5 }, { "Pinus sylvestris", "pine old", 18 },
-		{ "Quercus robur 'Fastigiata'", "columnar", 12 }, { "Washingtonia filifera", "fan palm", 9 },
-		{ "Phyllostachys", "bamboo", 6 }, { "Cupressus sempervirens", "cypress", 10 },
-		{ "Salix babylonica", "weeping", 9 }, { "Salix alba", "spreading", 15 },
-		{ "Calluna vulgaris", "heath", 0.4 }, { "tree", "round", 8 }, { "xyz", "round", 8 } };
+	static const char *const cases[][2] = { { "Zelkova serrata", "vase" }, { "Picea abies", "spruce" },
+		{ "Pinus sylvestris", "pine young" }, { "Quercus robur 'Fastigiata'", "columnar" },
+		{ "Washingtonia filifera", "fan palm" }, { "Phyllostachys", "bamboo" },
+		{ "Cupressus sempervirens", "cypress" }, { "Salix babylonica", "weeping" }, { "Salix alba", "spreading" },
+		{ "Calluna vulgaris", "heath" }, { "tree", "round" }, { "xyz", "round" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct eco_flora flora = eco_flora_of(cases[i].name, NULL);
-		const char *habit = eco_library_habit_of(&flora, cases[i].height_m);
-		if (strcmp(habit, cases[i].habit) != 0)
-			fail_msg("%s: %s", cases[i].name, habit);
+		struct eco_flora flora = eco_flora_of(cases[i][0], NULL);
+		assert_string_equal(eco_library_habit_of(&flora), cases[i][1]);
 	}
+}
+
+/* A tall young pine is an old one: bare below. */
+UNIT_TEST(a_habit_grows_older)
+{
+	struct eco_model model;
+	struct eco_library_plant plant = plant_of("pine young", 8, 4);
+	double low[2] = { 20, 20 };
+	for (int k = 0; k < 2; k++, plant.height_m = 20) {
+		make(&model, &plant);
+		for (uint32_t t = 0; t < model.triangle_count; t++)
+			if (model.organ[t] == ECO_ORGAN_FOLIAGE)
+				low[k] = fmin(low[k], (double)model.position[3 * (size_t)model.index[3 * (size_t)t] + 2]);
+		eco_model_free(&model);
+	}
+	assert_true(low[0] < 1 && low[1] > 6);
 }
 
 /* ---- What is no plant ---- */

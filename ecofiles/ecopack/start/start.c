@@ -115,12 +115,11 @@ static struct { struct eco_inputs inputs; struct start_options options; char fol
 static void read_options(struct start_options *o)
 {
 	*o = given.options;
-	if (given.inputs.count < 2)
-		eco_stop(ECO_BAD_USAGE, "a table of trees and a folder of models are needed");
+	uint32_t rasters = start_check_order(given.inputs.names, given.inputs.count) ? 2 : 1;
 	o->table = given.inputs.names[0];
-	o->models = given.inputs.names[1];
-	o->rasters = given.inputs.names + 2;
-	o->raster_count = given.inputs.count - 2;
+	o->models = rasters > 1 ? given.inputs.names[1] : NULL;
+	o->rasters = given.inputs.names + rasters;
+	o->raster_count = given.inputs.count - rasters;
 	size_t bytes = strlen(o->folder);
 	while (bytes > 1 && o->folder[bytes - 1] == '/')
 		bytes--;
@@ -167,7 +166,6 @@ static void run_steps(void *start)
 {
 	struct start *s = start;
 	read_options(&asked);
-	start_check_order(given.inputs.names);
 	start_same_place(s);
 	make_folder(&asked, &made, s->error);
 	start_rasters(s);
@@ -175,7 +173,8 @@ static void run_steps(void *start)
 	if (code)
 		start_told_raster(s, code);
 	start_image_crs(s);
-	start_models_find(s);
+	if (asked.models)
+		start_models_find(s);
 	start_match_species(s);
 	start_models_see(s);
 	start_tint(s);
@@ -199,7 +198,7 @@ static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the table and the folder of models", 0, ECO_OPTION_INPUTS, "TREES MODELS [RASTER...]", &given.inputs,
+	{ "the table", 0, ECO_OPTION_INPUTS, "TREES [MODELS] [RASTER...]", &given.inputs,
 		.high = 1026, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
 		.help = "the folder for scene.json, map.png and camera.json, which appear together or not "
@@ -214,7 +213,8 @@ static const struct eco_option options[] = {
 	{ "y", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.y, .help = "column of northings or latitudes" },
 	{ "species-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.species,
 		.help = "column of species, Latin or common names" },
-	{ "plant", 0, ECO_OPTION_TEXT, "NAME", &given.options.plant, .help = "one model for all rows" },
+	{ "plant", 0, ECO_OPTION_TEXT, "NAME", &given.options.plant,
+		.help = "one model, or one habit of the library, for all rows" },
 	{ "height-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.height,
 		.help = "column of heights of plants" },
 	{ "height-unit", 0, ECO_OPTION_TEXT, "U", &given.options.height_unit,
@@ -241,10 +241,11 @@ static const struct eco_option options[] = {
 		.help = "decimal sign: . or ," }, { 0 } };
 
 const struct main_command main_command_start = { { "ecopack start",
-	"TREES MODELS [RASTER...] -o DIR [--force] "
+	"TREES [MODELS] [RASTER...] -o DIR [--force] "
 	"[--crs CRS] [--x COLUMN --y COLUMN] [--height-unit U] ...",
 	"Makes a scene from an inventory of plants, a folder of models and optional rasters (terrain, "
-	"picture of the ground, in any order). It finds columns, units, CRS, origin, a model for each "
+	"picture of the ground, in any order). The library grows what the models lack, or all plants if there are "
+	"none. It finds columns, units, CRS, origin, a model for each "
 	"species and a camera, and prints each guess with its reason and the option that changes it.",
 	options, main_common,
 	"When two answers are equally good, it fails with an error that names both and the option that "

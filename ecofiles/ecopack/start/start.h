@@ -4,10 +4,11 @@
  *   start_rasters(&start)         terrain and picture                                 start_look.c
  *   start_look(&start)            the table: columns, units, CRS                      start_look.c
  *   start_models_find(&start)     the folder: which files are models                  start_models.c
- *   start_match(&start)           a model for each species                            start_match.c
+ *   start_match(&start)           a model for each species, or a plant of the library start_match.c
  *   start_models_see(&start)      the chosen ones: their sizes
  *   start_tint(&start)            colours by a column                                 start_tint.c
  *   start_scene(&start)           scene.json as text                                  start_scene.c
+ *   start_library_sizes(...)      sizes of the library's plants, by the rows          start_library.c
  *   start_write(&start)           scene.json, map.png, camera.json, all or nothing    start_scene.c
  *
  * Every guess is a line: what was taken, why, and what changes it. It is printed, and kept in the scene's
@@ -28,7 +29,7 @@
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"
 
-struct start_options {           /* NULL: not given */
+struct start_options {           /* NULL: not given; models NULL: the library alone */
 	const char *table, *models, *dem, *image, *image_crs, *folder;
 	char **rasters; uint32_t raster_count;       /* of which it is not said what they are */
 	const char *crs, *scene_crs, *x, *y, *species, *height, *dbh, *layer, *plant, *tint;
@@ -38,7 +39,8 @@ struct start_options {           /* NULL: not given */
 
 struct start_guess { char what[24], took[160], why[ECO_WHY_BYTES], change[64]; };
 
-struct start_model {             /* a plant of the scene: a file, or several alike */
+#define START_SIZES 6u           /* of a plant of the library */
+struct start_model {             /* a plant of the scene: a file, or several alike, or a plant of the library */
 	char name[64], words[ECO_WORDS_BYTES];
 	char **paths; uint32_t path_count;
 	struct eco_flora flora;
@@ -48,9 +50,11 @@ struct start_model {             /* a plant of the scene: a file, or several ali
 	bool height_is_ours;         /* it is written into the scene, as the file's is none to believe */
 	enum eco_up up;              /* as its shape says, where its format says another axis; else FOUND */
 	bool grade;                  /* its foliage is too bright */
+	const char *habit, *genus;   /* of the library; habit NULL: files; genus "": any of its form */
+	double size_m[START_SIZES], width_m[START_SIZES]; uint32_t sizes, individuals;   /* width 0: usual */
 };
 
-enum start_tier { START_BY_NAME, START_BY_GENUS, START_BY_FORM, START_BY_NOTHING, START_LEFT_OUT,
+enum start_tier { START_BY_NAME, START_BY_GENUS, START_BY_FORM, START_BY_LIBRARY, START_BY_NOTHING, START_LEFT_OUT,
 	START_TIERS };
 struct start_match {
 	uint32_t model;
@@ -97,8 +101,9 @@ struct start {
 
 /* These fail by eco_stop (memory.h). */
 
-/* The arguments without options, two or more. ECO_BAD_INPUT: the first two are not a table and models. */
-void start_check_order(char **names);
+/* The arguments without options, one or more; whether the second is models. ECO_BAD_INPUT: the first is no table, or the
+ * second neither models nor a raster. */
+bool start_check_order(char **names, uint32_t count);
 #define START_FORMATS ".glb, .gltf, .obj, .fbx, .dae, .ply, .3ds, .3mf or .stl"
 bool start_is_model(const char *path); /* by its ending */
 /* Reads the scene of --same-place-as, if there is one. */
@@ -111,10 +116,20 @@ void start_image_crs(struct start *s);       /* once the place is known */
 void start_look(void *start);
 void start_sizes(struct start *s);           /* start_sizes.c */
 void start_models_find(struct start *s);
+/* A model of that name, or one like it if there is one already. */
+struct start_model *start_model_add(struct start *s, const char *base, size_t bytes);
 void start_match_species(struct start *s);
+/* The library's plant of a genus or form, which is added if it is not there; its number. */
+void start_library_add(struct start *s, const char *habit);          /* a plant of no genus */
+uint32_t start_library_plant(struct start *s, const struct eco_flora *flora);
+/* Rare genera get a plant of their habit together. */
+void start_library_merge(struct start *s);
+/* Sizes and individuals that the rows need. */
+void start_library_sizes(struct start *s, const struct map *map);
 void start_models_see(struct start *s);
 void start_tint(struct start *s);
 void start_scene(struct start *s);
+void start_scene_text(struct start *s);      /* again, with what was guessed since */
 void start_write(struct start *s);
 
 /* Keeps a guess and prints it. `change`: the option or the field that changes it; "" if nothing does. */

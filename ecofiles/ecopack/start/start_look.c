@@ -316,14 +316,18 @@ static enum kind kind_of(const char *path)
 	return TABLE;
 }
 
-void start_check_order(char **names)
+bool start_check_order(char **names, uint32_t count)
 {
 	static const char *const says[] = { "absent", "a folder", "a model", "a raster", "a table" };
-	enum kind trees = kind_of(names[0]), models = kind_of(names[1]);
+	enum kind trees = kind_of(names[0]), models = count > 1 ? kind_of(names[1]) : RASTER;
+	bool later = false;
+	for (uint32_t i = 2; i < count; i++)
+		later = later || kind_of(names[i]) == FOLDER || kind_of(names[i]) == MODEL;
 	bool trees_bad = trees == FOLDER || trees == MODEL;
-	bool models_bad = trees != ABSENT && (models == RASTER || models == TABLE);
+	bool models_bad = trees != ABSENT && ((models == RASTER && later) || models == TABLE);
 	if (trees_bad || models_bad)
-		eco_stop(ECO_BAD_INPUT, "the order is TREES MODELS [RASTER...], and TREES, %.250s, is %s, MODELS, %.250s, %s: "
+		eco_stop(ECO_BAD_INPUT, "the order is TREES [MODELS] [RASTER...], and TREES, %.250s, is %s, MODELS, %.250s, %s: "
 			"the first is the table of plants, such as trees.csv, the second a folder or a model ("
-			START_FORMATS ")", names[0], says[trees], names[1], says[models]);
+			START_FORMATS ")", names[0], says[trees], count > 1 ? names[1] : "", count > 1 ? says[models] : "none");
+	return models != RASTER;
 }

@@ -7,6 +7,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/text.h"
+#include "ecofiles/generate/library.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
@@ -98,7 +99,7 @@ static int score(const struct eco_flora *flora, const char *words, const struct 
 static uint32_t model_named(const struct start *s, const char *words)
 {
 	for (uint32_t i = 0; i < s->model_count && words[0] != 0; i++)
-		if (strcmp(words, s->models[i].words) == 0)
+		if (!s->models[i].habit && strcmp(words, s->models[i].words) == 0)
 			return i;
 	return ECO_NONE;
 }
@@ -122,7 +123,7 @@ static struct start_match best_match(const struct start *s, const char *text, co
 		enum start_tier tier;
 		int own = score(&match.flora, words, &s->models[i], &tier);
 		uint64_t order = eco_random(hash, i);
-		if (own < best || (own == best && order > taken))
+		if (s->models[i].habit || own < best || (own == best && order > taken))
 			continue;
 		best = own;
 		taken = order;
@@ -201,7 +202,7 @@ static void say_tier(struct start *s, enum start_tier tier)
 {
 	static const char *const why[START_TIERS] = { "they share words with the model's name",
 		"the model is of their genus", "no model is of their genus; this one has their form",
-		"no model has their form, or it is not known", "they name no plant: \"map\": null" };
+		"no model has their form: the library grows it", "their form is not known", "they name no plant: \"map\": null" };
 	for (uint32_t m = 0; m <= s->model_count; m++) {
 		char names[200] = "", took[160], rows[32];
 		uint32_t kinds = 0, model = m < s->model_count ? m : ECO_NONE;
@@ -217,7 +218,8 @@ static void say_tier(struct start *s, enum start_tier tier)
 			continue;
 		snprintf(took, sizeof took, "%.60s: %u species, %s row%s", model == ECO_NONE ? "left out"
 			: s->models[model].name, kinds, eco_phrase_count(sum, rows), sum == 1 ? "" : "s");
-		start_guess(s, "model", took, "\"map\" in the scene", "%s: %s", why[tier], names);
+		start_guess(s, "model", took, "\"map\" in the scene", "%s: %s", tier == START_BY_LIBRARY && !s->options->models
+			? "the library grows it" : why[tier], names);
 	}
 }
 
@@ -293,9 +295,11 @@ static void choose_fallback(struct start *s)
 	struct eco_flora any = eco_flora_of("tree", NULL);
 	s->fallback = best_match(s, "tree", &any).model;
 	for (uint32_t i = 0; i < s->model_count; i++)
-		if (s->models[i].rows > s->models[s->fallback].rows &&
-			eco_form_is_tree(s->models[i].flora.form))
+		if (eco_form_is_tree(s->models[i].flora.form) && s->models[i].rows > (s->fallback == ECO_NONE ? 0
+				: s->models[s->fallback].rows))
 			s->fallback = i;
+	if (s->fallback == ECO_NONE)
+		s->fallback = start_library_plant(s, &any);
 	snprintf(took, sizeof took, "%.64s", s->models[s->fallback].name);
 	start_guess(s, "all other species", took, "\"*\" in the map", "the tree with most rows; "
 		"rows without a species get it, too");
@@ -315,8 +319,10 @@ static void take_plant(struct start *s)
 	uint32_t i = 0;
 	for (; i < s->model_count && strcmp(s->models[i].name, s->options->plant) != 0; i++)
 		eco_phrase_add(known, sizeof known, s->models[i].name);
-	if (i == s->model_count)
-		eco_stop(ECO_BAD_INPUT, "--plant %.60s: no such model; there are: %s", s->options->plant, known);
+	if (i == s->model_count && eco_library_height(s->options->plant) > 0)
+		start_library_add(s, s->options->plant);
+	else if (i == s->model_count)
+		eco_stop(ECO_BAD_INPUT, "--plant %.60s: no such model, and no habit of the library; there are: %s", s->options->plant, known);
 	one_for_all(s, i, "--plant", "as you say");
 }
 
@@ -332,6 +338,13 @@ static _Noreturn void ask_for_species(const struct start *s)
 			"everywhere (%s)", s->options->table, known);
 	eco_stop(ECO_BAD_INPUT, "%.120s: which column names the species? Give --species-column NAME (there are: %s), or "
 		"--plant NAME for one model everywhere (%s)", s->options->table, there, known);
+}
+
+/* No model has the plant's form, which is known, or none is given. */
+static bool is_for_library(const struct start *s, const struct start_match *match)
+{
+	bool known = match->flora.genus || match->flora.form != ECO_FORM_UNKNOWN;
+	return match->flora.form != ECO_FORM_NOTHING && (!s->options->models || (match->tier == START_BY_NOTHING && known));
 }
 
 static void match_all(struct start *s)
@@ -355,10 +368,15 @@ static void match_all(struct start *s)
 		if (!flora.genus && flora.form == ECO_FORM_UNKNOWN)
 			find_form_beside(s, s->species.items[i].text, &flora);
 		*match = best_match(s, s->species.items[i].text, &flora);
+		if (is_for_library(s, match)) {
+			match->model = start_library_plant(s, &flora);
+			match->tier = START_BY_LIBRARY;
+		}
 		if (match->model == ECO_NONE)
 			continue;
 		s->models[match->model].rows += s->species.items[i].rows;
 	}
+	start_library_merge(s);
 	say_nearly(s);
 	for (int tier = 0; tier < START_TIERS; tier++)
 		say_tier(s, (enum start_tier)tier);
@@ -374,6 +392,9 @@ void start_match_species(struct start *s)
 		match_all(s);
 	else if (s->model_count == 1)
 		one_for_all(s, 0, "--species-column, --plant", "it is the only one");
-	else
+	else if (s->model_count == 0 && s->table.column_count > 0) {
+		struct eco_flora any = eco_flora_of("tree", NULL);
+		one_for_all(s, start_library_plant(s, &any), "--species-column, --plant", "no column names a species");
+	} else
 		ask_for_species(s);
 }

@@ -196,7 +196,7 @@ static bool name_is_taken(const struct start *s, const char *name)
 	return false;
 }
 
-static void add_model(struct start *s, const char *path, const char *base, size_t bytes)
+struct start_model *start_model_add(struct start *s, const char *base, size_t bytes)
 {
 	eco_grow(&s->models, &s->model_capacity, s->model_count, sizeof *s->models);
 	struct start_model *m = &s->models[s->model_count];
@@ -205,10 +205,16 @@ static void add_model(struct start *s, const char *path, const char *base, size_
 	for (unsigned n = 2; name_is_taken(s, m->name); n++)
 		snprintf(m->name, sizeof m->name, "%.*s %u", (int)(bytes < 56 ? bytes : 56), base, n);
 	set_words(m, m->name);
+	s->model_count++;
+	return m;
+}
+
+static void add_model(struct start *s, const char *path, const char *base, size_t bytes)
+{
+	struct start_model *m = start_model_add(s, base, bytes);
 	m->paths = eco_alloc(VARIANTS_MAX, sizeof *m->paths);
 	m->paths[0] = start_text("%s", path);
 	m->path_count = 1;
-	s->model_count++;
 }
 
 /* Files of one name in several formats are one; names that differ by a number alone are variants. */
@@ -365,7 +371,7 @@ void start_models_see(struct start *s)
 	for (uint32_t i = 0; i < s->model_count; i++) {
 		struct start_model *m = &s->models[i];
 		struct eco_model model = { 0 };
-		if (m->rows == 0 && i != s->fallback)
+		if (m->habit || (m->rows == 0 && i != s->fallback))
 			continue;
 		main_progress("looking at models", m->name, (double)i / s->model_count);
 		see(s, m, &model);

@@ -36,6 +36,12 @@ static json_t *path_json(const struct start *s, const char *path)
 	return text;
 }
 
+static void set_text(json_t *object, const char *key, const char *text)
+{
+	if (text && text[0] != 0)
+		json_object_set_new(object, key, json_string(text));
+}
+
 /* ---- Notes ---- */
 
 /* Guesses that share a heading are several texts. */
@@ -62,8 +68,33 @@ static json_t *notes_json(const struct start *s)
 
 static bool is_used(const struct start *s, uint32_t i) { return s->models[i].rows > 0 || i == s->fallback; }
 
+/* A number, or an array of several. */
+static void set_numbers(json_t *to, const char *key, const double *numbers, uint32_t count)
+{
+	json_t *all = json_array();
+	for (uint32_t i = 0; i < count; i++)
+		json_array_append_new(all, json_real(numbers[i]));
+	if (count > 0 && numbers[0] > 0)
+		json_object_set(to, key, count > 1 ? all : json_array_get(all, 0));
+	json_decref(all);
+}
+
+static json_t *library_json(const struct start_model *m)
+{
+	json_t *plant = json_object();
+	set_text(plant, "library", m->habit);
+	set_text(plant, "genus", m->genus);
+	set_numbers(plant, "height_m", m->size_m, m->sizes);
+	set_numbers(plant, "crown_m", m->width_m, m->sizes);
+	if (m->individuals > 1)
+		json_object_set_new(plant, "individual", json_pack("[i,i]", 1, 2));
+	return plant;
+}
+
 static json_t *plant_json(const struct start *s, const struct start_model *m)
 {
+	if (m->habit)
+		return library_json(m);
 	json_t *plant = json_object(), *files = json_array();
 	for (uint32_t i = 0; i < m->path_count; i++)
 		json_array_append_new(files, path_json(s, m->paths[i]));
@@ -192,13 +223,6 @@ static json_t *heights_json(const struct start *s)
 		json_array_append_new(heights, json_real(round_to(s->height_m, 0.1)));
 	return heights;
 }
-
-static void set_text(json_t *object, const char *key, const char *text)
-{
-	if (text && text[0] != 0)
-		json_object_set_new(object, key, json_string(text));
-}
-
 
 /* Measured crowns; a guess by species where any size of a plant is known. */
 static json_t *crown_json(const struct start *s)
@@ -336,8 +360,13 @@ void start_name(const char *folder, char name[64])
 
 void start_scene(struct start *s)
 {
-	char name[64];
 	say_heights(s);
+	start_scene_text(s);
+}
+
+void start_scene_text(struct start *s)
+{
+	char name[64];
 	start_name(s->options->folder, name);
 	json_t *scene = json_object();
 	set_text(scene, "name", name);
@@ -351,6 +380,7 @@ void start_scene(struct start *s)
 		json_object_set_new(scene, "ground", ground_json(s));
 	json_object_set_new(scene, "plants", plants_json(s));
 	json_object_set_new(scene, "instances", json_pack("[o]", entry_json(s)));
+	free(s->scene);
 	s->scene = json_dumps(scene, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
 	json_decref(scene);
 }
@@ -568,6 +598,9 @@ static void write_all(void *writing)
 	eco_check(map_gather(&w->map, w->beside[SCENE]));
 	if (w->map.total == 0)
 		eco_stop(ECO_BAD_INPUT, "%.200s: no row became a plant", s->options->table);
+	start_library_sizes(s, &w->map);
+	start_scene_text(s);
+	eco_check(eco_file_write(w->beside[SCENE], s->scene, strlen(s->scene), s->error));
 	char *camera = s->other ? other_camera(s) : start_camera(&w->map);
 	eco_check(eco_file_write(w->beside[CAMERA], camera, strlen(camera), s->error));
 	free(camera);
