@@ -340,7 +340,7 @@ build/words/%.table: %.tsv Makefile
 $(call objects,$(wildcard $(WORD_ROOMS:%=%/*.c))): | $(WORDS)
 
 # Texts of shaders as strings, without their comments; with the texts that they include.
-SHADERS := $(wildcard client-min/*.glsl client-min/*/*.glsl)
+SHADERS := $(wildcard client-min/*.glsl client-min/*/*.glsl lod/*.glsl)
 build/text/%.glsl: %.glsl $(SHADERS) Makefile
 	$(call say,sed,$<)
 	@mkdir -p $(@D)

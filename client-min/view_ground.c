@@ -171,7 +171,7 @@ bool view_ground_height(const struct view_ground *g, double x, double y, double 
 
 /* ---- What view_image.glsl is written in ---- */
 
-#include "client-min/draw/view_glsl.h"
+#include "lod/glsl.h"
 
 typedef double wide;
 typedef const struct view_image *tree;
@@ -184,7 +184,7 @@ typedef struct image_pixel image_pixel;
 #define whole(x) ((uint32_t)(x))
 
 #include "client-min/view_image.glsl"
-#include "client-min/draw/view_glsl_end.h"
+#include "lod/glsl_end.h"
 
 _Static_assert(LEAF == VIEW_IMAGE_LEAF && SIDE_LEAST == 32u, "view_image.glsl has the same numbers");
 

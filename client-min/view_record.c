@@ -118,13 +118,9 @@ void view_impostor_write(const struct lod_impostor *impostor, uint32_t *words)
 		put_bits(words, at.colors, i, COLOR_BITS, color_code(impostor->rgb[i]));
 }
 
-/* Radii: what the shadow map leaves to a crown's own shade, as a plant casts from its middle. With less, a closed wood
- * from the air is too light (by 4 L* at 0), with more single trees are too dark. */
-#define IMPOSTOR_REACH 0.3
-
 uint32_t view_impostor_surface(const struct eco_list *list)
 {
-	return view_surface_cloud(IMPOSTOR_REACH, eco_level_share(list->level)) | VIEW_NEAR_SIDE;
+	return view_surface_cloud(LOD_IMPOSTOR_REACH, eco_level_share(list->level)) | VIEW_NEAR_SIDE;
 }
 
 /* ---- Lists ---- */

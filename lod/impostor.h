@@ -23,6 +23,9 @@
 #define LOD_IMPOSTOR_LOOKED 4u           /* tiles that a ray is looked up in */
 /* Across, in pixels: plants that are larger in the picture are not drawn as impostors. */
 #define LOD_IMPOSTOR_PIXELS 192u
+/* Radii: what the shadow map leaves to a crown's own shade, as a plant casts from its middle. With less, a closed wood
+ * from the air is too light (by 4 L* at 0), with more single trees are too dark. */
+#define LOD_IMPOSTOR_REACH 0.3f
 /* How deep in a plant a ray ends, as a part of its way through: near the front where nothing is seen through it,
  * anywhere where nearly all is. Beer's law with u / (1 - u) in place of logarithms; need is even in [0, opacity). */
 #define LOD_IMPOSTOR_DEEP(need, opacity) ((need) * (1.0f - (opacity)) / ((opacity) * (1.0f - (need))))

@@ -25,18 +25,6 @@ const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 #define AIR_M 1200.0                     /* of dust and vapour, not of air itself */
 #define LOWEST 0.12                      /* of the sun: lower, shadows are too long to be seen as such */
 
-struct view_shape view_shape_of(const struct view_plant *plant)
-{
-	const struct eco_anchor *whole = &plant->anchors[0];
-	double half = 0.5 * plant->plant.height_m, square = (double)whole->radius * whole->radius
-		- half * half;
-	double least = 0.12 * whole->radius;
-	if (!(half > 0))
-		half = whole->radius;
-	return (struct view_shape){ (float)half, (float)(square > least * least ? sqrt(square) : least),
-		(float)half };
-}
-
 /* The mean over the way down of a density that falls to 1/e every AIR_M. */
 double view_shade_haze_m(double sea_m, double eye_z)
 {
@@ -172,6 +160,12 @@ void view_shade_free(struct view_shade *shade)
 
 #include "client-min/draw/view_light_inline.h"
 
+struct view_shape view_shape_of(const struct view_plant *of)
+{
+	struct plant shape = lod_plant_shape((double)of->anchors[0].radius, (double)of->plant.height_m);
+	return (struct view_shape){ shape.center_z, shape.half_width, shape.half_height };
+}
+
 /* The place is turned or not, stretched and moved for each octave. */
 static const struct { bool turned; double x, y, moved; } octaves[VIEW_OCTAVES] = { { false, 22, 26, 0 },
 	{ true, 5, 5, 0 }, { false, 1.1, 1.1, 0 }, { true, 0.23, 0.23, 3 }, { false, 0.045, 0.045, 7 },
@@ -190,22 +184,18 @@ void view_light_octave(int which, const double at[2], double out[2])
 
 /* ---- The sun ---- */
 
-/* At ten in the morning of midsummer at a latitude of 50 degrees. */
-static const struct sunlight usual = { { 0.459f, -0.353f, 0.816f }, { 1.70f, 1.57f, 1.34f },
-	{ 0.36f, 0.42f, 0.52f }, { 0.20f, 0.19f, 0.11f }, 1, 0 };
-
 /* Low it is red and weak; below the horizon the sky goes dark. */
 static struct sunlight sunlight_of(const float sun[3])
 {
 	if (sun[0] == 0 && sun[1] == 0 && sun[2] == 0)
-		return usual;
+		return lod_usual_light;
 	struct sunlight s = { .to = unit(vec3(sun[0], sun[1], sun[2])) };
 	vec3 red = { 1.70f, 0.70f, 0.25f };
-	s.color = scale(blend(red, usual.color, smoothstep(0, 0.35f, s.to.z)),
+	s.color = scale(blend(red, lod_usual_light.color, smoothstep(0, 0.35f, s.to.z)),
 		smoothstep(-0.03f, 0.15f, s.to.z));
 	s.day = mix(0.06f, 1, smoothstep(-0.14f, 0.2f, s.to.z));
-	s.sky = scale(usual.sky, s.day);
-	s.earth = scale(usual.earth, s.day);
+	s.sky = scale(lod_usual_light.sky, s.day);
+	s.earth = scale(lod_usual_light.earth, s.day);
 	s.glow = 1 - smoothstep(0.02f, 0.35f, fabsf(s.to.z));
 	return s;
 }

@@ -2,40 +2,18 @@
 #ifndef VIEW_LIGHT_INLINE_H
 #define VIEW_LIGHT_INLINE_H
 
-#include <stdbool.h>
-
 #include "client-min/draw/view_light.h"
-#include "client-min/draw/view_vec.h"
-#include "client-min/draw/view_glsl.h"
+#include "lod/plant_light.h"
 
 typedef struct { double x, y; } ground_place;    /* on the ground, from its origin */
-typedef struct sunlight sunlight;
-typedef struct sunny sunny;
-typedef struct crown crown;
-typedef struct plant plant;
-typedef struct face face;
 typedef struct footprint footprint;
-#define sunny(...) ((struct sunny){ __VA_ARGS__ })
-#define crown(...) ((struct crown){ __VA_ARGS__ })
-#define face(...) ((struct face){ __VA_ARGS__ })
 #define footprint(...) ((struct footprint){ __VA_ARGS__ })
-
-static inline float mix(float a, float b, float t) { return a + (b - a) * t; }
-static inline vec3 blend(vec3 a, vec3 b, float t)
-{
-	return vec3(mix(a.x, b.x, t), mix(a.y, b.y, t), mix(a.z, b.z, t));
-}
-static inline float smoothstep(float low, float high, float v)
-{
-	float t = (v - low) / (high - low);
-	t = t > 0 ? t < 1 ? t : 1 : 0;
-	return t * t * (3 - 2 * t);
-}
 
 static inline float noise_at(ground_place at, int which, int finer);
 
+#include "lod/glsl.h"
 #include "client-min/draw/view_light.glsl"
-#include "client-min/draw/view_glsl_end.h"
+#include "lod/glsl_end.h"
 
 static inline float noise_at(ground_place at, int which, int finer)
 {

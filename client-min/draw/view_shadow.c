@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/draw/view_vec.h"
+#include "lod/vec3.h"
 
 /* ---- What view_shadow.glsl is written in ---- */
 
-#include "client-min/draw/view_glsl.h"
+#include "lod/glsl.h"
 
 typedef struct shadow_row shadow_row;
 typedef struct shadow_map shadow_map;
@@ -31,7 +31,7 @@ typedef struct shadow_light shadow_light;
 #define shadow_light(...) ((struct shadow_light){ __VA_ARGS__ })
 
 #include "client-min/draw/view_shadow.glsl"
-#include "client-min/draw/view_glsl_end.h"
+#include "lod/glsl_end.h"
 
 static int cells_count(cells c) { return c ? VIEW_SHADOW_CELLS * VIEW_SHADOW_CELLS : 0; }
 static struct shadow_cell cells_at(cells c, int i) { return c[i]; }

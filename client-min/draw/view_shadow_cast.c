@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "client-min/draw/view_mesh.h"
-#include "client-min/draw/view_vec.h"
+#include "lod/vec3.h"
 #include "client-min/draw/view_picture.h"
 #include "lod/impostor.h"
 #include "lod/raster/texel.h"

@@ -27,6 +27,7 @@ void more() {
 /* Places on the ground are metres from the eye. */
 #define ground_place vec2
 float noise_at(vec2 at, int which, int finer);
+#include "lod/plant_light.glsl"
 #include "client-min/draw/view_light.glsl"
 
 /* vec3 ground_own(vec3 n, vec3 to): the ground's own colour, by its image if there is one. */

@@ -8,22 +8,20 @@
 #include "lod/geometry.h"
 #include "lod/leaf.h"
 #include "lod/light.h"
+#include "lod/plant_light.h"
 #include "lod/raster/blocks.h"
 #include "lod/raster/texel.h"
 #include "lod/vector.h"
 
 #define FINEST ECO_SEEN_PX(0)    /* pixels a side of the largest size */
 
-/* Light that comes from the whole sky, from overhead, and from the ground, about as on a fine day
- * (client-min/draw/view_light.c), but alike from all sides; and what plants are seen before: the ground,
- * the sky and their means. */
-static const float sky[3] = { 0.36f, 0.42f, 0.52f }, overhead[3] = { 0.95f, 0.88f, 0.75f },
-			earth[3] = { 0.20f, 0.19f, 0.11f };
+/* What plants are seen before: the ground, the sky and their means. */
 static const float before_open[3] = { 0.22f, 0.27f, 0.26f };
-#define SEEN_DEPTH 0.14          /* radii of a splat: how far behind it its leaves are in the mean */
-#define IMPOSTOR_REACH 0.3f /* the same for an impostor, in radii of the crown (client-min/view_record.c) */
-#define TAKES 0.8f               /* of a crown: Beer's exponent for a radius of the way out upwards */
+/* What comes from a fine day's sun, alike from all sides of the sky: as much less, and from overhead. */
+#define OVERHEAD 0.56f
+#define TONE 0.53125f            /* of a plant as bright as all in the mean (plant_light) */
 
+struct lod_seen_light { struct sunlight sun; struct plant plant; };     /* the sky's alone */
 struct pixel { float light[3], cover; };        /* means over samples; light of what is covered */
 struct errors { double color, contrast; };       /* sums over pixels */
 /* back: what is drawn before all else, if it is; its samples have item BACK, and light. covered: pixels of
@@ -90,122 +88,50 @@ static void lab_of(const float light[3], float lab[3])
 
 /* ---- Looks of samples ---- */
 
-/* exp(-x), x >= 0, within 1e-4 (view_light.glsl). */
-static float fade(float x)
-{
-	float y = fminf(x, 64) / 16, e = 1 / (1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y / 24))));
-	e *= e;
-	e *= e;
-	e *= e;
-	return e * e;
-}
+static vec3 facing(vec3 n, vec3 to_eye) { return unit(dot(n, to_eye) < 0 ? scale(n, -1) : n); }
 
-/* Height of the seen side's normal; light from overhead on it, and through it; radius of what stands for
- * leaves, over the crown's. */
-struct look { float n_z, on, through, reach; };
-
-static struct look facet_look(float n_z)
+static face facet_of(const struct lod_seen *seen, vec3 n, vec3 to_eye, float reach)
 {
-	return (struct look){ n_z, fmaxf(n_z, 0), fmaxf(-n_z, 0), 0 };
-}
-
-/* The mean over leaves of all directions of which a share lies level; as view_light.glsl has it for a sun
- * overhead. */
-static struct look cloud_look(float level, float rise)
-{
-	float c = fminf(fmaxf(rise, -1), 1), sine = sqrtf(fmaxf(1 - c * c, 0)),
-		away = (float)lod_arc_cosine((double)c), u = 0.2122066f, lying = level * fabsf(rise),
-		side = rise < 0 ? -1 : 1;
-	struct look all = { 0.667f * rise, u * (sine + (3.1415927f - away) * c), u * (sine - away * c), 0 };
-	lying /= lying + fmaxf(0.5f * (1 - level), 1e-3f);
-	return (struct look){ all.n_z + lying * (side - all.n_z), all.on + lying * (fmaxf(side, 0) - all.on),
-		all.through + lying * (fmaxf(-side, 0) - all.through), 0 };
-}
-
-static struct look mixed(struct look a, struct look b, float t)
-{
-	return (struct look){ a.n_z + t * (b.n_z - a.n_z), a.on + t * (b.on - a.on),
-		a.through + t * (b.through - a.through), 0 };
-}
-
-static void cross3(const float a[3], const float b[3], float out[3])
-{
-	for (int k = 0; k < 3; k++)
-		out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static float unit_z(const float n[3], const double to_eye[3])
-{
-	float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-	double side = (double)n[0] * to_eye[0] + (double)n[1] * to_eye[1] + (double)n[2] * to_eye[2];
-	return length > 0 ? (side < 0 ? -n[2] : n[2]) / length : 0;
+	n = facing(n, to_eye);
+	return face(facet_sun(seen->light->sun, n), n, true, reach, 0);
 }
 
 /* A triangle's normal, or a line's that faces the eye. */
-static struct look solid_look(const struct lod_drawing *d, const float *position, uint32_t i,
-	const double to_eye[3])
+static face solid_face(const struct lod_seen *seen, const struct lod_drawing *d, const float *position, uint32_t i,
+	vec3 to_eye)
 {
 	const float *p = position + (d->list->kind == ECO_LIST_LINES ? 6 : 9) * (size_t)i;
-	float a[3] = { p[3] - p[0], p[4] - p[1], p[5] - p[2] }, n[3], square = 0, along = 0;
-	if (d->list->kind == ECO_LIST_TRIANGLES) {
-		cross3(a, (const float[3]){ p[6] - p[0], p[7] - p[1], p[8] - p[2] }, n);
-		return facet_look(unit_z(n, to_eye));
-	}
-	for (int k = 0; k < 3; k++) {
-		square += a[k] * a[k];
-		along += a[k] * (float)to_eye[k];
-	}
-	for (int k = 0; k < 3; k++)
-		n[k] = (float)to_eye[k] - (square > 0 ? along / square : 0) * a[k];
-	struct look look = facet_look(unit_z(n, to_eye));
-	return (struct look){ 0.785f * look.n_z, 0.785f * look.on, 0.785f * look.through, 0 };
+	vec3 a = vec3(p[3] - p[0], p[4] - p[1], p[5] - p[2]);
+	if (d->list->kind == ECO_LIST_TRIANGLES)
+		return facet_of(seen, cross(a, vec3(p[6] - p[0], p[7] - p[1], p[8] - p[2])), to_eye, 0);
+	a = unit(a);
+	vec3 n = unit(add(to_eye, scale(a, -dot(a, to_eye))));
+	return face(axis_sun(seen->light->sun, a, n), n, true, 0, 0);
 }
 
 /* The normal of an ellipsoid at a point of it. */
-static void ball_normal(const float *half, const float *center, const double at[3], float out[3])
+static vec3 ball_normal(const float *half, const float *center, const double at[3])
 {
-	out[0] = out[1] = out[2] = 0;
+	vec3 normal = vec3(0, 0, 0), from = vec3((float)(at[0] - (double)center[0]), (float)(at[1] - (double)center[1]),
+		(float)(at[2] - (double)center[2]));
 	for (int k = 0; k < 3; k++) {
-		const float *h = half + 3 * k;
-		float square = h[0] * h[0] + h[1] * h[1] + h[2] * h[2], along = 0;
-		for (int i = 0; i < 3; i++)
-			along += h[i] * (float)(at[i] - (double)center[i]);
-		for (int i = 0; i < 3; i++)
-			out[i] += square > 0 ? along / (square * square) * h[i] : 0;
+		vec3 h = vec3(half[3 * k], half[3 * k + 1], half[3 * k + 2]);
+		float square = dot(h, h);
+		normal = add(normal, scale(h, square > 0 ? dot(h, from) / (square * square) : 0));
 	}
+	return normal;
 }
 
-/* A leaf on a splat or a point, as clients draw it. */
-static struct look leaf_look_of(struct look smooth, float level, const float *normal, uint32_t leaf,
-	const double to_eye[3])
+/* A leaf on a splat, a point or an impostor, as clients draw it (client-min/draw/view_mesh.c). ball: the surface's
+ * normal, of a splat. */
+static face leaf_face(const struct lod_seen *seen, face smooth, float level, const vec3 *ball, uint32_t leaf, vec3 to_eye)
 {
 	uint32_t number = leaf_look(leaf), side = leaf_side(number);
-	float turn[3], square = 0;
 	if (!leaf_is_lit(leaf, number))
 		return smooth;
-	if (leaf_is_level(number, leaf_level(level, (float)to_eye[2])))
-		return facet_look(to_eye[2] < 0 ? -1 : 1);
-	for (uint32_t k = 0; k < 3; k++) {
-		turn[k] = leaf_turn(side, k);
-		square += turn[k] * turn[k];
-	}
-	if (normal && leaf_is_surface(number))
-		return facet_look(unit_z(normal, to_eye));
-	for (int k = 0; k < 3; k++)
-		turn[k] = turn[k] / sqrtf(square) + (float)to_eye[k];
-	return facet_look(unit_z(turn, to_eye));
-}
-
-static struct look soft_look(const struct lod_drawing *d, const struct lod_geometry *g, uint32_t i,
-	uint32_t leaf, const double at[3], const double to_eye[3])
-{
-	float level = g->wood && g->wood[i] > 0 ? 0 : (float)eco_level_share(d->list->level), normal[3];
-	struct look look = cloud_look(level, (float)to_eye[2]);
-	if (g->half) {
-		ball_normal(g->half + 9 * (size_t)i, g->position + 3 * (size_t)i, at, normal);
-		look = mixed(look, facet_look(unit_z(normal, to_eye)), 0.5f);
-	}
-	return leaf ? leaf_look_of(look, level, g->half ? normal : NULL, leaf, to_eye) : look;
+	vec3 turn = vec3(leaf_turn(side, 0), leaf_turn(side, 1), leaf_turn(side, 2));
+	return facet_of(seen, leaf_is_level(number, leaf_level(level, to_eye.z)) ? vec3(0, 0, 1)
+		: ball && leaf_is_surface(number) ? *ball : add(unit(turn), to_eye), to_eye, smooth.reach);
 }
 
 /* The own colour of a primitive: of the palette, times its texture's mean. */
@@ -213,17 +139,17 @@ static void own_color(const struct lod_seen *seen, const struct lod_drawing *d, 
 	uint32_t i, uint8_t rgb[3])
 {
 	static const uint8_t plain[3] = { 95, 127, 79 }, white[3] = { 255, 255, 255 };
-	const struct lod_plant *plant = seen->probe->plant;
+	const struct lod_plant *of = seen->probe->plant;
 	int32_t color = g->color[i];
 	bool listed = color >= 0 && (uint32_t)color < d->list->palette_count;
-	memcpy(rgb, listed ? plant->palette[d->list->palette_first + (uint32_t)color]
+	memcpy(rgb, listed ? of->palette[d->list->palette_first + (uint32_t)color]
 		: d->list->image != ECO_NONE ? white : plain, 3);
 	if (!g->uv)
 		return;
 	int32_t uv[6];
 	for (size_t k = 0; k < 6; k++)
 		uv[k] = (int32_t)floorf(g->uv[6 * (size_t)i + k] * ECO_UV_ONE + 0.5f);
-	lod_texels_mean(&seen->texels[plant->images[d->list->image]], rgb, uv, rgb);
+	lod_texels_mean(&seen->texels[of->images[d->list->image]], rgb, uv, rgb);
 }
 
 static void color_drawings(struct lod_seen *seen)
@@ -246,23 +172,6 @@ static void color_drawings(struct lod_seen *seen)
 }
 
 /* ---- A view ---- */
-
-/* Sets the light that is left at a place in the crown, a ball of leaves that is stretched: from above, and
- * from below. */
-static void crown_light(const struct lod_seen *seen, const double at[3], const double to_eye[3],
-	double deeper, float left[2])
-{
-	const struct eco_anchor *whole = &seen->probe->plant->anchors[0];
-	double p[3] = { (at[0] - (double)whole->center[0]) / seen->half_width - deeper * to_eye[0],
-		(at[1] - (double)whole->center[1]) / seen->half_width - deeper * to_eye[1],
-		at[2] / seen->half_height - 1 - deeper * to_eye[2] };
-	double square = lod_dot(p, p), part = square > 0.94 ? 0.97 / sqrt(square) : 1;
-	for (int k = 0; k < 3; k++)
-		p[k] *= part;
-	double flat = sqrt(1 - p[0] * p[0] - p[1] * p[1]);
-	left[0] = fade(TAKES * (float)(flat - p[2] + 0.15));
-	left[1] = fade(TAKES * (float)(flat + p[2] + 0.15));
-}
 
 static const struct lod_drawing *drawing_of(const struct lod_probe *probe, uint32_t item)
 {
@@ -288,29 +197,34 @@ static float reach_of(const struct lod_drawing *d, const struct lod_geometry *g,
 	return volume > 0 ? cube_root(volume) / half_width : 0;
 }
 
-static struct look look_of(const struct lod_seen *seen, uint32_t item, uint32_t leaf, float *tone,
-	const double at[3], const double to_eye[3])
+/* What is seen of a primitive, and the factor of its light. */
+static face face_at(const struct lod_seen *seen, uint32_t item, uint32_t leaf, float *tone, const double at[3],
+	vec3 to_eye)
 {
 	const struct lod_probe *probe = seen->probe;
 	const float deviation = (float)probe->plant->plant.leaf_tone / ECO_TONE_ONE;
 	if (item >= probe->item_count) {
 		float level = (float)eco_level_share(probe->plant->impostor_level);
-		struct look look = cloud_look(level, (float)to_eye[2]);
+		face smooth = face(cloud_sun(seen->light->sun, level, to_eye), to_eye, false, LOD_IMPOSTOR_REACH, 0);
 		*tone = leaf ? leaf_tone(leaf, leaf_look(leaf), deviation) : 1;
-		look = leaf ? leaf_look_of(look, level, NULL, leaf, to_eye) : look;
-		look.reach = IMPOSTOR_REACH;
-		return look;
+		return leaf ? leaf_face(seen, smooth, level, NULL, leaf, to_eye) : smooth;
 	}
 	const struct lod_drawing *d = drawing_of(probe, item);
 	struct lod_geometry g = lod_probe_geometry(probe, d);
-	if (d->list->kind != ECO_LIST_POINTS)
-		return solid_look(d, g.position, item - d->item, to_eye);
 	uint32_t i = item - d->item;
-	leaf = g.wood && g.wood[i] > 0 ? 0 : leaf;
-	*tone = leaf && g.half ? leaf_tone(leaf, leaf_look(leaf), deviation) : 1;
-	struct look look = soft_look(d, &g, i, leaf, at, to_eye);
-	look.reach = reach_of(d, &g, i, seen->half_width);
-	return look;
+	if (d->list->kind != ECO_LIST_POINTS)
+		return solid_face(seen, d, g.position, i, to_eye);
+	bool wood = g.wood && g.wood[i] > 0;
+	float level = wood ? 0 : (float)eco_level_share(d->list->level), reach = reach_of(d, &g, i, seen->light->plant.half_width);
+	leaf = wood ? 0 : leaf;
+	if (!g.half) {
+		face smooth = face(cloud_sun(seen->light->sun, level, to_eye), to_eye, false, reach, reach);
+		return leaf ? leaf_face(seen, smooth, level, NULL, leaf, to_eye) : smooth;
+	}
+	vec3 n = facing(ball_normal(g.half + 9 * (size_t)i, g.position + 3 * (size_t)i, at), to_eye);
+	face smooth = face(ball_sun(seen->light->sun, n, level, to_eye), n, false, reach, 0);
+	*tone = leaf ? leaf_tone(leaf, leaf_look(leaf), deviation) : 1;
+	return leaf ? leaf_face(seen, smooth, level, &n, leaf, to_eye) : smooth;
 }
 
 static void light_sample(const struct lod_seen *seen, const struct lod_eye *eye,
@@ -324,22 +238,22 @@ static void light_sample(const struct lod_seen *seen, const struct lod_eye *eye,
 	uint32_t side = samples_across(seen);
 	double u = ((double)(sample % side) + 0.5) / side * 2 - 1,
 		v = 1 - ((double)(sample / side) + 0.5) / side * 2, w = 1 / (double)raster->depth[sample],
-		at[3], to_eye[3], length = sqrt(1 + (u * u + v * v) * eye->tan_x * eye->tan_x);
+		at[3], ray[3];
 	for (int k = 0; k < 3; k++) {
-		double ray = eye->forward[k] + eye->tan_x * (u * eye->right[k] + v * eye->up[k]);
-		at[k] = eye->at[k] + w * ray;
-		to_eye[k] = -ray / length;
+		ray[k] = eye->forward[k] + eye->tan_x * (u * eye->right[k] + v * eye->up[k]);
+		at[k] = eye->at[k] + w * ray[k];
 	}
-	float tone = 1, left[2];
-	struct look look = look_of(seen, item, raster->leaf[sample], &tone, at, to_eye);
-	crown_light(seen, at, to_eye, SEEN_DEPTH * (double)look.reach, left);
-	for (int k = 0; k < 3; k++) {
-		float up = 0.5f + 0.5f * look.n_z, above = sky[k] * left[0], below = earth[k] * left[1],
-			front = up * above + (1 - up) * below + overhead[k] * look.on * left[0],
-			back = up * below + (1 - up) * above + overhead[k] * look.through * left[0];
-		light[k] = tone * (float)lod_light_of[seen->rgb[item][k]] / 65535 *
-			(0.7f * front + (k < 2 ? 0.3f : 0.1f) * back);
-	}
+	vec3 to_eye = unit(vec3((float)-ray[0], (float)-ray[1], (float)-ray[2])),
+		own = vec3(lod_light_of[seen->rgb[item][0]] / 65535.0f, lod_light_of[seen->rgb[item][1]] / 65535.0f,
+			lod_light_of[seen->rgb[item][2]] / 65535.0f);
+	float tone = 1;
+	face here = face_at(seen, item, raster->leaf[sample], &tone, at, to_eye);
+	crown around = crown_of(seen->light->sun, seen->light->plant, here, vec3((float)at[0], (float)at[1], (float)at[2]), to_eye);
+	around.sun = around.sky;
+	vec3 seen_light = plant_light(seen->light->sun, seen->light->plant, scale(own, tone), here.sun, around, false);
+	light[0] = seen_light.x;
+	light[1] = seen_light.y;
+	light[2] = seen_light.z;
 }
 
 /* Means of samples as pixels of all sizes. */
@@ -558,13 +472,14 @@ void lod_seen_compare(struct lod_seen *seen, struct eco_seen *error)
 
 void lod_seen_init(struct lod_seen *seen, struct lod_probe *probe, const struct lod_seen_options *options)
 {
-	const struct eco_anchor *whole = &probe->plant->anchors[0];
 	const struct eco_model *model = probe->model;
-	float half = 0.5f * probe->plant->plant.height_m, least = 0.12f * whole->radius,
-		square = whole->radius * whole->radius - half * half;
-	*seen = (struct lod_seen){ .probe = probe, .options = *options,
-		.half_height = half > 0 ? half : whole->radius,
-		.half_width = square > least * least ? sqrtf(square) : least };
+	*seen = (struct lod_seen){ .probe = probe, .options = *options };
+	seen->light = lod_arena_take(&seen->arena, 1, sizeof *seen->light);
+	seen->light->sun = lod_usual_light;
+	seen->light->sun.to = vec3(0, 0, 1);
+	seen->light->sun.color = scale(lod_usual_light.color, OVERHEAD);
+	seen->light->plant = lod_plant_shape((double)probe->plant->anchors[0].radius, (double)probe->plant->plant.height_m);
+	seen->light->plant.tone = TONE;
 	seen->texels = lod_arena_take(&seen->arena, model->image_count, sizeof *seen->texels);
 	for (uint32_t i = 0; i < model->image_count; i++)
 		lod_texels_open(&seen->texels[i], &model->images[i], eco_image_has_holes(&model->images[i]),

@@ -29,7 +29,7 @@ struct lod_seen {
 	struct lod_seen_options options;
 	struct lod_eye eyes[LOD_SEEN_VIEWS_MAX];
 	struct lod_seen_view *views;
-	float half_width, half_height;   /* of the crown, metres */
+	struct lod_seen_light *light;
 	uint8_t (*rgb)[3];               /* own colours of the drawings' primitives */
 	uint64_t rgb_capacity;
 	bool has_back;                   /* lod_seen_back drew something */

@@ -1,6 +1,6 @@
-/* Words of GLSL for texts that C compiles, too: include this before the text and view_glsl_end.h after it. */
-#ifndef VIEW_GLSL_H
-#define VIEW_GLSL_H
+/* Words of GLSL for texts that C compiles, too: include this before the text and glsl_end.h after it. */
+#ifndef LOD_GLSL_H
+#define LOD_GLSL_H
 
 #include <math.h>
 #include <stdint.h>

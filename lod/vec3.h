@@ -1,7 +1,7 @@
-/* Vectors of three floats, by the names that GLSL has for them, or gets before view_light.glsl and
- * view_shadow.glsl: what these texts are written in, where C includes them. */
-#ifndef VIEW_VEC_H
-#define VIEW_VEC_H
+/* Vectors of three floats, by the names that GLSL has for them, or gets before texts such as
+ * plant_light.glsl: what these are written in, where C includes them. */
+#ifndef LOD_VEC3_H
+#define LOD_VEC3_H
 
 #include <math.h>
 

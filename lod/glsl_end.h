@@ -1,4 +1,4 @@
-/* Takes back what view_glsl.h calls otherwise in C. */
+/* Takes back what glsl.h calls otherwise in C. */
 #undef abs
 #undef ceil
 #undef floor
