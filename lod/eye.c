@@ -2,8 +2,10 @@
 
 #include <assert.h>
 #include <math.h>
+#include <string.h>
 
 #include "ecofiles/base/angle16.h"
+#include "lod/hash.h"
 
 static void cross(const double a[3], const double b[3], double out[3])
 {
@@ -118,6 +120,17 @@ void lod_eye_sample(struct lod_eye *eye, uint32_t number)
 	for (int k = 0; k < 2; k++)
 		eye->middle[k] += places[number][k] / 64.0 * eye->pixel_rad;
 	eye->sample = number;
+}
+
+uint32_t lod_place_salt(const struct lod_place *place)
+{
+	uint32_t bits[6], hash = 0;
+	memcpy(bits, place->at, sizeof bits);
+	for (int i = 0; i < 6; i++) {
+		hash += bits[i];
+		LOD_HASH_MIX;
+	}
+	return hash >> 16;
 }
 
 void lod_place_instance(struct lod_place *out, const struct eco_placement *placement,

@@ -46,6 +46,8 @@ static inline double lod_place_most(const struct lod_place *place)
 {
 	return place->wider > 0 ? place->scale * lod_place_width(place) : place->scale;
 }
+/* 16 bits that differ from place to place, for plants of one kind. */
+uint32_t lod_place_salt(const struct lod_place *place);
 void lod_place_instance(struct lod_place *out, const struct eco_placement *placement,
 	const struct eco_list *list, const struct eco_place *place);
 void lod_place_point(const struct lod_place *place, const float p[3], double world[3]);

@@ -39,6 +39,8 @@ typedef int32_t lod_i4 __attribute__((vector_size(16)));
 typedef uint32_t lod_u4 __attribute__((vector_size(16)));    /* for sums that may wrap in lanes that are not
                                                               * read */
 
+/* fmaxf is a call, as it takes care of NaN. */
+static inline float lod_max(float a, float b) { return a > b ? a : b; }
 static inline lod_f4 lod_f4_all(float v) { return (lod_f4){ v, v, v, v }; }
 static inline lod_i4 lod_i4_all(int32_t v) { return (lod_i4){ v, v, v, v }; }
 static inline lod_f4 lod_f4_load(const float *from) { lod_f4 v; memcpy(&v, from, sizeof v); return v; }

@@ -30,7 +30,8 @@ LEAF uint leaf_cell(float x, float y, float z)
  * and shows nothing. */
 LEAF float leaf_rim(float ragged, float radius) { return ragged * radius < 1.0f ? 0.0f : ragged; }
 
-/* The hash of what is drawn in a cell in the nth sample of a pixel. */
+/* The hash of what is drawn in a cell. Cells that are no leaf are drawn anew by the nth of samples, splats and
+ * plants: from afar few cells decide how much a plant covers, and plants of a kind must not all lack the same. */
 LEAF uint leaf_drawn(uint cell, float amount, uint nth)
 {
 	return real(cell >> 24) < 256.0f * amount * amount ? cell : leaf_mix(cell + nth * 0x27D4EB2Fu);

@@ -18,7 +18,7 @@ typedef uint32_t uint;
 #define whole(x) ((uint32_t)(int32_t)(x))
 #define abs fabsf
 #define floor floorf
-#define max fmaxf
+#define max lod_max
 #define sqrt sqrtf
 typedef struct leaf_splat leaf_splat;
 #include "lod/leaf.glsl"
@@ -45,7 +45,7 @@ static inline float lod_leaf_side(float leaf, float pixel)
 
 /* The leaves of a splat that lod_ellipse_make was given, of half axes `half` in its plant's space. leaf: the width of
  * a leaf, radius: of the disc of the ellipse's area, pixel: width of a pixel at the splat's distance, all there.
- * nth: the number of a pixel's sample. */
+ * nth: another number in each of a pixel's samples, splats and plants. */
 static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ellipse, const float across[3],
 	const float down[3], const float farther[3], float w, const float center[3], const float half[9], float leaf,
 	float radius, float pixel, uint32_t nth)

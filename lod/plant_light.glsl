@@ -1,7 +1,7 @@
-/* Light on plants, in words that C and GLSL share: lod/plant_light.h includes this text, for clients and for curves, and the
- * client in a browser compiles it as a part of a shader (client-min/web/web_light.c), so that there is one definition
- * of all. Before it both say what vec3, uint, real(x), max, mix, dot and so on are. Numbers have points, as GLSL makes
- * no float of a whole number, and no name is a word of GLSL. */
+/* Light on plants, in words that C and GLSL share: lod/plant_light.h includes this text, for clients and for
+ * curves, and the client in a browser compiles it as a part of a shader (client-min/web/web_light.c), so that there
+ * is one definition of all. Before it both say what vec3, uint, real(x), max, mix, dot and so on are. Numbers have
+ * points, as GLSL makes no float of a whole number, and no name is a word of GLSL. */
 
 /* Direction of the sun; what it sends to a surface that faces it, and what the whole sky and the whole ground
  * send; how bright the sky is, and how red around the sun. A surface of albedo 1 in the light 1 is 1. */

@@ -113,7 +113,7 @@ uniform float u_scale;
 uniform vec4 u_tint;            // rgb, if w is 1: instead of a colour of its own
 uniform uint u_path;            // summaries: what the placement adds to the owner
 vec3 xyz(uvec4 t) { return uintBitsToFloat(t.xyz); }
-struct Plant { vec4 row[3]; uint whose; float scale, half_width, width; vec4 high; uint tint; };
+struct Plant { vec4 row[3]; uint whose, salt; float scale, half_width, width; vec4 high; uint tint; };
 Plant plant_of_member(int member) {
 	int number = int(texel_of(u_members, u_shift.z, u_first_member + member).x);
 	int at = number * 4;
@@ -122,7 +122,9 @@ Plant plant_of_member(int member) {
 		p.row[k] = uintBitsToFloat(texel_of(u_instances, u_shift.y, at + k));
 	uvec4 t = texel_of(u_instances, u_shift.y, at + 3);
 	p.whose = uint(number) + 1u;
-	p.scale = uintBitsToFloat(t.x); p.half_width = uintBitsToFloat(t.y);
+	p.scale = uintBitsToFloat(t.x);
+	p.half_width = uintBitsToFloat(t.y & 0xffff0000u);
+	p.salt = t.y & 0xffffu;
 	p.width = uintBitsToFloat(t.z);
 	p.tint = t.w;
 #ifdef SHADOW
@@ -351,7 +353,7 @@ void main() {
 #endif
 	v_seen = uvec4(p.whose, surface, color_of(p, t0.w) | opacity << 24, salt_of(t0.xyz));
 #ifdef LEAVES
-	if (leafy) v_seen.w = u_sample;
+	if (leafy) v_seen.w += p.salt;
 #endif
 	/* the first and the last of columns and rows whose middles it may cover */
 	vec2 sides = vec2(sqrt(xx), height) * grown + 0.01, from = middle + u_half - 0.5;

@@ -161,7 +161,7 @@ void main() {
 #else
 #ifdef LEAVES
 	float pixel = view.z / (focal.y * p.scale);
-	v_seen.w = u_sample;
+	v_seen.w += p.salt;
 	v_leaf = vec3(1.0 / (LOD_LEAF_LATTICE * side_of(u_leaf.x, pixel)), min(u_leaf.x / pixel, 1.0),
 		u_leaf.y);
 #endif

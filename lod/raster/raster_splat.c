@@ -51,7 +51,7 @@ static bool project(const struct lod_raster_state *state, const float center[3],
 		const struct lod_ellipse *e = &disc->outline.ellipse;
 		float far = disc->w / (float)state->place.scale, drawn = fabsf(LOD_SUBPIXEL / state->project[1][1]);
 		lod_leaf_splat(&disc->leaves, e, across, down, farther, disc->w, center, half, disc->leaf,
-			sqrtf(e->half * e->high) * drawn * far, far * (float)state->eye.pixel_rad, state->eye.sample);
+			sqrtf(e->half * e->high) * drawn * far, far * (float)state->eye.pixel_rad, disc->salt + state->salt);
 		disc->leaves.opacity = disc->opacity;
 	}
 	return true;
@@ -95,7 +95,7 @@ static void outline_rows(const struct outline *o, const struct lod_raster *raste
 }
 
 /* Its pixels [span[0], span[1]) of a row, which is *y below its middle; false: none. */
-static bool outline_span(const struct outline *o, const struct lod_raster *raster, uint32_t row, float *y,
+LOD_INLINE bool outline_span(const struct outline *o, const struct lod_raster *raster, uint32_t row, float *y,
 	uint32_t span[2])
 {
 	*y = (float)row + 0.5f - 0.5f * (float)raster->height - o->y;
@@ -107,46 +107,95 @@ static bool outline_span(const struct outline *o, const struct lod_raster *raste
 	return span[0] < span[1];
 }
 
+/* The outline of a shell, whose radius has that square. */
+static struct outline outline_grown(const struct outline *outline, float square)
+{
+	struct outline grown = *outline;
+	grown.ellipse.high *= sqrtf(square);
+	grown.ellipse.half *= sqrtf(square);
+	grown.ellipse.wide *= sqrtf(square);
+	return grown;
+}
+
+/* Whether its box is certainly behind what is drawn; of a silhouette, where all is covered. grown: the square
+ * of the outermost shell's radius. */
+static bool is_hidden(struct lod_raster *raster, const struct lod_paint *paint, const struct disc *disc,
+	float grown)
+{
+	const struct outline o = outline_grown(&disc->outline, grown);
+	const struct lod_ellipse *e = &o.ellipse;
+	uint32_t columns[2] = { first_pixel(o.x - e->wide, raster->width),
+		first_pixel(o.x + e->wide, raster->width) }, rows[2];
+	float reach = sqrtf((e->aside * e->aside + e->below * e->below + e->bulge * e->bulge) * grown),
+		w = disc->w - reach;
+	outline_rows(&o, raster, rows);
+	if (columns[0] == columns[1] || rows[0] == rows[1])
+		return false;
+	columns[1]--;
+	rows[1]--;
+	return lod_blocks_hide(raster, columns, rows, paint->silhouette ? INFINITY
+		: 1.000001f / (w > disc->near_w ? w : disc->near_w));
+}
+
 LOD_INLINE float shell_depth(const struct disc *disc, uint32_t shell, float u, float v)
 {
 	const struct lod_ellipse *e = &disc->outline.ellipse;
 	float w = disc->w + e->aside * u + e->below * v
-		- e->bulge * sqrtf(fmaxf(leaf_height2(disc->leaves, shell, u, v), 0));   /* its rim is rounded */
+		- e->bulge * sqrtf(lod_max(leaf_height2(disc->leaves, shell, u, v), 0));   /* its rim is rounded */
 	return 1 / (w > disc->near_w ? w : disc->near_w);
 }
 
-/* Leaves on it: rows of the outermost shell. No cell is looked up where even that shell is hidden. */
-LOD_CLONES static void fill_leaves(const struct lod_paint *paint, const struct disc *disc)
+/* Leaves in pixels [from, to) of a row. No cell is looked up where even the outermost shell is hidden; of a
+ * silhouette without ground, where something is drawn already. */
+LOD_INLINE void fill_leaf_row(const struct lod_paint *paint, const struct disc *disc, uint32_t row, float y,
+	uint32_t from, uint32_t to)
 {
 	const struct lod_raster *raster = paint->raster;
 	const struct lod_ellipse *e = &disc->outline.ellipse;
-	struct outline outer = disc->outline;
-	uint32_t rows[2], span[2];
-	float y, grown = sqrtf(1 + disc->leaves.ragged);
-	outer.ellipse.high *= grown;
-	outer.ellipse.half *= grown;
+	float v = y / e->high;
+	size_t first = (size_t)row * raster->width;
+	bool any = false;
+	for (uint32_t x = from; x < to; x++) {
+		size_t i = first + x;
+		if (paint->silhouette && raster->depth[i] == INFINITY)
+			continue;
+		float at = (float)x + 0.5f - 0.5f * (float)raster->width - disc->outline.x,
+			u = e->half > 0 ? (at - e->lean * y) / e->half : 0;
+		if (!paint->plain && !(shell_depth(disc, 1, u, v) >= raster->depth[i]))
+			continue;
+		uint32_t leaf = leaf_at(disc->leaves, u, v);
+		if (!leaf)
+			continue;
+		float z = paint->plain ? 1 / disc->w : shell_depth(disc, leaf & 3, u, v);
+		bool seen = lod_paint_pixel(paint, i, z);
+		if (seen && raster->leaf)
+			raster->leaf[i] = leaf;
+		any |= seen;
+	}
+	if (any)
+		lod_mark_stale(paint, row, from, to);
+}
+
+/* Leaves on it: rows of the outermost shell. Within the innermost one all cells are covered if it is opaque. */
+LOD_CLONES static void fill_leaves(const struct lod_paint *paint, const struct disc *disc)
+{
+	const struct lod_raster *raster = paint->raster;
+	float ragged = disc->leaves.ragged, y;
+	struct outline outer = outline_grown(&disc->outline, 1 + ragged),
+		inner = outline_grown(&disc->outline, 1 - ragged);
+	bool whole = paint->silhouette && disc->opacity >= 1;
+	uint32_t rows[2], span[2], in[2];
 	outline_rows(&outer, raster, rows);
 	rows[1] += rows[1] < raster->height;
 	for (uint32_t row = rows[0]; row < rows[1]; row++) {
-		bool any = false;
 		if (!outline_span(&outer, raster, row, &y, span))
 			continue;
-		for (uint32_t x = span[0]; x < span[1]; x++) {
-			float at = (float)x + 0.5f - 0.5f * (float)raster->width - outer.x, v = y / e->high,
-				u = e->half > 0 ? (at - e->lean * y) / e->half : 0;
-			size_t i = (size_t)row * raster->width + x;
-			if (!(shell_depth(disc, 1, u, v) >= raster->depth[i]))
-				continue;
-			uint32_t leaf = leaf_at(disc->leaves, u, v);
-			if (!leaf)
-				continue;
-			bool seen = lod_paint_pixel(paint, i, shell_depth(disc, leaf & 3, u, v));
-			if (seen && raster->leaf)
-				raster->leaf[i] = leaf;
-			any |= seen;
+		if (whole && outline_span(&inner, raster, row, &y, in)) {
+			fill_leaf_row(paint, disc, row, y, span[0], in[0]);
+			lod_fill_row(paint, row, in[0], in[1], 1 / disc->w);
+			span[0] = in[1];
 		}
-		if (any)
-			lod_mark_stale(paint, row, span[0], span[1]);
+		fill_leaf_row(paint, disc, row, y, span[0], span[1]);
 	}
 }
 
@@ -203,6 +252,8 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 				: project_ball(state, reach, at, &disc)))
 			continue;
 		put_outline(&disc.outline, at);
+		if (is_hidden(raster, &paint, &disc, disc.leaf > 0 ? 1 + disc.leaves.ragged : 1))
+			continue;
 		paint.item = batch->item + i;
 		if (disc.leaf > 0)
 			fill_leaves(&paint, &disc);
@@ -318,8 +369,8 @@ void lod_raster_impostor(struct lod_raster *raster, const struct lod_impostor *i
 	put_outline(&disc.outline, at);
 	rays_make(&rays, raster);
 	look_from(&look, impostor, state);
-	struct leaves leaves = { .opacity = impostor->opacity, .nth = state->eye.sample,
-		.salt = lod_splat_salt(impostor->body.center, state->eye.sample) };
+	struct leaves leaves = { .opacity = impostor->opacity, .salt = lod_splat_salt(impostor->body.center, state->eye.sample) };
+	leaves.nth = leaves.salt + state->salt;
 	if (batch->leaf > 0) {
 		float pixel = disc.w / (float)state->place.scale * (float)state->eye.pixel_rad;
 		leaves.cells = 1 / (LOD_LEAF_LATTICE * lod_leaf_side(batch->leaf, pixel));

@@ -19,6 +19,7 @@
 struct lod_raster_state {
 	struct lod_eye eye;
 	struct lod_place place;
+	uint32_t salt;                   /* of the place */
 	double near_m;
 	float near_w;
 	float clip[3][4]; /* object -> x w, y w in 1/256 pixel from the picture's middle (y down), and w */

@@ -103,6 +103,32 @@ UNIT_TEST(contrast_fades_where_leaves_are_finer_than_pixels)
 	}
 }
 
+/* From afar a plant's leaves are a few cells, which cover all of its splat or nothing: plants of one kind differ
+ * in them, and so do splats of one plant. */
+UNIT_TEST(far_plants_of_a_kind_lack_different_leaves)
+{
+	const float origin[3] = { 0, 0, 0 }, at[6] = { 0, 0, 0, 0.01f, 0, 0 },
+		half[18] = { 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1 }, opacity[2] = { 0.5f, 0.5f };
+	double pixels[2][2] = { { 0 } };         /* of one splat, of two in one place; smooth, with leaves */
+	for (uint32_t two = 0; two < 2; two++)
+		for (uint32_t leafy = 0; leafy < 2; leafy++) {
+			look(origin, 100);
+			for (uint32_t i = 0; i < 3600; i++) {
+				lod_raster_object(&raster, &(struct lod_place){
+					.at = { 3.1 * (i % 60) - 92, 0, 3.1 * (i / 60) - 92 }, .cosine = 1, .scale = 1 });
+				lod_raster_splats(&raster, &(struct lod_raster_batch){ .count = 1 + two,
+					.position = at, .half = half, .opacity = opacity, .owner = 1,
+					.leaf = leafy ? 0.02f : 0 });
+			}
+			for (uint32_t i = 0; i < SIDE * SIDE; i++)
+				pixels[two][leafy] += raster.cover[i] != 0;
+		}
+	print_message("%.0f %.0f of one splat, %.0f %.0f of two\n", pixels[0][0], pixels[0][1], pixels[1][0],
+		pixels[1][1]);
+	for (int two = 0; two < 2; two++)
+		assert_true(fabs(pixels[two][1] / pixels[two][0] - 1) < 0.05);
+}
+
 /* Wood, and what is drawn without leaves, is as it was. */
 UNIT_TEST(wood_stays_smooth)
 {
