@@ -249,6 +249,7 @@ static bool measure_scales(struct lod_curve_organ *curve, struct progress *progr
 /* A curve from all around, which also decides reaches; or, after it, the curve from above. */
 static bool measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress)
 {
+	curve->probe->smooth = !curve->whole;    /* points are about as large as leaves */
 	draw_reference(curve);
 	if (!lod_probe_keep(curve->probe))
 		curve->sample_count = 0;
@@ -473,6 +474,7 @@ static void see_all(struct lod_plant *plant, struct lod_probe *probe, const stru
 {
 	struct lod_seen seen;
 	probe->colored = true;
+	probe->smooth = false;
 	bool few = options->draft || (options->views && options->views < LOD_SEEN_VIEWS_MAX);
 	lod_seen_init(&seen, probe, &(struct lod_seen_options){ few ? SEEN_VIEWS_FEW : LOD_SEEN_VIEWS_MAX,
 		few ? 1 : 2 });

@@ -194,7 +194,7 @@ struct lod_geometry lod_probe_geometry(const struct lod_probe *probe, const stru
 
 void lod_probe_draw(const struct lod_probe *probe, struct lod_raster *raster)
 {
-	float leaf = probe->colored ? (float)(probe->plant->plant.leaf_width * ECO_LEAF_UNIT_M) : 0;
+	float leaf = probe->smooth ? 0 : (float)(probe->plant->plant.leaf_width * ECO_LEAF_UNIT_M);
 	for (uint32_t i = 0; i < probe->drawing_count; i++) {
 		const struct lod_drawing *drawing = &probe->drawings[i];
 		struct lod_geometry geometry = lod_probe_geometry(probe, drawing);

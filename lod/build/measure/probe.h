@@ -56,7 +56,8 @@ struct lod_probe {
 	float *floats;                   size_t float_count, float_capacity;
 	uint64_t primitive_count;        /* of the drawings, an impostor among them; ... */
 	uint32_t item_count;             /* ... or not */
-	bool colored;                    /* drawings have colours, textures, and leaves on splats and points */
+	bool colored;                    /* drawings have colours and textures */
+	bool smooth;                     /* no leaves on splats and points: quicker, and covers as much in the mean */
 	const struct lod_impostor *impostor;     /* drawn with them; NULL: none */
 	struct lod_score *scores;        /* per view, of the last comparison */
 };
