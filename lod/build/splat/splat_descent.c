@@ -19,9 +19,9 @@
 #define ALONE 0.4f              /* of a descent: then between levels, too */
 #define RATE 0.08f               /* of a splat's size, in the first step */
 #define LEAST_RATE 0.002f
-/* Soft Q alone draws few splats up to twice as large as the plant, whose color then is too strong far away. Blades lose
- * soft Q by it. */
-#define AREA_WEIGHT 1.0f
+/* Soft Q alone draws few splats up to 2.5 times as large as the plant, whose color then is too strong far away. As a
+ * factor of the loss it leaves levels alone that fit well (lod/EXPERIMENTS.md, Thin plants). */
+#define AREA_WEIGHT 0.3f
 #define SETTLE_STEPS 40u
 #define STEPS_DRAFT 4u           /* of a draft: one of so many */
 #define SETTLE_RATE 0.008f
@@ -185,7 +185,7 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 		s.soft = (struct splat_softness){ .edge_px = 0.8f * unit,
 			.least = d->settle ? 0 : 0.6f * rest,
 			.blur_px2 = 0.2f * unit * unit, .chance = d->chance,
-			.area = d->blades ? 0 : AREA_WEIGHT };
+			.area = AREA_WEIGHT };
 		s.batch = i % s.batches;
 		if (d->parents && at > ALONE && i / s.batches % 2)
 			draw_between(&s, &seed);

@@ -440,14 +440,15 @@ LOD_CLONES double splat_view_loss(const struct splat_views *views, uint32_t view
 	if (!(sums.covered > 0))
 		return 0;
 	double drawn, p, r, loss = loss_of(&sums, &drawn, &p, &r), more = sums.drawn / sums.covered - 1,
-		by_area = 2 * (double)soft->area * more / sums.covered;
+		factor = 1 + (double)soft->area * more * more;
 	if (!(loss > 1e-6))
 		return loss;
-	weigh(views, view, picture, &box, soft->chance, (float)(p * sums.both / (drawn * drawn) / loss + by_area),
-		(float)(-(p / drawn + r / sums.covered) / loss));
+	weigh(views, view, picture, &box, soft->chance, (float)(factor * p * sums.both / (drawn * drawn) / loss
+		+ 2 * (double)soft->area * more / sums.covered * loss),
+		(float)(-factor * (p / drawn + r / sums.covered) / loss));
 	for (uint32_t i = 0; i < moving; i++)
 		pull(&e[i], views, view, picture->weight, splats[i].v[SPLAT_OPACITY], &gradient[i]);
-	return loss + (double)soft->area * more * more;
+	return factor * loss;
 }
 
 /* ---- Gains ---- */

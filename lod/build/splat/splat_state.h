@@ -64,7 +64,7 @@ struct splat_softness {
 	float blur_px2;              /* added to the square of half axes on the screen; the area stays */
 	float chance;                /* in [0, 1]: how much of the objective is the Q that is expected of
 	                              * one sample a pixel; the rest is soft Q */
-	float area;                  /* weight of the square of what is drawn too much, over what is covered */
+	float area;                  /* weight of the square of what is drawn too much or too little, over what is covered */
 };
 
 /* One splat in one view: a soft-edged ellipse. */
@@ -78,7 +78,7 @@ struct splat_ellipse {
 /* A picture of splats, scratch: share that is left free, rows of stride; and each splat as it is drawn. */
 struct splat_picture { float *free; float *weight; struct splat_ellipse *ellipses; };
 
-/* 1 - Q of the picture of the splats in one view, and soft->area's part; adds its gradient to `gradient`, one for
+/* 1 - Q of the picture of the splats in one view, times 1 + soft->area's part; adds its gradient to `gradient`, one for
  * each of the first `moving` splats. */
 double splat_view_loss(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
 	uint32_t count, uint32_t moving, const struct splat_softness *soft,
