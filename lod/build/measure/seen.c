@@ -15,9 +15,9 @@
 
 #define FINEST ECO_SEEN_PX(0)    /* pixels a side of the largest size */
 
-/* What plants are seen before: the ground, the sky and their means. */
+/* Backgrounds of plants: the ground, the sky and their means. */
 static const float before_open[3] = { 0.22f, 0.27f, 0.26f };
-/* What comes from a fine day's sun, alike from all sides of the sky: as much less, and from overhead. */
+/* Light of a fine day, alike from all sides of the sky: as much less, and from overhead. */
 #define OVERHEAD 0.56f
 #define TONE 0.53125f            /* of a plant as bright as all in the mean (plant_light) */
 
@@ -197,7 +197,7 @@ static float reach_of(const struct lod_drawing *d, const struct lod_geometry *g,
 	return volume > 0 ? cube_root(volume) / half_width : 0;
 }
 
-/* What is seen of a primitive, and the factor of its light. */
+/* The color seen of a primitive, and the factor of its light. */
 static face face_at(const struct lod_seen *seen, uint32_t item, uint32_t leaf, float *tone, const double at[3],
 	vec3 to_eye)
 {
