@@ -383,7 +383,7 @@ static void enlarge_textures(struct random_pack *pack)
 }
 
 /* A plant whose organs do not fit beside the rest is left out, or the rest is coarser and it is kept. Pixels
- * left wrong, as a mean of logarithms: 9.639. */
+ * left wrong, as a mean of logarithms: 8.8925; 8.910 where it is never kept, 8.903 where no gap is filled. */
 UNIT_TEST(gaps_are_closed_from_both_sides)
 {
 	double wrong = 0;
@@ -402,5 +402,5 @@ UNIT_TEST(gaps_are_closed_from_both_sides)
 		random_pack_free(pack);
 	}
 	print_message("          %u plans, %.4f\n", rows, wrong / rows);
-	assert_true(wrong / rows < 9.642);
+	assert_true(wrong / rows < 8.895);
 }

@@ -11,6 +11,28 @@
 
 static struct scene_builder scene;
 
+/* So many plants far away that a summary stands for them where vertices are few. */
+static void make_crowd(uint64_t seed)
+{
+	random_stand_make(&scene, &(struct random_stand){ .height_m = 10, .leaves = 300, .area = 30,
+		.shares = { .01f, .1f, .5f, 1 }, .errors = { .4f, .3f, .2f, 0 } });
+	scene.state = seed;
+	scene_add_tile(&scene, (struct eco_tile){ .low = { -30, -30, 0 }, .high = { 600, 600, 20 },
+		.instance_count = 600, .area = 30 * 600, .summary = ECO_NONE });
+	uint32_t tile = random_crowd(&scene, (struct eco_tile){ .low = { 400, 400, 0 }, .high = { 600, 600, 10 },
+		.instance_count = 600, .area = 30 * 600 }, (const double[]){ 400, 400 }, 200);
+	scene.tiles[tile].summary = scene_add_bare(&scene, &(struct scene_row){ .kind = ECO_LIST_POINTS,
+		.attributes = ECO_ATTR_PLANT, .owner = tile, .other = ECO_NONE }, 200, 200);
+}
+
+static void make_scene(uint64_t seed)
+{
+	if (seed > 80)
+		make_crowd(seed);
+	else
+		(seed <= 40 ? random_scene_make : random_scene_splats)(&scene, seed, seed % 3 ? 0 : 4);
+}
+
 static struct eco_request request_of(uint64_t vertices)
 {
 	return (struct eco_request){ .view = random_view(&scene), .bytes = ECO_BYTES_UNBOUNDED,
@@ -86,8 +108,8 @@ static void check_rows(const struct eco_plan *plan, const struct lod_explanation
 UNIT_TEST(rows_add_up_to_the_plan)
 {
 	uint64_t seen[LOD_WHY_COUNT] = { 0 };
-	for (uint64_t seed = 1; seed <= 80; seed++) {
-		(seed <= 40 ? random_scene_make : random_scene_splats)(&scene, seed, seed % 3 ? 0 : 4);
+	for (uint64_t seed = 1; seed <= 100; seed++) {
+		make_scene(seed);
 		for (int i = 0; i < 10; i++) {
 			lod_rule *rule = i % 5 == 4 ? lod_rule_deussen : lod_rule_optimal;
 			struct eco_request request = request_of((uint64_t)1 << 2 * i);
@@ -105,7 +127,7 @@ UNIT_TEST(rows_add_up_to_the_plan)
 		print_message("          %s: %llu\n", lod_why_names[w], (unsigned long long)seen[w]);
 	assert_true(seen[LOD_WHY_STEP] && seen[LOD_WHY_LEFT_OVER] && seen[LOD_WHY_ALL]
 		&& seen[LOD_WHY_DISTANCE] && seen[LOD_WHY_PLANTS]);
-	assert_true(seen[LOD_WHY_PART] && seen[LOD_WHY_WHOLE]);
+	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_GIVES_WAY] && seen[LOD_WHY_PART] && seen[LOD_WHY_WHOLE]);
 }
 
 /* In a scene whose tiles are all open: of each plant by its distance. */
