@@ -407,7 +407,7 @@ UNIT_TEST(files_of_gis_bring_points_and_their_crs)
 	make_file("GPKG", source.path, &wkt, 1);
 	assert_string_equal(rows_text_of(open_good(&source), got, sizeof got), "species / (3 4) POINT (3 4)");
 	expect_error("build/tmp/rows/named.gpkg", NULL,
-		"add \"layer\": \"trees\" or another of: trees (Point), beds (Polygon), "
+		"name one, with --layer or, in a scene, \"layer\": trees (Point), beds (Polygon), "
 		"shrubs (Point)");
 	expect_error("build/tmp/rows/named.gpkg", "herbs", "no layer \"herbs\"; there are: trees");
 }

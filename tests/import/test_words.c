@@ -357,6 +357,7 @@ UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
 		{ "10m以上", '.', ECO_FORM_OPEN, 10, 1 }, { "3m未満", '.', ECO_FORM_RANGE, 1.5, 1 },
 		{ "１２．５ｍ", '.', ECO_FORM_EXACT, 12.5, 1 }, { "od 10 do 15 m", ',', ECO_FORM_RANGE, 12.5, 1 },
 		{ "30\n40", '.', ECO_FORM_STEMS, 50, 0 }, { "20-20-10", '.', ECO_FORM_STEMS, 30, 0 },
+		{ "20,20,10", '.', ECO_FORM_STEMS, 30, 0 }, { "2\u00d710", '.', ECO_FORM_STEMS, sqrt(200), 0 },
 		{ "3x10", '.', ECO_FORM_STEMS, sqrt(300), 0 }, { "30 cm + 40 cm", '.', ECO_FORM_STEMS, 50, 0.01 } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

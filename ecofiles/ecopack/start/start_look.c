@@ -175,7 +175,7 @@ static struct eco_raster_extent *read_extent(const struct start *s, const char *
 	return extent;
 }
 
-#define OVERLAP_MOST 0.02        /* of a tile: tiles may share a border of pixels */
+#define OVERLAP_MOST 0.1        /* of a tile: tiles may share a border of pixels */
 
 static bool overlap(const struct eco_raster_extent *a, const struct eco_raster_extent *b)
 {

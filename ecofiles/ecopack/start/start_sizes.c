@@ -14,7 +14,7 @@
 
 /* ---- Units ---- */
 
-#define GAP 8.0                  /* between usual values and those of another unit */
+#define GAP 4.0                  /* between usual values and those of another unit */
 
 /* The lower values decide over a column with values in two units, as metres and centimetres: shares of the rows. */
 static const double lower[] = { 0.9, 0.75, 0.6 };
@@ -167,6 +167,17 @@ static void check_diameter(struct start *s)
 #define TREETOP_LEAST_M 1.3
 #define TREETOP_MOST_M 90.0
 
+/* "Z", "z_max", "VALUE": words for the value of a canopy's height alone. */
+static bool is_treetop(const char *name)
+{
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	eco_words_of(name, words, sizeof words);
+	bool all = words[0] != 0;
+	for (const char *at = words; all && eco_words_next(&at, word);)
+		all = eco_words_have(eco_words_set("treetop"), word);
+	return all;
+}
+
 /* Z of a table that says no species and no other size: heights above the ground, unless they are elevations. */
 static void take_treetops(struct start *s)
 {
@@ -174,7 +185,7 @@ static void take_treetops(struct start *s)
 		& s->columns.of[ECO_ROLE_GIRTH] & s->columns.of[ECO_ROLE_SPECIES] & s->columns.of[ECO_ROLE_AGE];
 	struct eco_spread spread = { 0 };
 	double own_unit;
-	while (z < s->table.column_count && strcasecmp(s->table.columns[z], "z") != 0)
+	while (z < s->table.column_count && !is_treetop(s->table.columns[z]))
 		z++;
 	if (others != ECO_NONE || z == s->table.column_count)
 		return;
@@ -333,7 +344,7 @@ static bool is_type(const char *name)
 static enum gone kind_of(const char *name)
 {
 	return eco_column_says(name, "removal") ? BY_DATE : eco_words_any(name, eco_words_set("present"))
-		? BY_PRESENCE : eco_words_any(name, eco_words_set("status")) || is_type(name) ? BY_STATUS : STAYS;
+		? BY_PRESENCE : eco_column_says(name, "status") || is_type(name) ? BY_STATUS : STAYS;
 }
 
 static bool is_gone(enum gone kind, const char *text)

@@ -30,11 +30,11 @@ struct ply {
 	size_t size;
 	char format;                 /* a: text; l, b: binary, little or big end first */
 	struct element elements[ELEMENTS_MOST]; uint32_t element_count;
-	double (*vertex)[3]; uint64_t vertex_count;
+	double (*vertex)[USES]; uint64_t vertex_count;       /* by use */
 	int64_t *corner; uint32_t corner_count, corner_capacity;     /* of the list being read */
 	FILE *out, *faces;
 	uint64_t out_vertices, out_triangles;
-	bool colored, broken;        /* colored: faces have colours */
+	bool colored, by_vertex, broken;     /* colored: faces have colours, or, by_vertex, the corners of strips */
 };
 
 /* One letter for each type: its size and form follow. */
@@ -124,12 +124,15 @@ static bool has_use(const struct element *e, enum use use)
 /* Whether assimp would lose something. */
 static bool is_needed(struct ply *p)
 {
-	bool strips = false;
+	bool strips = false, vertices = false;
 	for (uint32_t i = 0; i < p->element_count; i++) {
 		bool own = strcmp(p->elements[i].name, "tristrips") == 0;
 		strips |= own;
+		vertices |= strcmp(p->elements[i].name, "vertex") == 0 && has_use(&p->elements[i], RED);
 		p->colored |= (own || strcmp(p->elements[i].name, "face") == 0) && has_use(&p->elements[i], RED);
 	}
+	p->by_vertex = strips && vertices && !p->colored;
+	p->colored |= p->by_vertex;
 	return strips || p->colored;
 }
 
@@ -194,9 +197,9 @@ static void read_row(struct ply *p, const struct element *e, double values[USES]
 static void write_corner(struct ply *p, int64_t index, const double values[USES])
 {
 	const double *at = p->vertex[index];
-	fprintf(p->out, "%.9g %.9g %.9g", at[0], at[1], at[2]);
+	fprintf(p->out, "%.9g %.9g %.9g", at[X], at[Y], at[Z]);
 	for (int k = RED; k <= BLUE && p->colored; k++)
-		fprintf(p->out, " %d", (int)fmin(fmax(values[k] + 0.5, 0), 255));
+		fprintf(p->out, " %d", (int)fmin(fmax((p->by_vertex ? at : values)[k] + 0.5, 0), 255));
 	fprintf(p->out, "\n");
 }
 
@@ -250,8 +253,7 @@ static void read_element(struct ply *p, const struct element *e)
 		p->corner_count = 0;
 		read_row(p, e, values);
 		if (vertices)
-			memcpy(p->vertex[p->vertex_count++], (const double[]){ values[X], values[Y], values[Z] },
-				sizeof *p->vertex);
+			memcpy(p->vertex[p->vertex_count++], values, sizeof *p->vertex);
 		else if (strips)
 			write_strips(p, values);
 		else if (faces)

@@ -321,15 +321,21 @@ static enum eco_size_form stems_at(const char *at, char decimal, double *number,
 {
 	double sum = 0, stem, own = 0, high = 0, low = INFINITY;
 	unsigned stems = 0;
-	bool dashes = false;
+	bool loose = false;
 	for (;; at++) {
 		double times = 1;
-		if (!take_number(&at, decimal, &stem))
+		at = eco_text_skip_spaces(at);
+		size_t digits = strspn(at, "0123456789");
+		if (decimal == '.' && digits > 0 && digits < 4 && at[digits] == ',') {      /* "12,15,9" */
+			stem = atoi(at);
+			at += digits;
+		} else if (!take_number(&at, decimal, &stem))
 			return ECO_FORM_NONE;
 		at = eco_text_skip_spaces(at);
-		if ((*at == 'x' || *at == '*') && stem >= 1 && stem <= 50 && stem == floor(stem)) {
+		size_t cross = *at == 'x' || *at == '*' ? 1 : strncmp(at, "\u00d7", 2) == 0 ? 2 : 0;
+		if (cross > 0 && stem >= 1 && stem <= 50 && stem == floor(stem)) {
 			times = stem;
-			at++;
+			at += cross;
 			if (!take_number(&at, decimal, &stem))
 				return ECO_FORM_NONE;
 		}
@@ -342,10 +348,10 @@ static enum eco_size_form stems_at(const char *at, char decimal, double *number,
 		at = eco_text_skip_spaces(at);
 		if (*at == 0 || !strchr(";/+,&|-", *at))
 			break;
-		dashes |= *at == '-';
+		loose |= *at == '-' || (*at == ',' && at[1] != ' ');
 	}
-	/* two with a dash are a range, three unlike ones a date */
-	if (*at != 0 || stems < 2 || (dashes && (stems < 3 || high > 9 * low)))
+	/* two with a dash are a range, with a comma a number; three unlike ones are a date */
+	if (*at != 0 || stems < 2 || (loose && (stems < 3 || high > 9 * low)))
 		return ECO_FORM_NONE;
 	*number = sqrt(sum);
 	*unit_m = own;

@@ -126,8 +126,8 @@ static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struc
 	if (wanted)
 		return eco_fail(error, ECO_BAD_INPUT, "%.150s: no layer \"%.60s\"; there are: %s", r->path,
 			wanted, names);
-	return eco_fail(error, ECO_BAD_INPUT, "%.150s: it has several layers; add \"layer\": \"%.60s\" or "
-		"another of: %s", r->path, OGR_L_GetName(GDALDatasetGetLayer(r->data, 0)), names);
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: it has several layers; name one, with --layer or, in a "
+		"scene, \"layer\": %s", r->path, names);
 }
 
 /* CityGML names its trees; OGR reads them as any GML. */
@@ -232,6 +232,19 @@ static enum eco_code take_sheet(struct ogr_rows *r, int sheet)
 	return ECO_OK;
 }
 
+/* The type of a layer's geometries, where it says none that of its first. */
+static OGRwkbGeometryType type_of(OGRLayerH layer)
+{
+	OGRwkbGeometryType type = OGR_L_GetGeomType(layer);
+	OGRFeatureH feature = wkbFlatten(type) == wkbUnknown ? OGR_L_GetNextFeature(layer) : NULL;
+	if (feature && OGR_F_GetGeometryRef(feature))
+		type = OGR_G_GetGeometryType(OGR_F_GetGeometryRef(feature));
+	if (feature)
+		OGR_F_Destroy(feature);
+	OGR_L_ResetReading(layer);
+	return type;
+}
+
 /* Chooses the layer asked for, or the only one, or the only one with rows whose geometries fit. */
 static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
 {
@@ -249,10 +262,11 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 		return take_sheet(r, sheet);
 	for (int i = 0; i < count; i++) {
 		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
-		OGRwkbGeometryType type = OGR_L_GetGeomType(layer);
+		OGRwkbGeometryType type = count > 1 ? type_of(layer) : OGR_L_GetGeomType(layer);
 		/* a GPX has five layers, a plan its blocks' drawings beside what it shows */
 		if (count > 1 && (OGR_L_GetFeatureCount(layer, TRUE) == 0
-				|| (is_of(r, "DXF") && strcmp(OGR_L_GetName(layer), "entities") != 0)))
+				|| (is_of(r, "DXF") && strcmp(OGR_L_GetName(layer), "entities") != 0)
+				|| (is_of(r, "GPX") && strcmp(OGR_L_GetName(layer), "track_points") == 0)))
 			continue;
 		bool fits = r->areas ? is_surface(type) : is_point(type) || (r->crowns && is_surface(type)) || is_of(r, "DXF");
 		unknown += wkbFlatten(type) == wkbUnknown && !is_of(r, "DXF");
@@ -384,30 +398,46 @@ static bool is_markup(const struct ogr_rows *r)
 	return is_of(r, "KML") || is_of(r, "LIBKML") || is_of(r, "GPX") || is_of(r, "GeoJSON");
 }
 
-/* The text of the next cell, "<td>oak</td>", without tags; NULL: none. *at moves behind it. */
-static char *next_cell(const char **at)
+/* A text of HTML as lines, a tab between cells, without tags; other texts as they are. The caller frees it. */
+static char *lines_of(const char *html)
 {
-	const char *cell = *at;
-	while ((cell = strchr(cell, '<')) && !(strncasecmp(cell, "<td", 3) == 0 || strncasecmp(cell, "<th", 3) == 0))
-		cell++;
-	cell = cell ? strchr(cell, '>') : NULL;
-	const char *end = cell ? strcasestr(cell, "</t") : NULL;
-	if (!end)
-		return NULL;
-	char *text = eco_alloc((size_t)(end - cell) + 1, 1);
-	size_t used = 0;
-	bool tag = false;
-	for (cell++; cell < end; cell++) {
-		tag = tag ? *cell != '>' : *cell == '<';
-		if (!tag && *cell != '>' && !(used == 0 && isspace((unsigned char)*cell)))
-			text[used++] = *cell;
+	static const char *const breaks[] = { "br", "/br", "tr", "/tr", "table", "/table", "li", "/li", "p", "/p", "div", "/div" };
+	char *text = eco_alloc(strlen(html) + 1, 1), *to = text;
+	bool tags = strchr(html, '<') != NULL;
+	for (const char *at = html; *at != 0; at++) {
+		if (*at == '<') {
+			size_t bytes = strcspn(at + 1, " />\t\r\n"), whole = at[1] == '/' ? 1 + strcspn(at + 2, " >") : bytes;
+			bool cell = whole == 2 && (strncasecmp(at + 1, "td", 2) == 0 || strncasecmp(at + 1, "th", 2) == 0);
+			for (size_t i = 0; !cell && i < sizeof breaks / sizeof *breaks; i++)
+				if (strlen(breaks[i]) == whole && strncasecmp(at + 1, breaks[i], whole) == 0) {
+					*to++ = '\n';
+					break;
+				}
+			if (cell)
+				*to++ = '\t';
+			at += strcspn(at, ">");
+			if (*at == 0)
+				break;
+		} else if (strncmp(at, "&nbsp;", 6) == 0) {
+			*to++ = ' ';
+			at += 5;
+		} else if (!(tags && (*at == '\n' || *at == '\t')))
+			*to++ = *at == '\r' ? ' ' : *at;
 	}
-	while (used > 0 && isspace((unsigned char)text[used - 1]))
-		used--;
-	text[used] = 0;
-	*at = end;
 	return text;
 }
+
+/* Cuts spaces, and a colon at the end. */
+static char *trimmed(char *text)
+{
+	text += strspn(text, " \t");
+	size_t length = strlen(text);
+	while (length > 0 && strchr(" \t:=", text[length - 1]))
+		text[--length] = 0;
+	return text;
+}
+
+#define PAIR_NAME_BYTES 60           /* longer ones are sentences */
 
 typedef void take_pair(struct ogr_rows *r, const char *name, const char *value);
 
@@ -425,19 +455,31 @@ static void each_attribute(struct ogr_rows *r, OGRFeatureH feature, int field, t
 	}
 }
 
-/* Calls `take` with each name and value of a table of two columns. */
-static void each_pair(struct ogr_rows *r, OGRFeatureH feature, int field, take_pair *take)
+/* Calls `take` with each name and value of a line: two cells, "height: 12", "height = 12". Returns how many there are. */
+static unsigned each_pair(struct ogr_rows *r, OGRFeatureH feature, int field, take_pair *take)
 {
+	unsigned count = 0;
 	if (is_of(r, "DXF")) {
 		each_attribute(r, feature, field, take);
-		return;
+		return 1;
 	}
-	const char *html = OGR_F_GetFieldAsString(feature, field);
-	for (char *name, *value; (name = next_cell(&html)) != NULL; free(name), free(value)) {
-		value = next_cell(&html);
-		if (value && *name)
-			take(r, name, value);
+	char *text = lines_of(OGR_F_GetFieldAsString(feature, field)), *rest = text, *line;
+	while ((line = strsep(&rest, "\n"))) {
+		line += strspn(line, " \t");
+		char *value = line + strcspn(line, "\t");
+		value = *value ? value : line + strcspn(line, ":=");
+		if (*value == 0 || value - line > PAIR_NAME_BYTES || strchr(trimmed(value + 1), '\t'))
+			continue;
+		*value = 0;
+		line = trimmed(line);
+		value = trimmed(value + 1);
+		if (*line == 0 || *value == 0)
+			continue;
+		take(r, line, value);
+		count++;
 	}
+	free(text);
+	return count;
 }
 
 static uint32_t column_named(const struct ogr_rows *r, const char *name, uint32_t from)
@@ -455,6 +497,11 @@ static void add_column(struct ogr_rows *r, const char *name, const char *value)
 		r->rows.columns[r->rows.column_count++] = eco_copy_text(name);
 		r->html_columns++;
 	}
+}
+
+static void count_pair(struct ogr_rows *r, const char *name, const char *value)
+{
+	(void)r, (void)name, (void)value;
 }
 
 static void set_field(struct ogr_rows *r, const char *name, const char *value)
@@ -476,7 +523,7 @@ static void find_html(struct ogr_rows *r, int count)
 		for (int i = 0; feature && i < count; i++) {
 			const char *text = OGR_F_GetFieldAsString(feature, i);
 			bool pairs = is_of(r, "DXF") ? strcmp(r->rows.columns[i], "BlockAttributes") == 0
-				: strcasestr(text, "<table") && strcasestr(text, "<td");
+				: strcasestr(text, "<td") || each_pair(r, feature, i, count_pair) > 1;
 			if (!pairs || (r->html >= 0 && r->html != i))
 				continue;
 			r->html = i;
