@@ -91,8 +91,7 @@ enum eco_code view_exchange_check_chunks(const char *url, struct eco_error *erro
 
 static void write_url(const struct view_exchange *x, const struct wanted *w, char url[URL_MOST + 40])
 {
-	char id[VIEW_ID_BYTES];
-	snprintf(url, URL_MOST + 40, "%s/%s", x->chunks, view_id_write(&w->id, id));
+	snprintf(url, URL_MOST + 40, "%s/%s", x->chunks, eco_id_text(w->id.bytes).hex);
 }
 
 /* ---- What comes ---- */

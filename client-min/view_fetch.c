@@ -575,8 +575,8 @@ enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco
 enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
 	uint32_t first, uint32_t count, char **text, struct eco_error *error)
 {
-	char below[128], id[VIEW_ID_BYTES];
+	char below[128];
 	snprintf(below, sizeof below, "/plants/%u?first=%u&count=%u%s%s", list, first, count, pack ? "&pack=" : "",
-		pack ? view_id_write(pack, id) : "");
+		pack ? eco_id_text(pack->bytes).hex : "");
 	return fetch_text(fetch, NULL, below, TEXT_MAX, text, error);
 }

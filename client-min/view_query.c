@@ -9,18 +9,10 @@ static size_t append_numbers(char *out, size_t room, size_t at, const char *name
 	return at;
 }
 
-const char *view_id_write(const struct eco_chunk_id *id, char out[VIEW_ID_BYTES])
-{
-	for (size_t i = 0; i < sizeof id->bytes; i++)
-		snprintf(out + 2 * i, 3, "%02x", id->bytes[i]);
-	return out;
-}
-
 size_t view_query_write(const struct eco_request *request, const struct eco_chunk_id *pack, char *out,
 	size_t room)
 {
 	const struct eco_view *v = &request->view;
-	char id[VIEW_ID_BYTES];
 	size_t at = append_numbers(out, room, 0, "eye", v->eye, 3);
 	at = append_numbers(out, room, at, "&target", v->target, 3);
 	at = append_numbers(out, room, at, "&up", v->up, 3);
@@ -43,6 +35,6 @@ size_t view_query_write(const struct eco_request *request, const struct eco_chun
 		at = append_numbers(out, room, at, "&next_target", request->next.target, 3);
 	}
 	if (at < room && pack)
-		at += (size_t)snprintf(out + at, room - at, "&pack=%s", view_id_write(pack, id));
+		at += (size_t)snprintf(out + at, room - at, "&pack=%s", eco_id_text(pack->bytes).hex);
 	return at;
 }

@@ -12,8 +12,4 @@
 size_t view_query_write(const struct eco_request *request, const struct eco_chunk_id *pack, char *out,
 	size_t room);
 
-/* 32 hexadecimal digits and 0. */
-#define VIEW_ID_BYTES 33
-const char *view_id_write(const struct eco_chunk_id *id, char out[VIEW_ID_BYTES]);
-
 #endif

@@ -136,9 +136,7 @@ void srv_answer_validate(struct srv_exchange *exchange, const struct srv_scene *
 
 void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id)
 {
-	char text[SRV_ID_TEXT_BYTES];
-	srv_format_id(text, id);
-	snprintf(etag, SRV_ETAG_BYTES, "\"%s\"", text);
+	snprintf(etag, SRV_ETAG_BYTES, "\"%s\"", eco_id_text(id->bytes).hex);
 }
 
 /* ---- Streams ---- */

@@ -19,14 +19,7 @@ static const char *const kind_names[] = {
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground", "cells",
 	"summaries", "placements", "splats", "impostors", "ground_image", "widths", "tints" };
 
-struct id_text { char hex[SRV_ID_TEXT_BYTES]; };
-
-static struct id_text pack_id(const struct srv_scene *scene)
-{
-	struct id_text text;
-	srv_format_id(text.hex, &scene->pack->id);
-	return text;
-}
+static struct eco_id_text pack_id(const struct srv_scene *scene) { return eco_id_text(scene->pack->id.bytes); }
 
 /* NULL: a plant that is not there. */
 static const char *plant_name(const struct eco_scene *scene, uint32_t plant)

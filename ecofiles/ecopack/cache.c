@@ -16,6 +16,7 @@
 #include "ecofiles/base/files.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/run.h"
+#include "ecofiles/format/list.h"
 #include "lod/build/plant.h"
 
 #define SUFFIX ".plant"
@@ -44,10 +45,8 @@ void main_cache_open(struct main_cache *cache, const char *folder, uint64_t limi
 static void path_of(const struct main_cache *cache, const struct main_cache_key *key,
 	char path[MAIN_CACHE_PATH])
 {
-	char hex[33];
-	for (int i = 0; i < 16; i++)
-		snprintf(hex + 2 * i, 3, "%02x", key->bytes[i]);
-	snprintf(path, MAIN_CACHE_PATH, "%.*s/%s" SUFFIX, (int)MAIN_CACHE_PATH - 64, cache->folder, hex);
+	snprintf(path, MAIN_CACHE_PATH, "%.*s/%s" SUFFIX, (int)MAIN_CACHE_PATH - 64, cache->folder,
+		eco_id_text(key->bytes).hex);
 }
 
 /* ---- Reading ---- */

@@ -113,12 +113,6 @@ static void count_up(const struct eco_pack *pack, struct totals *t)
 	}
 }
 
-static void id_text(const struct eco_chunk_id *id, char text[33])
-{
-	for (int i = 0; i < 16; i++)
-		snprintf(text + 2 * i, 3, "%02x", id->bytes[i]);
-}
-
 /* META's record of the i-th plant; NULL if META has none. */
 static json_t *meta_plant(const json_t *meta, uint32_t i)
 {
@@ -212,7 +206,6 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 	const struct eco_scene *s = &pack->scene;
 	const struct eco_tile *root = &s->tiles[s->root];
 	json_t *plants = json_array(), *lists = json_object();
-	char id[33];
 	for (uint32_t i = 0; i < s->plant_count; i++)
 		json_array_append_new(plants, plant_json(s, t, meta, i));
 	for (int i = 1; i < KIND_COUNT; i++)
@@ -227,10 +220,9 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 			"of_placed_shapes",
 			json_pack("{s:I, s:I}", "chunks", (json_int_t)t->shape_chunks, "bytes",
 			(json_int_t)t->shape_bytes));
-	id_text(&pack->id, id);
 	json_t *info = json_pack("{s:s, s:s, s:I, s:f, s:o, s:I, s:I, s:I, s:I, s:f, s:[f,f,f], s:[f,f,f], "
 		"s:I, s:o, s:o}", "name", s->name,
-		"id", id, "bytes", (json_int_t)pack->map_size, "near_m", s->near_m, "needs",
+		"id", eco_id_text(pack->id.bytes).hex, "bytes", (json_int_t)pack->map_size, "near_m", s->near_m, "needs",
 		needs_json(s->needs), "instances", (json_int_t)root->instance_count, "tiles",
 		(json_int_t)s->tile_count, "leaf_tiles", (json_int_t)t->leaves, "placements",
 		(json_int_t)t->placed, "area_m2", root->area, "low", root->low[0], root->low[1], root->low[2],

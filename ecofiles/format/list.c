@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -82,6 +83,14 @@ uint32_t eco_list_needs(const struct eco_list *list)
 		return (list->attributes & ECO_ATTR_WIDTH ? ECO_NEED_WIDTHS : 0u)
 			| (list->attributes & ECO_ATTR_COLOR ? ECO_NEED_TINTS : 0u);
 	return list->attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES : of_kind[list->kind];
+}
+
+struct eco_id_text eco_id_text(const uint8_t bytes[16])
+{
+	struct eco_id_text text;
+	for (size_t i = 0; i < 16; i++)
+		snprintf(text.hex + 2 * i, 3, "%02x", bytes[i]);
+	return text;
 }
 
 const char *eco_elements_fault(const struct eco_elements *e, const struct eco_list *list, uint32_t plant_count)

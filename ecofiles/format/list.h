@@ -107,6 +107,9 @@ struct eco_list {
 
 /* XXH3-128 of the payload, canonical (big-endian) order; 32 hex digits in URLs */
 struct eco_chunk_id { uint8_t bytes[16]; };
+/* In lower case and ended by 0, for URLs and names of files: eco_id_text(id.bytes).hex. */
+struct eco_id_text { char hex[33]; };
+struct eco_id_text eco_id_text(const uint8_t bytes[16]);
 
 struct eco_chunk {
 	struct eco_chunk_id id;

@@ -167,9 +167,7 @@ void eco_pack_abort(struct eco_pack_writer *w)
 static uint32_t payload_number(struct eco_pack_writer *w, const struct eco_chunk *chunk)
 {
 	char key[2 * sizeof chunk->id.bytes + 12];
-	for (size_t i = 0; i < sizeof chunk->id.bytes; i++)
-		snprintf(key + 2 * i, 3, "%02x", chunk->id.bytes[i]);
-	snprintf(key + 2 * sizeof chunk->id.bytes, 12, "-%u", chunk->size_bytes);
+	snprintf(key, sizeof key, "%s-%u", eco_id_text(chunk->id.bytes).hex, chunk->size_bytes);
 	return eco_string_number(&w->payloads, key);
 }
 

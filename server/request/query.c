@@ -111,16 +111,6 @@ bool srv_parse_id(const char *text, struct eco_chunk_id *id)
 	return !text[2 * sizeof id->bytes];
 }
 
-void srv_format_id(char text[SRV_ID_TEXT_BYTES], const struct eco_chunk_id *id)
-{
-	static const char digits[] = "0123456789abcdef";
-	for (size_t i = 0; i < sizeof id->bytes; i++) {
-		text[2 * i] = digits[id->bytes[i] >> 4];
-		text[2 * i + 1] = digits[id->bytes[i] & 15];
-	}
-	text[2 * sizeof id->bytes] = 0;
-}
-
 /* Stores the value in its field. NULL, or what it should have been. */
 static const char *parse_field(void *field, const struct param_row *row, const char *text)
 {

@@ -41,8 +41,6 @@ bool srv_parse_number(const char *text, double *value);      /* finite decimal, 
 bool srv_parse_count(const char *text, uint64_t *value);     /* digits, whole text, below 2^64 */
 
 /* 32 lower-case hex digits (upper case is refused: one chunk, one URL). */
-#define SRV_ID_TEXT_BYTES 33
 bool srv_parse_id(const char *text, struct eco_chunk_id *id);
-void srv_format_id(char text[SRV_ID_TEXT_BYTES], const struct eco_chunk_id *id);
 
 #endif

@@ -31,10 +31,7 @@ static struct main_cache_key key_of(unsigned number)
 static void entry_path(char path[512], unsigned number)
 {
 	struct main_cache_key key = key_of(number);
-	int at = snprintf(path, 512, "%s/", folder);
-	for (int i = 0; i < 16; i++)
-		at += snprintf(path + at, 512 - (size_t)at, "%02x", key.bytes[i]);
-	snprintf(path + at, 512 - (size_t)at, ".plant");
+	snprintf(path, 512, "%s/%s.plant", folder, eco_id_text(key.bytes).hex);
 }
 
 static uint32_t files_in(const char *path, const char *containing)

@@ -23,9 +23,9 @@ static uint32_t descriptors(void)
 static void check_chunk(int fd, const struct eco_pack *pack, uint32_t chunk, const char *more, unsigned
 	status, size_t from, size_t size)
 {
-	char request[512], id[SRV_ID_TEXT_BYTES];
-	srv_format_id(id, &pack->scene.chunks[chunk].id);
-	int length = snprintf(request, sizeof request, "GET " BASE "/chunks/%s HTTP/1.1\r\n" HOST "%s\r\n", id, more);
+	char request[512];
+	int length = snprintf(request, sizeof request, "GET " BASE "/chunks/%s HTTP/1.1\r\n" HOST "%s\r\n",
+		eco_id_text(pack->scene.chunks[chunk].id.bytes).hex, more);
 	assert_true(http_send(fd, request, (size_t)length));
 	struct http_answer answer = http_receive(fd, false, false);
 	assert_true(answer.status == status && answer.size == size);

@@ -227,9 +227,7 @@ UNIT_TEST(hosts_may_keep_chunks_elsewhere)
 
 static void path_of(char path[160], const struct eco_chunk *chunk)
 {
-	char *at = path + snprintf(path, 160, "%s/", host.folder);
-	for (size_t i = 0; i < sizeof chunk->id.bytes; i++)
-		at += sprintf(at, "%02x", chunk->id.bytes[i]);
+	snprintf(path, 160, "%s/%s", host.folder, eco_id_text(chunk->id.bytes).hex);
 }
 
 /* Each file has other bytes, and so many more. */

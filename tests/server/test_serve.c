@@ -208,7 +208,7 @@ UNIT_TEST(chunks_are_immutable_and_partial)
 {
 	const struct eco_chunk *chunk = &scene()->chunks[3];
 	const uint8_t *payload = store.scenes[0]->pack->map + chunk->offset;
-	char target[128], etag[SRV_ID_TEXT_BYTES + 2], last[64], whole_range[64], half[64], match[64];
+	char target[128], etag[SRV_ETAG_BYTES], last[64], whole_range[64], half[64], match[64];
 	uint32_t size = chunk->size_bytes;
 	chunk_target(target, scene(), 3);
 	snprintf(etag, sizeof etag, "\"%s\"", strrchr(target, '/') + 1);
@@ -317,11 +317,11 @@ UNIT_TEST(every_route_is_described_and_every_description_is_served)
 {
 	static const struct { enum srv_method bit; const char *name; } methods[] =
 		{ { SRV_METHOD_GET, "GET" }, { SRV_METHOD_POST, "POST" } };
-	char id[SRV_ID_TEXT_BYTES], list[16], target[256];
+	struct eco_id_text id = eco_id_text(scene()->chunks[0].id.bytes);
+	char list[16], target[256];
 	unsigned routed = 0;
-	srv_format_id(id, &scene()->chunks[0].id);
 	snprintf(list, sizeof list, "%u", scene()->groups[0].list);
-	const char *const variables[][2] = { { "{scene}", "sample" }, { "{id}", id }, { "{list}", list },
+	const char *const variables[][2] = { { "{scene}", "sample" }, { "{id}", id.hex }, { "{list}", list },
 		{ "{version}", sample_site.version }, { "{file}", SRV_SITE_ICON } };
 	for (int i = 0; i < 2 * SRV_RESOURCE_COUNT; i++) {
 		const struct srv_route *route = &srv_routes[i / 2];

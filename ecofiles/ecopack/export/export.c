@@ -141,11 +141,8 @@ static void write_chunk(const struct eco_pack *pack, uint32_t index, const char 
 	char path[4096];
 	const uint8_t *bytes;
 	size_t size;
-	int at = snprintf(path, sizeof path - 2 * sizeof chunk->id.bytes, "%s/", dir);
-	if (at >= (int)(sizeof path - 2 * sizeof chunk->id.bytes))
+	if (snprintf(path, sizeof path, "%s/%s", dir, eco_id_text(chunk->id.bytes).hex) >= (int)sizeof path)
 		eco_stop(ECO_BAD_USAGE, "--static %.200s...: the path is too long", dir);
-	for (size_t i = 0; i < sizeof chunk->id.bytes; i++)
-		at += snprintf(path + at, 3, "%02x", chunk->id.bytes[i]);
 	eco_check(eco_pack_payload(pack, index, &bytes, &size, error));
 	counts->files++;
 	counts->bytes += size;

@@ -65,9 +65,7 @@ json_t *json_of(const struct http_answer *answer)
 
 void chunk_target(char target[128], const struct eco_scene *tables, uint32_t chunk)
 {
-	char id[SRV_ID_TEXT_BYTES];
-	srv_format_id(id, &tables->chunks[chunk].id);
-	snprintf(target, 128, BASE "/chunks/%s", id);
+	snprintf(target, 128, BASE "/chunks/%s", eco_id_text(tables->chunks[chunk].id.bytes).hex);
 }
 
 struct srv_daemon *serve_another(const struct srv_config *config)
