@@ -17,10 +17,10 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "ecofiles/base/confine.h"
+#include "ecofiles/base/progress.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define SANITIZED 1
@@ -305,25 +305,18 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 
 /* ---- The parent ---- */
 
-static double now_s(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Waits until there is something to read or the other end is closed; ends the child when it is interrupted, or
  * at the clock's limit. */
 static void await(struct eco_guard *g, int descriptor)
 {
 	struct pollfd poll_for = { .fd = descriptor, .events = POLLIN };
-	double start = now_s(), waited = g->waited_s;
+	double start = eco_clock_s(CLOCK_MONOTONIC), waited = g->waited_s;
 	int ready;
 	do {
 		double left = g->limits.clock_s - g->waited_s;
 		ready = poll(&poll_for, 1, left <= 0 ? 0 : left > INTERRUPTED_S ? (int)(1000 * INTERRUPTED_S)
 			: (int)(left * 1000) + 1);
-		g->waited_s = waited + now_s() - start;
+		g->waited_s = waited + eco_clock_s(CLOCK_MONOTONIC) - start;
 		g->stopped = atomic_load(&interruptions) != g->interruptions;
 	} while (!g->stopped && (ready < 0 ? errno == EINTR : ready == 0 && g->waited_s < g->limits.clock_s));
 	g->late = g->late || (!g->stopped && ready == 0);

@@ -5,7 +5,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "ecofiles/base/text.h"
@@ -29,10 +28,10 @@ bool eco_progress_quiet(bool quiet)
 	return before;
 }
 
-static double now_s(void)
+double eco_clock_s(clockid_t clock)
 {
 	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
+	clock_gettime(clock, &t);
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -79,7 +78,7 @@ static void say(const char *stage, const char *detail, double share, const char 
 
 void eco_progress(const char *stage, const char *detail, double share)
 {
-	double now = now_s();
+	double now = eco_clock_s(CLOCK_MONOTONIC);
 	bool terminal = isatty(STDERR_FILENO) == 1;
 	char left[32];
 	pthread_mutex_lock(&lock);

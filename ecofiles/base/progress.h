@@ -9,6 +9,7 @@
 #define ECO_PROGRESS_H
 
 #include <stdbool.h>
+#include <time.h>
 
 void eco_progress_begin(const char *program);
 /* quiet: neither progress nor notes are printed. Returns whether it was so before. */
@@ -17,5 +18,8 @@ bool eco_progress_quiet(bool quiet);
 void eco_progress(const char *stage, const char *detail, double share);
 void eco_progress_end(void);
 void eco_progress_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Seconds of a clock of <time.h>. */
+double eco_clock_s(clockid_t clock);
 
 #endif

@@ -56,15 +56,6 @@ void main_note_text(void *unused, const char *text)
 
 /* ---- Times ---- */
 
-static double seconds(clockid_t clock)
-{
-	struct timespec t;
-	clock_gettime(clock, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static double now_s(void) { return seconds(CLOCK_MONOTONIC); }
-
 /* A thread that changes its stage adds the clock and processor time since its last change to the stage it
  * leaves. */
 
@@ -97,7 +88,7 @@ static double readers(void)
 
 void main_times_stage(enum main_stage stage)
 {
-	double now = now_s(), cpu = seconds(CLOCK_THREAD_CPUTIME_ID), readers_s = readers();
+	double now = eco_clock_s(CLOCK_MONOTONIC), cpu = eco_clock_s(CLOCK_THREAD_CPUTIME_ID), readers_s = readers();
 	if (stage == mine.stage)
 		return;
 	pthread_mutex_lock(&times_lock);
@@ -139,7 +130,7 @@ void main_times_total(double *elapsed_s, double *most_mb)
 	struct rusage own, child;
 	getrusage(RUSAGE_SELF, &own);
 	getrusage(RUSAGE_CHILDREN, &child);
-	*elapsed_s = now_s() - start_s;
+	*elapsed_s = eco_clock_s(CLOCK_MONOTONIC) - start_s;
 	*most_mb = (double)(own.ru_maxrss > child.ru_maxrss ? own.ru_maxrss : child.ru_maxrss) / 1024;
 }
 
