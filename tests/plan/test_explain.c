@@ -11,7 +11,7 @@
 
 static struct scene_builder scene;
 
-/* So many plants far away that a summary stands for them where vertices are few. */
+/* Plants far away, as many as a summary replaces when vertices are few. */
 static void make_crowd(uint64_t seed)
 {
 	random_stand_make(&scene, &(struct random_stand){ .height_m = 10, .leaves = 300, .area = 30,
