@@ -427,12 +427,34 @@ static void widen_by_summary(const struct lod_tile_choice *choice, double *high,
 		*low = fmin(*low, last * choice->weight_px / LOD_HULL_BLUR);
 }
 
+/* All plants of a slot have given up the ladder that shows them whole for their organs below such a lambda. */
+static void widen_by_whole(const struct lod_allocation *m, const struct lod_slot_choice *slot, double *low)
+{
+	struct lod_cost organs = { 0 }, whole = { .alike = INFINITY };
+	for (uint32_t i = 0; i < slot->ladder_choice_count; i++) {
+		const struct lod_ladder_choice *choice = &m->ladder_choices[slot->ladder_choice_first + i];
+		struct lod_cost end = { 0 };
+		add_at(&end, &choice->hull, choice->weight_px, choice->hull.count - 1);
+		if (choice->when < LOD_NEAR)
+			lod_cost_add(&organs, &end, 1, 1, 1);
+		else if (choice->when == LOD_WHOLE
+				&& end.alike + slot->open * end.open < whole.alike + slot->open * whole.open)
+			whole = end;
+	}
+	double more = organs.vertices - whole.vertices,
+		saved = whole.alike - organs.alike + slot->open * (whole.open - organs.open);
+	if (slot->whole_count && saved > 0 && more > 0)
+		*low = fmin(*low, (1 - TIE_STEP) / (1 + TIE_STEP) * saved / more);
+}
+
 void lod_allocation_lambda_range(const struct lod_allocation *m, double *high, double *low)
 {
 	*high = 0;
 	*low = INFINITY;
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
 		widen_range(&m->ladder_choices[i].hull, m->ladder_choices[i].weight_px, high, low);
+	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
+		widen_by_whole(m, &m->slot_choices[s], low);
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
 		if (m->tile_choices[n].has_summary)
 			widen_by_summary(&m->tile_choices[n], high, low);

@@ -153,9 +153,7 @@ static uint32_t make_card_tree(struct scene_builder *b)
 	*b = (struct scene_builder){ .state = 0 };
 	random_stand_make(b, &(struct random_stand){ .height_m = 13, .leaves = 160, .area = 300,
 		.shares = { .01f, .3f, .98f, 1 }, .errors = { .4f, .1f, 1e-5f, 0 }, .splats = 64,
-		.splat_errors = { { .3f, .3f }, { .03f, .03f } } });
-	for (uint32_t i = 0; i < b->ladders[1].curve_count; i++)
-		b->curves[b->ladders[1].curve_first + i].seen = scene_seen(0.3, 0.3);   /* of splats */
+		.splat_errors = { { .3f, .3f }, { .02f, .02f } } });
 	uint32_t texture = add_large_texture(b);
 	b->lists[b->ladders[0].triangles].image = texture;
 	uint32_t tile = scene_add_tile(b, (struct eco_tile){ .low = { -7, -7, 0 }, .high = { 7, 7, 13 },
