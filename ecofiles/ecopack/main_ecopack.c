@@ -22,7 +22,7 @@
 static struct {
 	struct make_options make;
 	uint64_t jobs, cache_mb;
-	int order;
+	int order, season;
 	bool times, uncached, order_given;
 	const char *confined_to;     /* NULL: it may read everywhere; "": below the scene's folder */
 } make_given;
@@ -73,6 +73,7 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 		code = eco_fail(error, ECO_BAD_USAGE, "--draft has an order of its own: leave out --order, "
 			"or --draft");
 	make->order = make->draft ? LOD_ORDER_COMBINED : (enum lod_order_method)make_given.order;
+	make->season = (enum eco_season)make_given.season;
 	make->jobs = (uint32_t)make_given.jobs;
 	make->cache_bytes = make_given.cache_mb << 20;
 	if (make_given.uncached)
@@ -100,6 +101,9 @@ static const struct eco_option make_options[] = {
 		.given = &make_given.order_given,
 		.help = "order of leaves: greedy (the default: first those that make most pixels right); "
 		"for comparison: stochastic, density, orientation, combined" },
+	{ "season", 0, ECO_OPTION_CHOICE, "NAME", &make_given.season, .choices = eco_season_names,
+		.given = &make_given.make.season_given,
+		.help = "season of all plants of the library: summer, autumn, winter, spring; default: as the scene says" },
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64,
 		.help = "threads; default: the number of processors" },
 	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows,

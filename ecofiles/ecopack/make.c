@@ -72,6 +72,9 @@ static void begin(struct make *m)
 {
 	main_progress("reading the scene", NULL, 0);
 	eco_check(eco_sources_load(&m->sources, m->options->scene, m->error));
+	for (uint32_t s = 0; s < m->sources.count && m->options->season_given; s++)
+		for (uint32_t i = 0; i < m->sources.items[s].plant_count; i++)
+			m->sources.items[s].plants[i].library.season = m->options->season;
 	make_create(m);
 }
 

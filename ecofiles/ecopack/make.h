@@ -34,6 +34,9 @@ struct make_options {
 	uint32_t jobs;               /* threads; 0: as many as there are processors */
 	enum lod_order_method order; /* of leaves; a draft's: LOD_ORDER_COMBINED */
 	bool draft;                  /* for a first look (lod/build/plant.h), with textures of few texels */
+	/* season of all plants of the library, whatever the scene says; without season_given as it says */
+	enum eco_season season;
+	bool season_given;
 	/* folder of finished plants; NULL or "": none. Does not change the pack */
 	const char *cache;
 	bool no_rows;                /* leaves out which row of which inventory a plant is */

@@ -54,8 +54,6 @@ void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, 
 	}
 	f->count = (uint32_t)fmax(fmin(wanted, most), area > 0 ? 24 : 0);
 	f->is_bare = look->is_bare;
-	if (look->is_bare && look->flowers == 0)
-		f->count = 0;
 }
 
 uint8_t gen_foliage_shade(const struct gen_foliage *f, double light)
@@ -161,7 +159,7 @@ void gen_foliage_place(const struct gen_foliage *f, const struct gen_bearer *bea
 				place_fan(f, &bearers[i], f->count / tips > 8 ? f->count / tips : 8);
 		return;
 	}
-	if (f->count == 0 || f->arrangement == GEN_RIBBON || !(sum > 0))
+	if (f->count == 0 || (f->is_bare && f->flowers == 0) || f->arrangement == GEN_RIBBON || !(sum > 0))
 		return;
 	double step = sum / f->count;
 	next = 0.5 * step;

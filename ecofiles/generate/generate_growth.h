@@ -36,7 +36,7 @@ struct gen_foliage {
 	double length, width; /* of a piece, metres */
 	double angle_deg, droop, flowers;
 	uint32_t pieces;      /* of a leaf */
-	uint32_t count;       /* leaves wanted; 0: bare */
+	uint32_t count;       /* leaves wanted; also of a tree in winter, whose shoots bear none */
 	bool is_bare;         /* flowers without leaves */
 	double lowest;        /* no leaf hangs below, metres */
 	uint8_t leaf, flower; /* materials, GEN_SHADES of each */

@@ -28,7 +28,7 @@ static const struct eco_field scene_fields[] = {
 	ECO_FIELD("vertical", TEXT, 0, 0, source, vertical),
 	ECO_FIELD("origin", NUMBERS, -1e9, 1e9, source, origin),
 	ECO_OTHER("ground"), ECO_OTHER("plants"), ECO_OTHER("instances"), ECO_OTHER("children"), ECO_OTHER("tile"),
-	NUMBER("importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST, source, importance),
+	ECO_OTHER("season"), NUMBER("importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST, source, importance),
 	ECO_FIELDS_END
 };
 static const struct eco_field instance_fields[] = {
@@ -129,6 +129,7 @@ static void parse_document(void *document)
 		eco_scene_fail(top, "\"origin\" is missing: a scene with a CRS needs the point that is its 0, 0, 0, "
 			"such as \"origin\": [747375, 4308510, 0]");
 	eco_scene_parse_ground(source, top);
+	eco_scene_parse_season(top, &source->season);
 	eco_scene_parse_plants(source, top);
 	parse_instances(source, top);
 	parse_children(source, top);

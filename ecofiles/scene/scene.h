@@ -69,6 +69,7 @@ struct eco_source {
 	char *crs;                           /* NULL: none, coordinates are plain metres */
 	double origin[3];
 	double importance;                   /* factor of its own plants' importances */
+	enum eco_season season;              /* of plants of the library that state none */
 	char *vertical;                      /* datum of all heights; NULL: not stated */
 	struct eco_ground_image_source ground_image;         /* file_count 0: none; as ground */
 	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */

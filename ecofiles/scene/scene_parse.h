@@ -69,6 +69,8 @@ struct eco_json eco_scene_one(const struct eco_json *at, size_t index);
  * eco_utf8_control finds. */
 void eco_source_check_name(const struct eco_json *at, const char *name, size_t bytes);
 
+/* "season" of an object, in *season; absent: it stays (scene_plant.c). */
+void eco_scene_parse_season(const struct eco_json *at, enum eco_season *season);
 /* "plants" (scene_plant.c). */
 void eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top);
 void eco_source_plant_free(struct eco_source_plant *plant);

@@ -207,6 +207,13 @@ static double number_of(const struct eco_json *at, const char *key, size_t i, do
 	return node.value ? json_number_value(one.value) : otherwise;
 }
 
+void eco_scene_parse_season(const struct eco_json *at, enum eco_season *season)
+{
+	unsigned number = *season;
+	eco_scene_choice(at, "season", eco_season_names, "\"spring\", \"summer\", \"autumn\" or \"winter\"", &number);
+	*season = (enum eco_season)number;
+}
+
 static size_t count_numbers(const struct eco_json *at, const char *key)
 {
 	struct eco_json node = eco_json_member(at, key);
@@ -222,13 +229,12 @@ static void parse_library(struct eco_source *source, const struct eco_json *at, 
 	const char *habit = NULL, *genus = "";
 	size_t sizes = count_numbers(at, "height_m"), crowns = count_numbers(at, "crown_m"), individuals = count_numbers(at, "individual");
 	struct eco_error why = { .code = ECO_OK };
-	unsigned season = ECO_SEASON_SUMMER;
 	eco_scene_need(eco_json_text(at, "library", sizeof plant->library.habit - 1, &habit)
 		&& eco_json_text(at, "genus", sizeof plant->library.genus - 1, &genus));
-	eco_scene_choice(at, "season", eco_season_names, "\"spring\", \"summer\", \"autumn\" or \"winter\"", &season);
 	if (crowns > 1 && crowns != sizes)
 		eco_scene_fail(at, "%zu heights with %zu crowns: each has its own, or all have one", sizes, crowns);
-	plant->library.season = (enum eco_season)season;
+	plant->library.season = source->season;
+	eco_scene_parse_season(at, &plant->library.season);
 	snprintf(plant->library.habit, sizeof plant->library.habit, "%s", habit);
 	snprintf(plant->library.genus, sizeof plant->library.genus, "%s", genus);
 	plant->variant_count = (uint32_t)(sizes * individuals);

@@ -484,6 +484,8 @@ is '.instances[0].map | keys' '["*","Quercus robur","Tilia cordata"]'
 is '[.plants[] | .height_m[-1] / .height_m[0] < 3]' '[true,true]'
 "$PACK" make --draft "$DIR/my/scene.json" -o "$DIR/my.eco" -q >"$DIR/out" 2>&1 || complain "no models: $(cat "$DIR/out")"
 "$PACK" info "$DIR/my.eco" --json | jq -e '.instances == 60 and (.plants | length) == 8' >/dev/null || complain "no models: $("$PACK" info "$DIR/my.eco")"
+"$PACK" make --draft --season winter "$DIR/my/scene.json" -o "$DIR/my.eco" -q >"$DIR/out" 2>&1 || complain "winter: $(cat "$DIR/out")"
+"$PACK" info "$DIR/my.eco" --json | jq -e '[.plants[].organs | has("wood") and (has("foliage") | not)] | all' >/dev/null || complain "oaks and lindens have leaves in winter"
 rm -rf "$DIR/my"
 "$PACK" start "$DIR/off.csv" "$DIR/metres.asc" -o "$DIR/my" --crs EPSG:25832 --plant vase >"$DIR/out" 2>&1 || complain "a habit: $(cat "$DIR/out")"
 is '[.ground.heights, .plants.vase.library]' '["../metres.asc","vase"]'

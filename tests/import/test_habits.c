@@ -250,6 +250,19 @@ UNIT_TEST(seasons_change_leaves_and_blossom)
 	}
 }
 
+/* A tree in winter is its wood in summer. */
+UNIT_TEST(wood_is_the_same_in_all_seasons)
+{
+	uint32_t wood[ECO_SEASON_COUNT] = { 0 };
+	for (int season = 0; season < ECO_SEASON_COUNT; season++) {
+		struct eco_model model = model_of("oval", "Fagus", (enum eco_season)season);
+		for (uint32_t t = 0; t < model.triangle_count; t++)
+			wood[season] += model.organ[t] == ECO_ORGAN_WOOD;
+		eco_model_free(&model);
+		assert_true(wood[season] > 3000 && wood[season] <= wood[0] + wood[0] / 100 && wood[season] >= wood[0] - wood[0] / 100);
+	}
+}
+
 UNIT_TEST(a_genus_has_its_habit)
 {
 	static const char *const cases[][2] = { { "Zelkova serrata", "vase" }, { "Picea abies", "spruce" },

@@ -184,6 +184,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{'plants': {'oak': {'library': 'round', 'individual': 1.5}}}", ":1:32:", "is a whole number" },
 	{ "{'plants': {'oak': {'library': 'round', 'individual': 17}}}", ":1:32:", "there are 16" },
 	{ "{'plants': {'oak': {'library': 'round', 'season': 'monsoon'}}}", ":1:51:", "\"winter\"" },
+	{ "{'season': 'wet'}", ":1:12:", "\"winter\"" },
 	{ "{'plants': {'oak': {'model': 'o', 'grade': 1}}}", ":1:44:", "is true or false" },
 	{ "{'plants': {'oak': {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{'plants': {'oak': {'model': []}}}", ":1:30:", "names no file" },
@@ -257,8 +258,8 @@ static const struct { const char *json, *place, *says; } bad[] = {
 UNIT_TEST(plants_of_the_library_are_read)
 {
 	struct eco_source s;
-	parse_good(&s, "{'plants': {'elm': {'library': 'vase', 'genus': 'Ulmus', 'height_m': [8, 16], 'crown_m': [6, 11], "
-		"'individual': [1, 3], 'season': 'autumn', 'importance': {'wood': 2}}, 'reed': {'library': 'reed'}}, "
+	parse_good(&s, "{'season': 'winter', 'plants': {'elm': {'library': 'vase', 'genus': 'Ulmus', 'height_m': [8, 16], "
+		"'crown_m': [6, 11], 'individual': [1, 3], 'season': 'autumn', 'importance': {'wood': 2}}, 'reed': {'library': 'reed'}}, "
 		"'instances': [{'plant': 'elm', 'at': [0, 0], 'height_m': 9}]}");
 	assert_int_equal(s.plant_count, 5);
 	assert_int_equal(s.plants[0].variant_count, 4);
@@ -269,7 +270,7 @@ UNIT_TEST(plants_of_the_library_are_read)
 		assert_true(s.plants[i].importance[ECO_ORGAN_WOOD] == 2);
 	}
 	assert_string_equal(s.plants[0].library.genus, "Ulmus");
-	assert_true(s.plants[4].library.height_m == eco_library_height("reed") && s.plants[4].library.season == ECO_SEASON_SUMMER);
+	assert_true(s.plants[4].library.height_m == eco_library_height("reed") && s.plants[4].library.season == ECO_SEASON_WINTER);
 	eco_source_free(&s);
 }
 

@@ -12,8 +12,8 @@
 #include "ecofiles/generate/library.h"
 
 #define GENERA_MOST 40u          /* with plants of their own; rarer ones share those of their habit */
-#define GROWN_MOST 84u           /* plants to be built: a second each for a draft */
-#define SIZES_MOST 66u           /* of these without second individuals */
+#define GROWN_MOST 72u           /* plants to be built: a second each for a draft */
+#define SIZES_MOST 58u           /* of these without second individuals */
 #define FEW 0.03                 /* a size for fewer of a plant's rows is not worth a model */
 #define TALL 0.98                /* rows below the greatest size, to which it is drawn larger by little */
 #define PAIR_ROWS 12u            /* fewer rows need no second individual */
