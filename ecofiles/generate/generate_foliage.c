@@ -11,7 +11,9 @@
 #define TRIANGLES_MAX 16000u /* of the leaves of a plant with LARGE_M2 of them or more, */
 #define LARGE_M2 200.0
 #define TRIANGLES_SMALL 0.45 /* and a share of these for a small one */
-#define LARGER_MOST 4.5      /* a large crown is thinner before its leaves are larger than this many times */
+/* A large crown is thinner before its leaves are larger than both. */
+#define LARGER_MOST 4.5
+#define LARGER_M 0.28
 #define GOLDEN_DEG 137.50776405
 
 static const struct leaves_row *row_of(const char *shape)
@@ -48,7 +50,7 @@ void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, 
 	       share = gen_clamp(sqrt(area / LARGE_M2), TRIANGLES_SMALL, 1),
 	       most = share * TRIANGLES_MAX / (f->pieces * outline->triangles);
 	if (wanted > most) {
-		double larger = fmin(sqrt(wanted / most), LARGER_MOST);
+		double larger = fmin(sqrt(wanted / most), fmax(LARGER_MOST, LARGER_M / f->length));
 		f->length *= larger;
 		f->width *= larger;
 	}
