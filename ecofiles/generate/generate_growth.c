@@ -219,13 +219,10 @@ static void grow_shoots(struct grower *g, const struct branch *twig)
 	for (uint32_t i = 0; i < count; i++) {
 		double t = 0.2 + 0.8 * (i + gen_random_unit(g->random)) / count, radius;
 		struct gen_v3 way, from = point_on(twig, t, &way, &radius);
-		struct path p = { .from = from,
-			.way = child_way(g, way, g->h->twig_deg, i),
-			.sway = 1,
-			.curve_deg = 10,
-			.length = g->h->shoot * twig->length * (1 - 0.45 * t) *
-				gen_random_in(g->random, 0.75, 1.25),
-			.radius = fmax(0.6 * radius, TWIG_M) };
+		struct path p = { .from = from, .sway = 1, .curve_deg = 10, .radius = fmax(0.6 * radius, TWIG_M) };
+		/* one random number a statement: compilers differ in the order of others */
+		p.way = child_way(g, way, g->h->twig_deg, i);
+		p.length = g->h->shoot * twig->length * (1 - 0.45 * t) * gen_random_in(g->random, 0.75, 1.25);
 		if (g->h->hang > 0) {
 			p.curve_deg = -150;
 			p.steps = 3;
@@ -350,14 +347,13 @@ static void draw_head(struct grower *g, const struct branch *stem)
 	unsigned kind = one_of(g->h->head, kinds);
 	if (kind == 1)
 		draw_flower(g, at, way, length);
-	for (uint32_t k = 0; kind == 2 && k < 14; k++)
-		gen_leaf(g->mesh, (uint8_t)(g->foliage.flower + gen_foliage_shade(&g->foliage, 0.5)),
-			&(struct gen_leaf){ .at = gen_mad(at, way, -0.3 * length * (k % 4) / 4),
-				.along = gen_mad(way, gen_random_way(g->random), 0.45),
-				.face = gen_random_way(g->random),
-				.length = 0.8 * length,
-				.width = 0.1 * length,
-				.shape = GEN_LEAF_RHOMB });
+	for (uint32_t k = 0; kind == 2 && k < 14; k++) {
+		struct gen_leaf leaf = { .at = gen_mad(at, way, -0.3 * length * (k % 4) / 4), .length = 0.8 * length,
+			.width = 0.1 * length, .shape = GEN_LEAF_RHOMB };
+		leaf.along = gen_mad(way, gen_random_way(g->random), 0.45);
+		leaf.face = gen_random_way(g->random);
+		gen_leaf(g->mesh, (uint8_t)(g->foliage.flower + gen_foliage_shade(&g->foliage, 0.5)), &leaf);
+	}
 	if (kind == 3)
 		gen_tube(g->mesh, (uint8_t)(g->foliage.flower + 2),
 			&(struct gen_tube){ (struct gen_v3[]){ at, gen_mad(at, way, 0.3 * length),

@@ -135,12 +135,12 @@ enum eco_code eco_library_check(const struct eco_library_plant *plant, struct ec
 {
 	struct eco_habit habit;
 	size_t number;
-	char known[700] = "";
+	char known[352] = "";         /* what fits a message with its place */
 	if (!find_habit(plant->habit, &number, &habit)) {
 		for (size_t i = 0; eco_library_habit(i, &habit); i++)
 			eco_phrase_add(known, sizeof known, habit.name);
 		return eco_fail(error, ECO_BAD_INPUT,
-			"no plant of the library grows as \"%.24s\"; these do: %s", plant->habit, known);
+			"no habit \"%.24s\" in the library: %s", plant->habit, known);
 	}
 	if (!(plant->height_m >= ECO_LIBRARY_LEAST_M && plant->height_m <= ECO_LIBRARY_MOST_M))
 		return eco_fail(error, ECO_BAD_INPUT,

@@ -173,7 +173,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{'ground': {'heights': ['a', 'b'], 'pixel': 3, 'north_west': [1, 2]}}", ":1:62:", "a world file" },
 	{ "{'plants': {'oak': {'model': 'o', 'height': 3}}}", ":1:35:",
 		"known here: model, variants, height_m, unit, up, grade, foot, parts, importance" },
-	{ "{'plants': {'oak': {'library': 'oak'}}}", ":1:32:", "these do: round, oval, conical" },
+	{ "{'plants': {'oak': {'library': 'oak'}}}", ":1:32:", "in the library: round, oval, conical" },
 	{ "{'plants': {'oak': {'library': 'round', 'model': 'o'}}}", ":1:41:", "known here: library, height_m, crown_m" },
 	{ "{'plants': {'oak': {'library': 'round', 'height_m': 0}}}", ":1:32:", "is 0.02 to 150 m high" },
 	{ "{'plants': {'oak': {'library': 'round', 'height_m': [3, 1e9]}}}", ":1:32:", "is 0.02 to 150 m high" },
