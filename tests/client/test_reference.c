@@ -278,7 +278,7 @@ UNIT_TEST(a_tint_that_is_not_there_is_refused)
 	scene_plan(&b, &view, 1, &plan);
 	struct eco_error error = { 0 };
 	assert_null(scene_store(&b, &plan, &error));
-	assert_non_null(strstr(error.text, "outside the palette of 4"));
+	assert_non_null(strstr(error.text, "colour outside its palette"));
 	eco_plan_free(&plan);
 	scene_free(&b);
 }
