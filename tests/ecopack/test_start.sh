@@ -218,7 +218,7 @@ gk 'Baumart;Baumhöhe;Rechtswert;Hochwert' 3567123 5802345 >"$DIR/gk.csv"
 start 1 '5802.* may be in EPSG:31467 .DHDN / 3-degree Gauss-Kruger zone 3; at 9\.99, 52\.35., EPSG:5345 ' gk.csv
 grep -Eq '(EPSG:[0-9]+ \([^;]*; at [-0-9.]+, [-0-9.]+\)(, | and [0-9]+ more)?)+; give it with --crs EPSG:\.\.\.$' "$DIR/out" || complain "gk: a candidate is cut: $(cat "$DIR/out")"
 gk 'Species;Height;Easting;Northing' 532100 181200 >"$DIR/gb.csv"
-start 1 "or the country's grid, .* EPSG:27700 .OSGB36 / British National Grid; at -0.09, 51.51" gb.csv
+start 1 "or the country's grid, EPSG:27700 .OSGB36 / British National Grid; at -0.09, 51.51" gb.csv
 grep -Eq 'EPSG:[0-9]+ \([^;]*; at [-0-9.]+, [-0-9.]+\)( and [0-9]+ more)?$' "$DIR/out" || complain "gb: a candidate is cut: $(cat "$DIR/out")"
 gk 'Especie;Altura;coord_x;coord_y' 440512 4474010 >"$DIR/utm.csv"
 start 0 'as you say; a place at -3.70' utm.csv --crs EPSG:25830
@@ -356,6 +356,26 @@ for raster in metres.asc photo.vrt; do
 done
 sed 's/691505/191505/' "$DIR/photo.vrt" >"$DIR/afar.vrt"
 ground 1 'in which CRS is it.*say --image-crs' "$DIR/afar.vrt"
+
+# ---- Columns as towns and surveyors write them: NAMES|ROW|WHAT IS SAID|FILTER|VALUE; a # in ROW is a number that counts, each fifth row may differ: ROW~ROW ----
+while IFS='|' read -r names row says filter value; do
+	awk -v names="$names" -v row="$row" 'BEGIN { print names; for (i = 0; i < 40; i++) { split(row "~" row, either, "~"); s = either[i % 5 ? 1 : 2]; gsub(/#/, 10 + i, s); print s } }' >"$DIR/towns.csv"
+	start 0 "$says" towns.csv
+	table="$names"
+	is "$filter" "$value"
+done <<'TABLE'
+Art;Lat;Lon|Linde;48° 08' 14,#" N;11° 34' 0,#" E||.crs|"EPSG:32632"
+species;lat;lon|oak;40:24:#.5N;003:41:#.5W||.crs|"EPSG:32630"
+species;lat;lon|oak;40d24m#s N;3d41m#s W||.crs|"EPSG:32630"
+species,lon,lat,height_m,crown_ns_m,crown_ew_m|oak,11.5,48.1#,12,6,8|other directions|.instances[0].crown_m|{"column":["crown_ns_m","crown_ew_m"],"is":"diameter","unit":"m","otherwise":"species","spread":0.15}
+Art,lon,lat,Baumstatus|Eiche,11.5,48.1#,gut~Eiche,11.5,48.1#,gefällt|32 plants|.instances[0].skip|{"Baumstatus":["gefällt"]}
+species,lon,lat,removal_year|oak,11.5,48.1#,~oak,11.5,48.1#,2019|32 plants|.instances[0].skip|{"removal_year":["2019"]}
+essence,lon,lat|POPNIG,2.3,48.8#~ACEPLA,2.3,48.8#|codes of letters|.instances[0].codes|"letters"
+species,geom|oak,0101000020E6100000000000000000F83F0000000000000440||.crs|"EPSG:32631"
+TABLE
+awk 'BEGIN { print "lon,lat,zmax"; for (i = 0; i < 40; i++) printf "11.5,48.1%d,%d.25\n", 10 + i, 10 + i }' >"$DIR/tops.csv"
+start 0 'normalised cloud' tops.csv --plant linden
+is '.instances[0].height_m[0].column' '"zmax"'
 
 # ---- Arguments in another order, or of another kind ----
 order() { # PATTERN ARGUMENT...

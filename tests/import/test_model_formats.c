@@ -84,6 +84,10 @@ static const struct model_case models[] = {
 		"property float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
 		"0 0 0\n1 0 0\n0 0 2\n1 0 2\n0 1 0\n8 0 1 2 3 -1 0 1 4\n", .options = { .up = ECO_UP_Z },
 		.wanted = "triangles=3|high=2" },
+	{ NULL, "coloured_strips.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+		"property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement tristrips 1\n"
+		"property list int int vertex_indices\nend_header\n0 0 0 0 255 0\n1 0 0 0 255 0\n0 0 2 0 255 0\n1 0 2 0 255 0\n"
+		"4 0 1 2 3\n", .options = { .up = ECO_UP_Z }, .wanted = "triangles=2|rgb0=0,255,0" },
 	{ "vertex_colours_beside_a_picture_are_weights", "weights.dae",
 		RED_DAE("<library_images><image id=\"i\"><init_from>leaf.psd</init_from></image></library_images>",
 		"<newparam sid=\"f\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"

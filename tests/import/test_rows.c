@@ -54,7 +54,7 @@ static void expect_source(const struct eco_rows_source *source, const char *want
 {
 	struct eco_rows *rows = open_good(source);
 	char got[4000];
-	if (rows->note_count != (note != NULL) || (note != NULL && !strstr(rows->notes[0], note)))
+	if ((rows->note_count > 0) != (note != NULL) || (note != NULL && !strstr(rows->notes[0], note)))
 		fail_msg("%s: %u notes, the first: %s", source->path, rows->note_count, rows->note_count > 0
 			? rows->notes[0] : "none");
 	assert_string_equal(rows->crs ? rows->crs : "", crs ? crs : "");
@@ -93,6 +93,11 @@ static void expect_error(const char *path, const char *layer, const char *says)
 	"<gml:Point srsName=\"" crs "\"><gml:pos>" at "</gml:pos></gml:Point></ogr:geometry>" \
 	"<ogr:soort>Tilia</ogr:soort></ogr:boom></ogr:featureMember></ogr:FeatureCollection>"
 
+#define KML(description) "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>7</name>" \
+	"<description>" description "</description><Point><coordinates>11.5,48.1</coordinates></Point></Placemark>" \
+	"</Document></kml>"
+#define KML_COLUMNS "Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,"
+
 /* name: NULL: as above; note, crs NULL: none */
 static const struct { const char *name, *file, *text, *wanted, *note, *crs; } cases[] = {
 	{ "separators_are_found_in_the_header", "a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL },
@@ -115,6 +120,11 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 		"red\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n", "WKT,species / (11.5 48.1) POINT (11.5 48.1),"
 		"oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / "
 		"POINT POINT (x y),bad", NULL, NULL },
+	{ NULL, "crown.csv", "id,WKT\n1,\"POLYGON ((0 0,4 0,4 4,0 4,0 0))\"\n",
+		"id,WKT / (2 2) 1,POLYGON ((0 0,4 0,4 4,0 4,0 0))", NULL, NULL },
+	{ NULL, "several.csv", "id,WKT\n1,MULTIPOINT ((1 2))\n", "id,WKT / (1 2) 1,MULTIPOINT ((1 2))", NULL, NULL },
+	{ NULL, "postgis.csv", "id,geom\n1,0101000020E6100000000000000000F83F0000000000000440\n",
+		"id,geom / (1.5 2.5) 1,0101000020E6100000000000000000F83F0000000000000440", NULL, NULL },
 	{ NULL, "the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n",
 		"id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL },
 	{ NULL, "ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n",
@@ -171,6 +181,21 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 		"<coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
 		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / "
 		"(11.5 48.1 0) oak,,,,,,-1,0,-1,,,30", NULL, "EPSG:4326" },
+	{ "lines_and_tables_of_kml_descriptions_are_columns", "lines.kml", KML("Art: Linde&lt;br&gt;Höhe: 12 m"),
+		KML_COLUMNS "Art,Höhe / (11.5 48.1) 7,Art: Linde<br>Höhe: 12 m,,,,,-1,0,-1,,,Linde,12 m",
+		"its 2 rows are columns", "EPSG:4326" },
+	{ NULL, "table.kml", KML("<![CDATA[<table><tr><td>x</td></tr><tr><td><table><tr><td>Art</td><td>Linde</td></tr>"
+		"<tr><td>H</td><td>9</td></tr></table></td></tr></table>]]>"), KML_COLUMNS "Art,H / (11.5 48.1) 7,"
+		"<table><tr><td>x</td></tr><tr><td><table><tr><td>Art</td><td>Linde</td></tr><tr><td>H</td><td>9</td>"
+		"</tr></table></td></tr></table>,,,,,-1,0,-1,,,Linde,9", "its 2 rows are columns", "EPSG:4326" },
+	{ "attributes_of_a_plans_blocks_are_columns_and_lettering_is_none", "plan.dxf", "0\nSECTION\n2\nHEADER\n9\n"
+		"$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nTREE\n10\n0\n20\n0\n0\nPOINT\n"
+		"8\n0\n10\n0\n20\n0\n0\nENDBLK\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nINSERT\n8\nT\n66\n1\n2\nTREE\n10\n"
+		"5\n20\n6\n0\nATTRIB\n8\nT\n10\n5\n20\n6\n40\n1\n1\nTilia\n2\nART\n0\nSEQEND\n8\nT\n0\nTEXT\n8\nT\n10\n1\n20\n"
+		"2\n40\n1\n1\nGate\n0\nENDSEC\n0\nEOF\n",
+		"Layer,PaperSpace,SubClasses,Linetype,EntityHandle,Text,BlockName,scale,yaw_deg,BlockOCSNormal,"
+		"BlockOCSCoords,BlockAttributes,Block,AttributeTag,ART / (5 6 0) T,,,,,,TREE,1,0,(3:0,0,1),"
+		"(3:5,6,0),(1:ART Tilia),,,Tilia / text T,,,,,Gate,,,,,,,,,", "\"entities\" is taken", NULL },
 };
 
 UNIT_TEST(files_become_rows)

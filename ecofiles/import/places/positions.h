@@ -87,7 +87,7 @@ struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: n
 	/* columns whose texts make the species, genus, epithet and cultivar; the first NULL: every row is
 	 * `fallback` */
 	char *species[ECO_SPECIES_COLUMNS];
-	char *codes;                 /* the system of codes.tsv that the species use; NULL: names */
+	char *codes;                 /* the system of codes.tsv that the species use, or "letters"; NULL: names */
 	char separator;              /* of a CSV; 0: found in its header */
 	char decimal;                /* 0: '.'; or ',' */
 	char thousands;              /* 0; or the other sign: it parts groups of coordinates, also a lone one */

@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "ecofiles/format/model.h"
+#include "ecofiles/base/bytes.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/text.h"
@@ -270,7 +271,9 @@ static bool read_wkb_point(const char *text, double at[3])
 		sscanf(text + 2 * i, "%2hhx", &bytes[i]);
 	if (bytes[1] != 1 || (bytes[4] & 0x20) != (digits == 50 ? 0x20 : 0))
 		return false;
-	memcpy(at, bytes + digits / 2 - 16, 16);
+	struct eco_reader r = { .bytes = bytes, .size = digits / 2, .at = digits / 2 - 16 };
+	at[0] = eco_read_f64(&r);
+	at[1] = eco_read_f64(&r);
 	at[2] = NAN;
 	return true;
 }
