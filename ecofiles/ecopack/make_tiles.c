@@ -277,8 +277,8 @@ void make_add_up(struct make *m, uint32_t tiles_end)
 			const struct eco_group *group = &s->groups[g];
 			t->instance_count += group->count;
 			for (uint32_t i = 0; i < group->count; i++) {
-				double scale = eco_place_read(s, group->place_first + i).scale / 65536.0;
-				t->area += s->plants[group->plant].area * scale * scale;
+				struct eco_place place = eco_place_read(s, group->place_first + i);
+				t->area += s->plants[group->plant].area * eco_place_area(&place);
 			}
 		}
 		for (uint32_t c = t->child_first; c < t->child_first + t->child_count; c++) {

@@ -200,6 +200,12 @@ struct eco_place {
 #define ECO_WIDTH_MOST 255u
 /* The factor of x and y beside the scale. */
 static inline double eco_place_width(uint8_t code) { return code ? code / (double)ECO_WIDTH_ONE : 1; }
+/* The factor of its leaves' area: seen from beside it grows with the width and the height. */
+static inline double eco_place_area(const struct eco_place *place)
+{
+	double scale = place->scale / 65536.0;
+	return scale * scale * eco_place_width(place->width);
+}
 
 struct eco_child {               /* child tile ids are greater than their parent's: the tree has no cycle */
 	uint32_t tile;

@@ -80,8 +80,8 @@ static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
 			d->reach = eco_realloc(d->reach, d->reach_capacity, sizeof *d->reach);
 		}
 		for (uint32_t i = 0; i < places; i++) {
-			double scale = eco_place_read(scene, group->place_first + i).scale / 65536.0;
-			d->reach[count++] = sum += scene->plants[group->plant].area * scale * scale;
+			struct eco_place place = eco_place_read(scene, group->place_first + i);
+			d->reach[count++] = sum += scene->plants[group->plant].area * eco_place_area(&place);
 		}
 	}
 	return count;

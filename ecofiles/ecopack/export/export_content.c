@@ -303,7 +303,7 @@ static void write_group(struct eco_writer *w, const struct eco_scene *s, const s
 			for (int k = 0; k < 4 && what == 1; k++)
 				eco_write_f32(w, k < 2 ? 0 : (float)((k == 2 ? z : half) / length));
 			for (int k = 0; k < 3 && what == 2; k++)
-				eco_write_f32(w, (float)place.scale);
+				eco_write_f32(w, (float)(place.scale * (k < 2 ? lod_place_width(&place) : 1)));
 			if (what == 3)
 				eco_write_f32(w, (float)(number + i));
 			if (what == 4)
@@ -416,8 +416,10 @@ static json_t *instances_of(struct document *d, json_int_t buffer, size_t from, 
 static double largest_scale(const struct eco_scene *s, const struct eco_group *group)
 {
 	double largest = 0;
-	for (uint32_t i = 0; i < group->count; i++)
-		largest = fmax(largest, eco_place_read(s, group->place_first + i).scale / 65536.0);
+	for (uint32_t i = 0; i < group->count; i++) {
+		struct eco_place place = eco_place_read(s, group->place_first + i);
+		largest = fmax(largest, place.scale / 65536.0 * fmax(eco_place_width(place.width), 1));
+	}
 	return largest;
 }
 
