@@ -63,7 +63,8 @@ struct make_plant {              /* a model on its way into the pack */
 	uint32_t *images;            /* the same in the pack: lists, once make_textures is done */
 	bool cutout;
 	double reach, low, high;     /* bounds: within reach of the axis, z from low to high */
-	double crown;                /* half of the mean width of the hull from above */
+	double base;                 /* where its crown begins, as a share of its height */
+	double crown;                /* radius of the disc of the area that it covers from above */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];
 	double foot[3], scale;       /* as the model was re-based (struct eco_model) */
 };
@@ -84,7 +85,7 @@ struct make_eco {                /* an eco file with its places, tiled */
 	struct lod_tiles tiles;      /* items are places, then nested eco files */
 	uint32_t tile_first;
 	uint64_t instances;          /* plants, with nested ones */
-	uint64_t rows;
+	uint64_t rows, bases, bases_off;     /* bases: rows that say where the crown begins; off: no model has it there */
 	struct eco_skipped skipped[ECO_SKIP_COUNT];
 	struct eco_tints tints;
 	uint32_t tint_first;         /* their colours in the scene's palette */
@@ -176,6 +177,8 @@ void make_image(struct make *m);
 void make_plants(struct make *m);            /* finds, builds and packs them */
 void make_plants_pack(struct make *m);       /* those that are built: m->plants */
 void make_plants_free(struct make *m);
+/* Sets reach, low, high, crown and base of a plant that is built. */
+void make_body(struct make_plant *plant);
 
 /* opens each inventory and takes its first plant; reads areas and masks */
 void make_places_check(struct make *m);

@@ -122,26 +122,30 @@ static void place_instances(struct make *m, uint32_t source)
 
 static const char *plural(uint64_t count) { return count == 1 ? "" : "s"; }
 
-/* Height and crown together choose the variant with the nearest proportions. */
-static uint32_t fitting_variant(const struct make *m, uint32_t source, const struct eco_position *row)
+#define BASE_OFF 0.15            /* of the height: a crown that begins so much lower or higher looks like another */
+
+/* The variant with the nearest proportions: width by height where both are measured, and where the crown begins. A base
+ * that is off by half of the height counts as a width that is off by a factor of 2. */
+static uint32_t fitting_variant(struct make *m, uint32_t source, const struct eco_position *row)
 {
 	uint32_t best = row->plant;
-	double least = INFINITY;
+	double least = INFINITY, off_base = 0;
 	if (is_of_library(m, source, row->plant))
 		return fitting_size(m, source, row->plant, row->height_m, row->crown_radius_m);
-	if (isnan(row->height_m) || isnan(row->crown_radius_m) || row->crown_is_guess)
-		return m->plant_of[source][row->plant];
-	for (uint32_t i = 0; i < row->variant_count; i++) {
+	bool wide = !isnan(row->height_m) && !isnan(row->crown_radius_m) && !row->crown_is_guess, based = !isnan(row->base);
+	for (uint32_t i = 0; i < row->variant_count && (wide || based); i++) {
 		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
-		double ratio = row->height_m * plant->crown
-			/ (row->crown_radius_m * (double)plant->built.plant.height_m);
-		double off = fmax(ratio, 1 / ratio);
+		double ratio = wide ? row->height_m * plant->crown / (row->crown_radius_m * (double)plant->built.plant.height_m) : 1;
+		double base = based ? fabs(plant->base - row->base) : 0, off = fmax(ratio, 1 / ratio) * (1 + 2 * base);
 		/* among equals, the one that the hash took */
 		if (off < least || (off == least && row->variant_first + i == row->plant)) {
 			least = off;
+			off_base = base;
 			best = row->variant_first + i;
 		}
 	}
+	m->ecos[source].bases += based;
+	m->ecos[source].bases_off += off_base > BASE_OFF;
 	return m->plant_of[source][best];
 }
 
@@ -196,6 +200,16 @@ static void read_rows(struct make *m, uint32_t source, struct eco_positions *rea
 	}
 }
 
+/* Two scales move no crown's base. */
+static void say_bases(const struct make_eco *eco, const char *path)
+{
+	char all[32], off[32];
+	if (eco->bases > 0)
+		main_note("%s: of %s rows that say where the crown begins %s have a model where that is off by more than %g of its "
+			"height%s", path, eco_phrase_count(eco->bases, all), eco_phrase_count(eco->bases_off, off), BASE_OFF,
+			eco->bases_off > 0 ? "; models with other crowns as variants would be chosen by it" : "");
+}
+
 static void note(void *ctx, const char *text) { main_note("%s: %s", (const char *)ctx, text); }
 
 /* Places the rows of a table; errors name the file where needed. */
@@ -223,6 +237,7 @@ static void place_rows(struct make *m, uint32_t source)
 	eco_check(eco_tints_settle(&eco->tints, m->error));
 	for (uint32_t i = 0; i < eco->place_count; i++)
 		eco->places[i].tint = eco_tints_class(&eco->tints, eco->places[i].tint);
+	say_bases(eco, s->path);
 }
 
 static void place_scatters(struct make *m, uint32_t source)
@@ -364,43 +379,37 @@ static void doubt_plant(const struct make *m, uint32_t id, struct eco_spread *he
 #define SMALLEST 0.5             /* of a model's size: beyond these its leaves are too small or too large */
 #define LARGEST 2.0
 
-/* Plants that are drawn far from their model's size. */
-static void doubt_scales(const struct make *m)
+struct doubt { struct eco_spread heights; uint64_t small, large; };
+
+/* Plants that are drawn far from their model's height or width. */
+static void doubt_scale(const struct make_plant *plant, const struct doubt *doubt)
 {
-	for (uint32_t id = 0; id < m->plant_count; id++) {
-		uint64_t all = 0, small = 0, large = 0;
-		char texts[3][32];
-		for (uint32_t s = 0; s < m->sources.count; s++)
-			for (uint32_t i = 0; i < m->ecos[s].place_count; i++) {
-				const struct make_place *place = &m->ecos[s].places[i];
-				all += place->plant == id;
-				small += place->plant == id && place->scale < SMALLEST;
-				large += place->plant == id && place->scale > LARGEST;
-			}
-		if (small + large > 0)
-			main_note("%s: of its %s plants %s are drawn at less than %g and %s at more than %g of its model's "
-				"size, %.3g m; models of other sizes as variants keep leaves and bark in proportion",
-				m->plants[id].name, eco_phrase_count(all, texts[0]), eco_phrase_count(small, texts[1]),
-				SMALLEST, eco_phrase_count(large, texts[2]), LARGEST,
-				(double)m->plants[id].built.plant.height_m);
-	}
+	char texts[3][32];
+	if (doubt->small + doubt->large > 0)
+		main_note("%s: of its %s plants %s are drawn at less than %g and %s at more than %g of its model's height, %.3g m, or "
+			"width, %.3g m; models of other sizes as variants keep leaves and bark in proportion", plant->name,
+			eco_phrase_count(doubt->heights.seen, texts[0]), eco_phrase_count(doubt->small, texts[1]), SMALLEST,
+			eco_phrase_count(doubt->large, texts[2]), LARGEST, (double)plant->built.plant.height_m, 2 * plant->crown);
 }
 
 static void doubt_plants(const struct make *m)
 {
-	doubt_scales(m);
-	struct eco_spread *heights = eco_alloc(m->plant_count, sizeof *heights);
+	struct doubt *doubts = eco_alloc(m->plant_count, sizeof *doubts);
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		for (uint32_t i = 0; i < m->ecos[s].place_count; i++) {
 			const struct make_place *place = &m->ecos[s].places[i];
-			eco_spread_add(&heights[place->plant],
-				place->scale * (double)m->plants[place->plant].built.plant.height_m);
+			double wide = place->scale * eco_place_width(place->width);
+			struct doubt *doubt = &doubts[place->plant];
+			doubt->small += fmin(place->scale, wide) < SMALLEST;
+			doubt->large += fmax(place->scale, wide) > LARGEST;
+			eco_spread_add(&doubt->heights, place->scale * (double)m->plants[place->plant].built.plant.height_m);
 		}
 	for (uint32_t i = 0; i < m->plant_count; i++) {
-		doubt_plant(m, i, &heights[i]);
-		eco_spread_free(&heights[i]);
+		doubt_scale(&m->plants[i], &doubts[i]);
+		doubt_plant(m, i, &doubts[i].heights);
+		eco_spread_free(&doubts[i].heights);
 	}
-	free(heights);
+	free(doubts);
 }
 
 /* ---- All ---- */

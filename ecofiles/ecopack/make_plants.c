@@ -167,57 +167,6 @@ static void keep_textures(struct make_plant *plant, const struct eco_model *mode
 	}
 }
 
-#define DIRECTIONS 8u
-
-/* Half of the mean width of the hull from above: what foresters measure as a crown's radius, in a few directions. */
-static double mean_reach(const struct make_plant *plant)
-{
-	static const double way[DIRECTIONS][2] = { { 1, 0 }, { 0.92387953, 0.38268343 }, { 0.70710678, 0.70710678 },
-		{ 0.38268343, 0.92387953 }, { 0, 1 }, { -0.38268343, 0.92387953 }, { -0.70710678, 0.70710678 },
-		{ -0.92387953, 0.38268343 } };
-	double low[DIRECTIONS] = { 0 }, high[DIRECTIONS] = { 0 }, sum = 0;
-	for (uint32_t i = 0; i < plant->built.list_count; i++) {
-		const struct eco_list *list = &plant->built.lists[i].list;
-		const struct eco_elements *e = &plant->built.lists[i].elements;
-		for (uint32_t c = 0; c < e->corner_count && !(list->attributes & ECO_ATTR_SPLAT); c++)
-			for (uint32_t k = 0; k < DIRECTIONS; k++) {
-				const int32_t *p = e->position + 3 * (size_t)c;
-				double at = way[k][0] * (list->grid_origin[0] + list->grid_step[0] * p[0])
-					+ way[k][1] * (list->grid_origin[1] + list->grid_step[1] * p[1]);
-				low[k] = fmin(low[k], at);
-				high[k] = fmax(high[k], at);
-			}
-	}
-	for (uint32_t k = 0; k < DIRECTIONS; k++)
-		sum += high[k] - low[k];
-	return sum / (2 * DIRECTIONS);
-}
-
-/* Bounds of the stored plant: distance from the axis, and heights. Splats stand around these, and may lie a
- * little beyond. */
-static void measure_body(struct make_plant *plant)
-{
-	double square = 0, low = 0, high = 0, wide = 0;
-	for (uint32_t i = 0; i < plant->built.list_count; i++) {
-		const struct eco_list *list = &plant->built.lists[i].list;
-		const struct eco_elements *e = &plant->built.lists[i].elements;
-		for (uint32_t c = 0; c < e->corner_count && !(list->attributes & ECO_ATTR_SPLAT); c++) {
-			double p[3];
-			for (int axis = 0; axis < 3; axis++)
-				p[axis] = list->grid_origin[axis]
-					+ list->grid_step[axis] * e->position[3 * (size_t)c + (size_t)axis];
-			square = fmax(square, p[0] * p[0] + p[1] * p[1]);
-			low = fmin(low, p[2]);
-			high = fmax(high, p[2]);
-		}
-		wide = fmax(wide, fmax(list->grid_step[0], list->grid_step[2]));
-	}
-	plant->crown = mean_reach(plant);
-	plant->reach = sqrt(square) + wide;
-	plant->low = low - wide;
-	plant->high = high + wide;
-}
-
 static void warn(void *ctx, const char *text) { main_note("%s: %s", ((struct make_plant *)ctx)->name, text); }
 
 static void enter(void *ctx, enum lod_plant_stage stage)
@@ -437,7 +386,7 @@ void make_plants_pack(struct make *m)
 	make_textures(m);
 	for (uint32_t i = 0; i < m->plant_count; i++) {
 		main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count);
-		measure_body(&m->plants[i]);
+		make_body(&m->plants[i]);
 		pack_plant(m, i);
 	}
 	m->scene.plants = m->table;

@@ -22,7 +22,7 @@ static const struct eco_field row_fields[] = {
 	FIELD("unit", UNIT, 0, 0, unit_m), ECO_OTHER("polar"), ECO_OTHER("quadrat"), FIELD("crs", CRS, 0, 0, crs),
 	FIELD("vertical", TEXT, 0, 0, vertical), ECO_OTHER("separator"), ECO_OTHER("decimal"),
 	ECO_OTHER("thousands"), ECO_OTHER("species"), FIELD("codes", TEXT, 0, 0, codes), ECO_OTHER("map"), ECO_OTHER("plant"),
-	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("tint"),
+	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("tint"), ECO_OTHER("crown_base"),
 	FIELD("levels", WHOLE, 1, 1024, levels), COLUMN("scale", scale), COLUMN("yaw_deg", yaw_deg),
 	ECO_OTHER("duplicates"), ECO_OTHER("grown"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
 };
@@ -39,6 +39,10 @@ static const struct eco_field quadrat_fields[] = {
 static const struct eco_field crown_fields[] = {
 	ECO_OTHER("column"), FIELD("unit", UNIT, 0, 0, crown.unit_m), ECO_OTHER("is"), ECO_OTHER("otherwise"),
 	FIELD("spread", NUMBER, 0, 0.9, crown.spread), ECO_FIELDS_END
+};
+static const struct eco_field base_fields[] = {
+	FIELD("column", COLUMN | ECO_IS_REQUIRED, 0, 0, crown.base), FIELD("unit", UNIT, 0, 0, crown.base_unit_m),
+	ECO_OTHER("is"), ECO_FIELDS_END
 };
 #define RULE(record, member) ECO_FIELD("max", NUMBER, 1.3, 1000, record, member max_m), \
 	ECO_FIELD("rate", NUMBER, 1e-9, 1e3, record, member rate), \
@@ -444,6 +448,19 @@ static void parse_tint(const struct eco_source *source, const struct eco_json *a
 	eco_tint_close(&spec->tint);
 }
 
+static void parse_base(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	static const char *const kinds[] = { "height", "ratio", NULL };
+	struct eco_json base = eco_json_member(at, "crown_base");
+	unsigned is = 0;
+	if (!base.value)
+		return;
+	spec->crown.base_unit_m = 1;
+	eco_scene_fields(source, &base, base_fields, spec);
+	eco_scene_choice(&base, "is", kinds, "\"height\" or \"ratio\"", &is);
+	spec->crown.base_is_ratio = is == 1;
+}
+
 /* ---- The entry ---- */
 
 static void parse_sign(const struct eco_json *at, const char *key, const char *const *signs, const char *says,
@@ -515,6 +532,7 @@ void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json
 	parse_height(source, at, spec);
 	parse_crown(source, at, spec);
 	parse_tint(source, at, spec);
+	parse_base(source, at, spec);
 	parse_filters(at, &spec->filters, &spec->filter_count);
 	parse_place(source, at, spec);
 }
@@ -540,6 +558,7 @@ void eco_positions_spec_free(struct eco_positions_spec *spec)
 		free_size(&spec->heights[i]);
 	for (uint32_t i = 0; i < ECO_CROWN_COLUMNS; i++)
 		free(spec->crown.columns[i]);
+	free(spec->crown.base);
 	free(spec->map);
 	free(spec->heights);
 	eco_filters_free(spec->filters, spec->filter_count);

@@ -1,16 +1,20 @@
 /* From scene files to packs, end to end: what stands where, what is shared, what is refused, and that a
  * failure leaves nothing. Longer than 600 lines: scenes are made once for all. */
 #include <dirent.h>
+#include <glob.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
+#include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/impostor.h"
+#include "ecofiles/import/model/gltf.h"
 #include "lod/eye.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/scratch.h"
@@ -39,19 +43,26 @@ static struct eco_pack *made(const char *scene, const char *pack)
 }
 
 /* World position of every plant that stands directly in the outermost file. */
-static uint32_t standing(const struct eco_scene *s, double at[][3], uint32_t *plant, uint32_t most)
+static uint32_t placed(const struct eco_scene *s, struct lod_place *place, uint32_t *plant, uint32_t most)
 {
 	static const struct eco_placement here = { .scale = 1 };
 	uint32_t count = 0;
 	for (uint32_t g = 0; g < s->group_count; g++) {
 		for (uint32_t i = 0; i < s->groups[g].count && count < most; i++, count++) {
 			struct eco_place stored = eco_place_read(s, s->groups[g].place_first + i);
-			struct lod_place place;
-			lod_place_instance(&place, &here, &s->lists[s->groups[g].list], &stored);
-			memcpy(at[count], place.at, sizeof at[count]);
+			lod_place_instance(&place[count], &here, &s->lists[s->groups[g].list], &stored);
 			plant[count] = s->groups[g].plant;
 		}
 	}
+	return count;
+}
+
+static uint32_t standing(const struct eco_scene *s, double at[][3], uint32_t *plant, uint32_t most)
+{
+	struct lod_place place[128];
+	uint32_t count = placed(s, place, plant, most < 128 ? most : 128);
+	for (uint32_t i = 0; i < count; i++)
+		memcpy(at[i], place[i].at, sizeof at[i]);
 	return count;
 }
 
@@ -109,26 +120,71 @@ UNIT_TEST(test_plants_stand_where_the_scene_says)
 	assert_true(s->ground_columns == 21 + 2 * s->ground_margin && s->ground_margin == 15);
 }
 
-/* 10 m high, with leaves that reach so far. */
-static void write_tree(const char *name, double reach)
+/* 10 m high; a crown of 16 sides that reaches so far begins at a height. */
+static void write_tree(const char *name, double reach, double base)
 {
-	char text[1000];
-	double r = reach;
-	snprintf(text, sizeof text, "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 10 -.2\nv .2 10 "
-		"-.2\nv .2 10 .2\nv -.2 10 .2\nf 1 2 6 5\nf 2 "
-		"3 7 6\nf 3 4 8 7\n"
-		"f 4 1 5 8\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv 0 5 %g\nv .3 "
-		"6 %g\nv .6 5 %g\nf 9 10 11\nf 12 13 14\nf 15 "
-			"16 17\n", r, r - .5, r - .2, -r, .5 - r, .2 - r, r, r - .5, r - .2);
+	char text[2000] = "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 9 -.2\nv .2 9 -.2\nv .2 9 .2\nv -.2 9 .2\nf 1 2 6 5\nf 2 "
+		"3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+	size_t at = strlen(text);
+	at += (size_t)snprintf(text + at, sizeof text - at, "v 0 10 0\nv 0 %g 0\n", base);
+	for (int i = 0; i < 16; i++)
+		at += (size_t)snprintf(text + at, sizeof text - at, "v %.4f %g %.4f\n", reach * cos(i * M_PI / 8), base + .2,
+			reach * sin(i * M_PI / 8));
+	for (int i = 0; i < 16; i++)
+		at += (size_t)snprintf(text + at, sizeof text - at, "f 9 %d %d\nf 10 %d %d\n", 11 + (i + 1) % 16, 11 + i, 11 + i,
+			11 + (i + 1) % 16);
 	write_text(name, text);
+}
+
+#define SIXTEEN_SIDES 0.97450    /* of a disc's area */
+#define STAND 300
+
+/* A stand from the air: each crown covers as much as its diameter in the table says, whatever model it has; the rows that say
+ * where crowns begin have the model where they do. */
+UNIT_TEST(test_crowns_cover_what_the_table_says)
+{
+	static struct lod_place place[STAND];
+	static double crown[STAND], base[STAND];
+	static uint32_t plant[STAND];
+	static char text[16384] = "x,y,h,c,b\n";
+	double sum = 0, want = 0;
+	uint32_t chosen = 0;
+	write_tree("low.obj", 2.6, 2);
+	write_tree("high.obj", 3, 6);
+	for (int i = 0; i < STAND; i++) {
+		double h = 8 + i * 7 % 30 * 0.5;
+		crown[i] = h * (0.3 + i * 13 % 50 * 0.008);
+		base[i] = i % 2 ? 0.2 : 0.6;
+		snprintf(text + strlen(text), sizeof text - strlen(text), "%d,%d,%g,%g,%g\n", 20 * (i % 20), 20 * (i / 20), h, crown[i],
+			base[i] * h);
+	}
+	write_text("stand.csv", text);
+	write_text("stand.json", "{\"plants\": {\"a\": {\"variants\": [\"low.obj\", \"high.obj\"], \"up\": \"y\"}}, \"instances\": [{\"from\": "
+		"\"stand.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": \"h\", \"crown_m\": {\"column\": \"c\", \"is\": "
+		"\"diameter\"}, \"crown_base\": {\"column\": \"b\"}}]}");
+	OWNED(eco_pack) *pack = made("stand.json", "stand.eco");
+	const struct eco_scene *s = &pack->scene;
+	uint32_t low = s->anchors[s->plants[0].anchor_first].radius > s->anchors[s->plants[1].anchor_first].radius ? 1 : 0;
+	assert_int_equal(placed(s, place, plant, STAND), STAND);
+	for (uint32_t k = 0; k < STAND; k++) {
+		uint32_t row = (uint32_t)(place[k].at[0] / 20 + 0.5) + 20 * (uint32_t)(place[k].at[1] / 20 + 0.5);
+		double radius = (plant[k] == low ? 2.6 : 3) * place[k].scale * lod_place_width(&place[k]);
+		double area = SIXTEEN_SIDES * radius * radius, table = crown[row] * crown[row] / 4;
+		assert_true(fabs(area / table - 1) < 0.05);
+		sum += area;
+		want += table;
+		chosen += (plant[k] == low) == (base[row] < 0.4);
+	}
+	assert_true(fabs(sum / want - 1) < 0.02);
+	assert_true(chosen > 0.9 * STAND);
 }
 
 UNIT_TEST(test_crowns_choose_the_variant_and_the_size)
 {
 	double at[8][3];
 	uint32_t plant[8];
-	write_tree("narrow.obj", 1);
-	write_tree("wide.obj", 5);
+	write_tree("narrow.obj", 1, 5);
+	write_tree("wide.obj", 5, 5);
 	write_text("crowns.csv", "x,y,h,c\n0,0,20,1.9\n100,0,5,2.6\n200,0,10,5\n300,0,8,0.9\n");
 	write_text("crowns.json", "{\"plants\": {\"a\": {\"variants\": [\"narrow.obj\", \"wide.obj\"], "
 		"\"up\": \"y\"}}, \"instances\": [{\"from\": "
@@ -144,15 +200,17 @@ UNIT_TEST(test_crowns_choose_the_variant_and_the_size)
 	for (uint32_t i = 0; i < count; i++)
 		assert_int_equal(plant[i] == wide, at[i][0] > 50 && at[i][0] < 250);
 	eco_pack_close(pack);
-	/* without a height the crown, whose width is the mean of eight directions, says how large */
+	/* without a height the crown says how large */
 	write_text("crown.csv", "x,y,h,d\n0,0,10,\n100,0,NA,4\n");
 	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, "
 		"\"instances\": [{\"from\": \"crown.csv\", \"x\": "
 		"\"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": "
 		"{\"column\": \"d\", \"is\": \"diameter\"}}]}");
 	pack = made("crown.json", "crown.eco");
-	assert_true(pack->scene.tiles[pack->scene.root].high[0] > 102 && pack->scene.tiles[pack->scene.root].high[0] < 103);
-	assert_true(fabs(pack->scene.tiles[pack->scene.root].low[0] + 5) < 0.05);
+	struct lod_place place[2];
+	assert_int_equal(placed(&pack->scene, place, plant, 2), 2);
+	uint32_t far = place[1].at[0] > 50;
+	assert_true(fabs(place[far].scale / place[!far].scale - 2 / (5 * sqrt(SIXTEEN_SIDES))) < 0.005);
 	eco_pack_close(pack);
 }
 
@@ -182,6 +240,45 @@ UNIT_TEST(test_the_library_grows_what_a_scene_names)
 	eco_pack_close(pack);
 }
 
+/* Sums the widths beside the heights of the instances of a 3D tile, each of which stands in `levels` files. */
+static enum eco_code add_widths(void *ctx, uint32_t node, const double world[16])
+{
+	struct { struct eco_gltf *doc; double sum; uint64_t count; } *c = ctx;
+	const json_t *places = json_object_get(eco_gltf_extension(eco_gltf_item(c->doc, "nodes", node), "EXT_mesh_gpu_instancing"),
+		"attributes");
+	struct eco_error error = { 0 };
+	(void)world;
+	if (!places)
+		return ECO_OK;
+	AT_END(eco_gltf_accessor_close) struct eco_gltf_accessor a;
+	assert_ok(eco_gltf_accessor_open(c->doc, eco_gltf_index(places, "SCALE"), 0, &a, &error), error);
+	for (uint64_t k = 0; k < a.count; k++, c->count++) {
+		double scale[16];
+		eco_gltf_element(&a, k, scale);
+		assert_true(scale[0] == scale[1]);
+		c->sum += scale[0] / scale[2];
+	}
+	return ECO_OK;
+}
+
+static double mean_width_of_tiles(const char *folder)
+{
+	struct { struct eco_gltf *doc; double sum; uint64_t count; } c = { .count = 0 };
+	struct eco_error error = { 0 };
+	char pattern[200];
+	glob_t found;
+	snprintf(pattern, sizeof pattern, "%s/tiles/*.gltf", folder);
+	assert_int_equal(glob(pattern, 0, NULL, &found), 0);
+	for (size_t i = 0; i < found.gl_pathc; i++) {
+		assert_ok(eco_gltf_open(&c.doc, found.gl_pathv[i], &error), error);
+		assert_ok(eco_gltf_walk(c.doc, add_widths, &c, &error), error);
+		eco_gltf_close(c.doc);
+	}
+	globfree(&found);
+	assert_true(c.count > 0);
+	return c.sum / (double)c.count;
+}
+
 /* Heights and widths are apart; plants in their model's proportions store no width. */
 UNIT_TEST(test_crowns_have_a_width_of_their_own)
 {
@@ -189,7 +286,7 @@ UNIT_TEST(test_crowns_have_a_width_of_their_own)
 		"\"widths.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}%s}]}";
 	char text[600];
 	struct lod_place place[2];
-	write_tree("wide.obj", 5);
+	write_tree("wide.obj", 5, 5);
 	write_text("widths.csv", "x,y,h,c\n0,0,20,8\n100,0,20,16\n");
 	snprintf(text, sizeof text, entry, "");
 	write_text("widths.json", text);
@@ -209,7 +306,15 @@ UNIT_TEST(test_crowns_have_a_width_of_their_own)
 	double narrow = lod_place_width(&place[0]), wide = lod_place_width(&place[1]);
 	assert_true(fabs(fmax(narrow, wide) / fmin(narrow, wide) - 2) < 0.05);
 	assert_true(place[0].scale == place[1].scale);
+	const struct eco_tile *root = &pack->scene.tiles[pack->scene.root];
+	assert_true(fabs(root->area / (pack->scene.plants[0].area * place[0].scale * place[0].scale) - narrow - wide) < 0.001);
 	eco_pack_close(pack);
+	char *line[] = { eco_copy_text(in_root("widths.eco")), "--3dtiles", eco_copy_text(in_root("widths-tiles")), "--plain", "--quiet" };
+	struct eco_error error = { 0 };
+	assert_ok(main_command_export.run(5, line, &error), error);
+	assert_true(fabs(mean_width_of_tiles(line[2]) - (narrow + wide) / 2) < 1e-5);
+	free(line[0]);
+	free(line[2]);
 }
 
 /* Rows have a class each, missing values too; a scene without a tint stores none. */
@@ -223,7 +328,7 @@ UNIT_TEST(test_plants_have_the_tint_of_their_row)
 		{ "age", "\"age\", \"breaks\": [10, 20.5]", 4, { 1, 2, 3, 4, 4, 4 } },
 		{ "owner", "[\"#ff0000\", \"#00ff00\"]", 4, { 2, 1, 1, 4, 3, 3 } } };
 	char text[600], tint[200];
-	write_tree("wide.obj", 5);
+	write_tree("wide.obj", 5, 5);
 	write_text("tints.csv", "x,y,health,age,owner\n0,0,Good,9.9,B\n10,0,POOR (root),10,a\n20,0,who knows,99,A \n"
 		"30,0,,NaN,\n40,0,n/a,-,C\n50,0,who knows,old,D\n");
 	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {

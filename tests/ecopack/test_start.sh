@@ -133,6 +133,14 @@ start 0 'NAD83 / UTM zone 18N, as you say' zone.csv --crs EPSG:26918
 awk 'BEGIN { print "species,easting,northing,utm_zone"; for (i = 0; i < 5000; i++) print "oak," 323400 + i % 70 "," 4307500 + i % 50 "," (i == 4001 ? "17N" : "18N") }' >"$DIR/zone.csv"
 start 1 'rows are in several zones: "utm_zone" is "18N" and "17N"' zone.csv
 
+# ---- Crown bases and live crown ratios choose between variants ----
+printf 'species,x,y,height_m,crown base (m)\noak,0,0,12,4\noak,20,10,14,5\n' >"$DIR/base.csv"
+start 0 'crown base "crown base .m." in m' base.csv
+is '.instances[0] | [.crown_base.column, .crown_base.is, .crown_base.unit, .crown_m.column]' '["crown base (m)","height","m",null]'
+printf 'species,x,y,height_m,LCR,crown_diameter_m\noak,0,0,12,40,5\noak,20,10,14,55,6\n' >"$DIR/ratio.csv"
+start 0 'crown base "LCR", a ratio' ratio.csv
+is '.instances[0] | [.crown_base.column, .crown_base.is, .crown_m.column]' '["LCR","ratio","crown_diameter_m"]'
+
 # ---- French: tabs, a national grid by its short name ----
 awk 'BEGIN { print "essence\thauteur_m\tcirconf\303\251rence\tX_L93\tY_L93"
 	for (i = 0; i < 40; i++) printf "%s\t%d\t%d\t%d\t%d\n", i % 2 ? "\303\211pic\303\251a commun" : "Houx", 5 + i % 18, 30 + 4 * i, 652000 + 10 * i, 6862000 + i }' >"$DIR/fr.tsv"

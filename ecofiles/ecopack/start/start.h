@@ -85,6 +85,9 @@ struct start {
 	struct start_size crown;             /* a diameter, or a radius */
 	bool crown_is_radius;
 	uint32_t crowns[ECO_CROWN_COLUMNS], crown_columns;   /* radii to the north, east, south, west; two widths; or none */
+	uint32_t crown_base;                 /* a column */
+	bool base_is_ratio;
+	const char *base_unit;               /* else a height */
 	int now;                             /* the year from which ages are counted */
 	json_t *skip;                        /* of rows without a plant: column to values */
 	json_t *tint;                        /* as a scene has it; NULL: none */

@@ -301,6 +301,9 @@ static json_t *entry_json(const struct start *s)
 	json_t *crown = crown_json(s);
 	if (json_object_size(crown) > 0)
 		json_object_set(entry, "crown_m", crown);
+	if (s->crown_base != ECO_NONE)
+		json_object_set_new(entry, "crown_base", json_pack("{s:s, s:s, s:s*}", "column", start_column(s, s->crown_base),
+			"is", s->base_is_ratio ? "ratio" : "height", "unit", s->base_is_ratio ? NULL : s->base_unit));
 	set_text(entry, "grown", p->stand ? "stand" : "");
 	json_decref(crown);
 	if (s->tint)

@@ -277,6 +277,27 @@ static void find_crowns(struct start *s)
 	start_guess(s, "crown", took, "\"crown_m\" in the scene", "%s", s->crown.unit.why);
 }
 
+/* A column of heights where crowns begin, or of live crown ratios. */
+static void find_crown_base(struct start *s)
+{
+	s->crown_base = ECO_NONE;
+	for (uint32_t i = 0; i < s->table.column_count && s->crown_base == ECO_NONE; i++) {
+		const char *name = s->table.columns[i];
+		bool crown = eco_column_says(name, "crown");
+		s->base_is_ratio = eco_column_says(name, "crown ratio") || (crown && eco_column_says(name, "live"));
+		if (s->base_is_ratio || eco_column_says(name, "crown base") || (crown && eco_column_says(name, "base")))
+			s->crown_base = i;
+	}
+	if (s->crown_base == ECO_NONE)
+		return;
+	const char *name = s->table.columns[s->crown_base], *unit = eco_unit_of_name(name);
+	char took[120];
+	s->base_unit = unit ? unit : s->height.unit.unit ? s->height.unit.unit : "m";
+	snprintf(took, sizeof took, "\"%.60s\"%s%s", name, s->base_is_ratio ? ", a ratio" : " in ",
+		s->base_is_ratio ? "" : s->base_unit);
+	start_guess(s, "crown base", took, "\"crown_base\" in the scene", "it chooses between variants");
+}
+
 /* ---- Ages ---- */
 
 static void find_ages(struct start *s)
@@ -439,6 +460,7 @@ void start_sizes(struct start *s)
 	say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
 	say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH, "--dbh-column", "--dbh-unit");
 	find_crowns(s);
+	find_crown_base(s);
 	find_ages(s);
 	find_gone(s);
 }

@@ -25,10 +25,11 @@ static size_t named(enum curve curve, bool stand, const char *genus, const char 
 {
 	static const char *const names[] = { "height", "crown", "trunk" };
 	char key[128];
-	snprintf(key, sizeof key, "%s %s %s%s%s", stand ? "stand" : "open", names[curve], genus, *epithet ? " " : "",
-		epithet);
+	snprintf(key, sizeof key, "%s %s %s%s%s", stand ? "stand" : "open", names[curve], genus,
+		*epithet ? " " : "", epithet);
 	const void *row = bsearch(key, curves_rows, COUNT(curves_rows), sizeof *curves_rows, compare_curve);
-	return row ? (size_t)((const char *)row - (const char *)curves_rows) / sizeof *curves_rows : COUNT(curves_rows);
+	return row ? (size_t)((const char *)row - (const char *)curves_rows) / sizeof *curves_rows
+		   : COUNT(curves_rows);
 }
 
 /* The row that serves a plant, *rank as eco_growth_rank. A species that grows as trees of its genus do not has the
@@ -41,7 +42,8 @@ static size_t row_of(struct eco_grower plant, enum curve curve, unsigned *rank)
 	size_t row = COUNT(curves_rows);
 	for (unsigned other = 0; other < 2; other++)
 		for (*rank = 0; *rank < 2 && own && flora && flora->genus; ++*rank) {
-			row = named(curve, plant.stand != other, flora->genus, *rank == 0 ? flora->epithet : "");
+			row = named(curve, plant.stand != other, flora->genus,
+				*rank == 0 ? flora->epithet : "");
 			if (row < COUNT(curves_rows) && (*rank == 1 || flora->epithet[0] != 0))
 				return row;
 		}
@@ -64,7 +66,8 @@ static double between(const char *values, double by, bool inverse)
 	char *end;
 	for (size_t i = 0; i < COUNT(places) && *values; i++, values = end) {
 		double x1 = places[i], y1 = strtod(values, &end);
-		double from = inverse ? y : x, to = inverse ? y1 : x1, low = inverse ? x : y, high = inverse ? x1 : y1;
+		double from = inverse ? y : x, to = inverse ? y1 : x1, low = inverse ? x : y,
+		       high = inverse ? x1 : y1;
 		if (by <= to)
 			return i == 0 || to <= from ? high : low + (high - low) * (by - from) / (to - from);
 		x = x1;
@@ -98,5 +101,13 @@ double eco_growth_height_at(struct eco_grower plant, double years)
 
 double eco_growth_crown(struct eco_grower plant, double height_m, double dbh_m)
 {
-	return follow(plant, CROWN, isnan(dbh_m) ? follow(plant, HEIGHT, height_m, true) : 100 * dbh_m, false);
+	struct eco_grower open = { plant.flora, false }, stand = { plant.flora, true };
+	if (isnan(dbh_m))
+		return follow(plant, CROWN, follow(plant, HEIGHT, height_m, true), false);
+	double low_m = eco_growth_height(open, dbh_m), high_m = eco_growth_height(stand, dbh_m),
+	       wide_m = follow(open, CROWN, 100 * dbh_m, false);
+	if (isnan(height_m) || !(high_m > low_m))
+		return follow(plant, CROWN, 100 * dbh_m, false);
+	double share = fmin(fmax((height_m - low_m) / (high_m - low_m), 0), 1);
+	return wide_m + share * (follow(stand, CROWN, 100 * dbh_m, false) - wide_m);
 }

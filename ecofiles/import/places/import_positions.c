@@ -208,16 +208,29 @@ static double read_crown(struct eco_positions *p, const struct eco_size_row *row
 	return crown->of_geometry && p->rows->place.width > 0 ? p->rows->place.width / 2 : NAN;
 }
 
-/* A guess of a radius from the height and the trunk, by species. */
-static double guess_crown(struct eco_positions *p, const struct eco_size_row *row, double height_m)
+/* A guess of a radius from the trunk and the height, by species. */
+static double guess_crown(struct eco_positions *p, const struct eco_size_row *row, double height_m, bool measured)
 {
 	double dbh_m = NAN;
 	for (uint32_t i = 0; i < p->spec->height_count && isnan(dbh_m); i++)
 		dbh_m = eco_size_trunk(&p->spec->heights[i], eco_row_field(p, ECO_COLUMN_HEIGHTS + i),
 			eco_row_decimal(p));
 	struct eco_size_row other = { .seed = row->seed + 1, .row = row->row };
-	double width = eco_growth_crown(row->plant_of, height_m, dbh_m) * eco_size_spread(&other, p->spec->crown.spread);
+	double width = eco_growth_crown(row->plant_of, measured || isnan(dbh_m) ? height_m : NAN, dbh_m) * eco_size_spread(&other, p->spec->crown.spread);
 	return round(500 * width) / 1000;
+}
+
+/* Where the crown begins, as a share of a measured height. */
+static double read_base(const struct eco_positions *p, double height_m)
+{
+	const struct eco_crown *crown = &p->spec->crown;
+	double number, unit_m, share;
+	if (!crown->base || eco_text_size(eco_row_field(p, ECO_COLUMN_CROWN_BASE), eco_row_decimal(p), &number, &unit_m)
+			== ECO_FORM_NONE)
+		return NAN;
+	share = crown->base_is_ratio ? 1 - (number > 1 ? number / 100 : number)
+		: number * (unit_m != 0 ? unit_m : crown->base_unit_m) / height_m;
+	return share >= 0 && share < 1 ? share : NAN;
 }
 
 static double read_height(struct eco_positions *p, const struct eco_size_row *row, double crown_radius_m)
@@ -254,13 +267,15 @@ static void read_sizes(struct eco_positions *p, struct eco_position *record)
 {
 	struct eco_size_row row = { .plant = record->plant, .seed = p->spec->seed, .row = p->rows->row,
 		.plant_of = { needs_flora(p->spec) ? eco_species_flora(p->species, p->said) : NULL, p->spec->stand } };
-	uint64_t guessed = p->sizes[ECO_SIZED_TRUNK] + p->sizes[ECO_SIZED_AGE];
+	uint64_t guessed = p->sizes[ECO_SIZED_TRUNK] + p->sizes[ECO_SIZED_AGE], measured = p->sizes[ECO_SIZED_MEASURED];
 	record->crown_radius_m = read_crown(p, &row);
 	record->height_m = read_height(p, &row, record->crown_radius_m);
+	if (p->sizes[ECO_SIZED_MEASURED] > measured || p->spec->crown.base_is_ratio)
+		record->base = read_base(p, record->height_m);
 	if (!isnan(record->crown_radius_m)) {
 		p->sizes[ECO_SIZED_CROWN]++;
 	} else if (p->spec->crown.by_species && row.plant_of.flora && !isnan(record->height_m)) {
-		record->crown_radius_m = guess_crown(p, &row, record->height_m);
+		record->crown_radius_m = guess_crown(p, &row, record->height_m, p->sizes[ECO_SIZED_MEASURED] > measured);
 		record->crown_is_guess = true;
 		p->sizes[ECO_SIZED_CROWN_GUESS]++;
 	}
@@ -291,13 +306,19 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 	if (p->rows->field_count < p->fields_needed)
 		return eco_row_skip(p, ECO_SKIP_SHORT_ROW, p->rows->field_count > 0 ? p->rows->fields[0] :
 		"");
-	if (!passes_filters(p) || !read_plant(p, record))
+	uint64_t unknown = p->skipped[ECO_SKIP_UNKNOWN_SPECIES].count;
+	bool stays = passes_filters(p) && read_plant(p, record);
+	if (stays == p->spec->left_out || (p->spec->left_out && p->skipped[ECO_SKIP_UNKNOWN_SPECIES].count > unknown))
 		return SKIPPED;
 	enum verdict verdict = eco_positions_place(p, record, error);
 	if (verdict == GOOD)
 		verdict = check_sizes(p, error);
 	if (verdict != GOOD)
 		return verdict;
+	if (p->spec->left_out) {
+		record->plant = 0;
+		return GOOD;
+	}
 	read_sizes(p, record);
 	record->yaw_deg = read_yaw(p);
 	record->scale = read_scale(p);
@@ -317,14 +338,14 @@ static enum eco_code read_record(struct eco_positions *p, struct eco_position *r
 		bool more = false;
 		enum eco_code code = p->ended ? ECO_OK : p->rows->next(p->rows, &more, error);
 		*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN,
-			.scale = 1 };
+			.base = NAN, .scale = 1 };
 		if (code != ECO_OK || p->ended)
 			return code;
 		if (more) {
 			verdict = read_row(p, record, error);
 		} else {
 			p->ended = true;
-			return eco_positions_check_places(p, error);
+			return p->spec->left_out ? ECO_OK : eco_positions_check_places(p, error);
 		}
 	}
 	return verdict == GOOD ? ECO_OK : error ? error->code : ECO_BAD_INPUT;
@@ -373,7 +394,7 @@ static void name_columns(const struct eco_positions_spec *s, const char *names[E
 {
 	const char *const fixed[ECO_COLUMN_HEIGHTS] = { s->x, s->y, s->z, s->species[0], s->species[1],
 		s->species[2], s->yaw_deg, s->scale, s->crown.columns[0], s->crown.columns[1], s->crown.columns[2],
-		s->crown.columns[3], s->quadrat.column, s->polar.azimuth, s->polar.distance, s->tint.column };
+		s->crown.columns[3], s->crown.base, s->quadrat.column, s->polar.azimuth, s->polar.distance, s->tint.column };
 	memset(names, 0, ECO_COLUMN_COUNT * sizeof *names);
 	memcpy(names, fixed, sizeof fixed);
 	for (uint32_t i = 0; i < s->height_count; i++)

@@ -62,6 +62,9 @@ struct eco_crown {               /* of crowns' widths; all zero: not given */
 	bool of_geometry;            /* also by the area of a row's polygon */
 	bool by_species;             /* where no column says it */
 	double spread;
+	char *base;                  /* column of the height where crowns begin, or of their length over the plant's; NULL: none */
+	double base_unit_m;
+	bool base_is_ratio;          /* a share or per cent */
 };
 
 struct eco_polar {               /* a place by its bearing from x and y; azimuth NULL: it is x and y */
@@ -106,6 +109,7 @@ struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: n
 	char *yaw_deg;               /* 0: unlimited; else at most so many heights per plant */
 	char *scale;                 /* column; NULL: 1 */
 	uint64_t seed;
+	bool left_out;               /* hands out the places of rows that `filters` and the map leave out, and no others */
 	uint32_t line, column;       /* in the scene file, for messages */
 };
 
@@ -129,6 +133,7 @@ struct eco_position {
 	double height_m;             /* NaN: the plant's own, or by crown_radius_m */
 	double crown_radius_m;       /* NaN: not known */
 	bool crown_is_guess;         /* by the species */
+	double base;                 /* where the crown begins, as a share of the height; NaN: not known */
 	double scale;                /* factor of the size; 1: not given */
 	uint64_t row, line;          /* data row from 1; line where it begins, or feature */
 };

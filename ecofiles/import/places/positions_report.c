@@ -164,7 +164,7 @@ static void unknown_lines(const struct report *r, const struct eco_positions_cou
 static void size_lines(const struct report *r)
 {
 	static const char *const names[ECO_SIZED_COUNT] = { "measured", "by the trunk", "by age", "as the scene says",
-		"as the model", "measured", "guessed", "the species", "the genus", "the form" };
+		"as the model", "measured", "guessed", "by the species", "by the genus", "by the form" };
 	char texts[3][200] = { "", "", "" }, one[64], number[32];
 	for (int i = 0; i < ECO_SIZED_COUNT; i++) {
 		int kind = (i >= ECO_SIZED_CROWN) + (i >= ECO_SIZED_BY_SPECIES);
@@ -177,7 +177,7 @@ static void size_lines(const struct report *r)
 	else if (texts[1][0] != 0)
 		line(r, "%12s  crowns: %s", "", texts[1]);
 	if (texts[2][0] != 0)
-		line(r, "%12s  guesses are by curves of %s", "", texts[2]);
+		line(r, "%12s  curves of guesses: %s", "", texts[2]);
 }
 
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),
