@@ -290,10 +290,18 @@ static void draw_edges(const struct map *m, cairo_t *canvas, const struct map_ed
 	free(ends);
 }
 
+static void draw_left(const struct map *m, cairo_t *canvas)
+{
+	for (uint32_t i = 0; i < m->left_points.count; i++)
+		canvas_disc(canvas, map_x(m, (double)m->left_points.items[i].x), map_y(m, (double)m->left_points.items[i].y), LEFT_PX,
+			LEFT_COLOR);
+}
+
 void land_plants(struct map *m, cairo_t *canvas)
 {
 	double density = density_of(m);
 	m->dot = density > 0 ? fmin(fmax(0.34 / sqrt(density), RADIUS_LEAST), RADIUS_MOST) : RADIUS_MOST;
+	draw_left(m, canvas);
 	draw_dots(m, canvas, density > DENSE);
 	draw_edges(m, canvas, &m->clear_of, 2, CLEAR_COLOR);
 	draw_edges(m, canvas, &m->areas, 1.2, AREAS_COLOR);

@@ -222,6 +222,11 @@ static void write_left_out(struct legend *l)
 	char text[64];
 	if (m->left_count)
 		write_heading(l, "Read, and left out");
+	if (m->left_points.count) {
+		canvas_disc(l->canvas, l->x + 8, l->y - 4.5, LEFT_PX, LEFT_COLOR);
+		canvas_text(l->canvas, l->x + 22, l->y, &plain, "where rows without a plant are");
+		l->y += LINE;
+	}
 	for (uint32_t i = 0; i < m->left_count && i < LEFT_OUT_LINES; i++)
 		write_left(l, &m->left[i]);
 	if (m->left_count > LEFT_OUT_LINES) {

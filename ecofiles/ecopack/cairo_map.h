@@ -63,6 +63,8 @@ struct ticks { double first, step; uint32_t count; };
 struct ticks ticks_between(double low, double high, uint32_t most);
 
 #define AREAS_COLOR ((struct color){ 0.1, 0.25, 0.5, 0.8 })
+#define LEFT_COLOR ((struct color){ 0.55, 0.55, 0.55, 0.8 })  /* of rows without a plant */
+#define LEFT_PX 1.6              /* radius of their dots */
 #define CLEAR_COLOR ((struct color){ 0.75, 0.2, 0.1, 0.55 })
 
 void land_ground(const struct map *m, cairo_t *canvas);          /* hillshade, and the image on it */

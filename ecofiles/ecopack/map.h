@@ -57,6 +57,7 @@ struct map {
 	uint64_t *totals;            /* per source, with nested files */
 	struct map_points points;    /* to be drawn: the outer file's, and nested files' if not too many */
 	uint64_t not_expanded;       /* plants drawn only as outlines of their files */
+	struct map_points left_points;           /* places of the outer file's rows that are left out */
 	struct map_left *left;       uint32_t left_count, left_capacity;
 	struct map_outline *outlines; uint32_t outline_count, outline_capacity;
 	/* areas of scattered plants, and features they keep clear of */

@@ -169,6 +169,24 @@ static void say_rows(struct map *m, const struct eco_positions *reader, const st
 	}
 }
 
+/* The file is read again for them. */
+static void add_left_out(struct map *m, const struct eco_positions_spec *spec, const struct eco_frame *frame)
+{
+	struct eco_positions_spec others = *spec;
+	struct eco_positions *reader = NULL;
+	struct eco_position row;
+	others.left_out = true;
+	others.levels = 0;
+	eco_check(eco_positions_open(&reader, &others, frame, m->error));
+	for (;;) {
+		eco_check(eco_positions_next(reader, &row, m->error));
+		if (row.plant == ECO_NONE)
+			break;
+		add_point(&m->left_points, &(struct map_point){ .x = (float)row.at[0], .y = (float)row.at[1] });
+	}
+	eco_positions_close(reader);
+}
+
 static void add_rows(struct map *m, uint32_t source, const struct eco_positions_spec *spec)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -193,7 +211,11 @@ static void add_rows(struct map *m, uint32_t source, const struct eco_positions_
 	}
 	eco_positions_report(reader, main_note_text, NULL);
 	say_rows(m, reader, spec);
+	const struct eco_skipped *skipped = eco_positions_skipped(reader, &(uint64_t){ 0 });
+	bool any = skipped[ECO_SKIP_FILTERED].count + skipped[ECO_SKIP_LEFT_OUT].count > 0;
 	eco_positions_close(reader);
+	if (any && source == 0)
+		add_left_out(m, spec, &frame);
 }
 
 /* ---- Scattered plants ---- */
@@ -450,6 +472,7 @@ void map_free(struct map *m)
 	eco_string_pool_free(&m->species);
 	eco_tints_free(&m->tints);
 	free(m->points.items);
+	free(m->left_points.items);
 	free(m->left);
 	free(m->outlines);
 	free(m->areas.ends);

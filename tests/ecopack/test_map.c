@@ -90,6 +90,7 @@ UNIT_TEST(test_plants_are_counted_by_kind_and_rows_left_out_by_reason)
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_UNKNOWN_SPECIES]), 1);
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_LEFT_OUT]), 2);
 	assert_int_equal(left(&m, "stump"), 2);          /* which ones */
+	assert_int_equal(m.left_points.count, 2);        /* and where: gray dots */
 	assert_int_equal(left(&m, "weed"), 1);
 	assert_int_equal(left(&m, eco_skip_names[ECO_KEPT_NO_HEIGHT]), 1);
 }
