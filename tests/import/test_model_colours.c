@@ -51,6 +51,7 @@ static const struct { const char *name; uint32_t width, height; uint8_t rgba[16]
 	{ "snow.png", 2, 1, { 255, 255, 255, 255, 250, 250, 255, 255 } },
 	{ "a b.png", 2, 1, { 255, 0, 0, 100, 0, 255, 0, 200 } },
 	{ "half.png", 2, 1, { 255, 128, 0, 255, 188, 188, 255, 255 } },
+	{ "black.png", 2, 1, { 0, 0, 0, 255, 0, 0, 0, 255 } },
 	{ "moss.png", 2, 1, { 90, 120, 40, 255, 90, 120, 40, 255 } },
 	{ "cut.png", 3, 1, { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 } },
 	{ "soft.png", 3, 1, { 9, 9, 9, 100, 8, 8, 8, 60, 7, 7, 7, 0 } },
@@ -130,6 +131,9 @@ static const struct model_case models[] = {
 	{ NULL, "e.gltf", GLTF(",'materials':[{'pbrMetallicRoughness':{'baseColorFactor':[0,0,0,1]},'emissiveFactor':"
 		"[1,1,1],'emissiveTexture':{'index':0}}],'textures':[{'source':0}],'images':[{'uri':'half.png'}]"),
 		.wanted = "images=1|texels0=255,128,0,255,188,188,255,255" },
+	{ NULL, "e.gltf", GLTF(",'materials':[{'pbrMetallicRoughness':{" TEXTURE "},'emissiveFactor':[1,1,1],"
+		"'emissiveTexture':{'index':1}}],'textures':[{'source':0},{'source':1}],'images':[{'uri':'black.png'},"
+		"{'uri':'half.png'}]"), .wanted = "texels0=255,128,0,255,188,188,255,255" },
 	{ NULL, "e.gltf", GLTF(",'materials':[{'pbrMetallicRoughness':{'baseColorFactor':[0.5,0,0,1]},'emissiveFactor':"
 		"[0,1,0]}]"), .wanted = "rgb0=188,0,0" },
 	/* half the light: (128/255)^2.2 is 0.216, its half 0.108 */
