@@ -10,8 +10,9 @@
 #include <stdint.h>
 
 #define LOD_TINT_SHARE 0.8       /* by eye: with .6 classes of dark and light plants mix, with 1 all leaves have one hue */
-/* The shade of a colour over that of usual leaves, 95, 127, 79 */
-#define LOD_TINT_SHADE(root, r, g, b) root(0.96 * r * r + 3.23 * g * g + 0.33 * b * b)
+/* How light a colour is beside usual leaves, 95, 127, 79; dark ones less dark, so that their tint is still seen. Linear in
+ * light: the mean of leaves, a splat, has the mean of their shades */
+#define LOD_TINT_SHADE(r, g, b) (0.4 + 0.6 * (0.96 * r * r + 3.23 * g * g + 0.33 * b * b))
 #define LOD_TINT_MIX(root, least, own, tint, shade) \
 	root(least((1.0 - LOD_TINT_SHARE) * own * own + LOD_TINT_SHARE * shade * tint * tint, 1.0))
 
@@ -23,7 +24,7 @@ static inline uint32_t lod_tint_word(const uint8_t rgb[3]) { return rgb[0] | (ui
 static inline void lod_tint_apply(uint32_t word, uint8_t rgb[3])
 {
 	float own[3] = { rgb[0] / 255.0f, rgb[1] / 255.0f, rgb[2] / 255.0f };
-	float shade = (float)LOD_TINT_SHADE(sqrt, own[0], own[1], own[2]);
+	float shade = (float)LOD_TINT_SHADE(own[0], own[1], own[2]);
 	for (int k = 0; k < 3 && word; k++)
 		rgb[k] = (uint8_t)(255 * LOD_TINT_MIX(sqrt, fmin, own[k], (float)(word >> 8 * k & 255) / 255.0f, shade) + 0.5);
 }

@@ -28,7 +28,7 @@ static const char head_es[] = "#version 300 es\n"
 static const char shared[] = DEFINE(ECO_GROWTHS) DEFINE(ECO_SIZES) DEFINE(LOD_HASH_SCATTER) DEFINE(LOD_HASH_SALT)
 	DEFINE(LOD_HASH_SPLAT) DEFINE(LOD_LEAF_PIXEL) DEFINE(LOD_LEAF_RAGGED) DEFINE(LOD_LEAF_LATTICE)
 	DEFINE(VIEW_WOOD) DEFINE(LOD_TINT_WHOLE) DEFINE(LOD_IMPOSTOR_HOPE) DEFINE(LOD_IMPOSTOR_LEAST) DEFINE(LOD_IMPOSTOR_LIGHT)
-	"#define LOD_TINT_SHADE(r, g, b) " TEXT(LOD_TINT_SHADE(sqrt, r, g, b)) "\n"
+	"#define LOD_TINT_SHADE(r, g, b) " TEXT(LOD_TINT_SHADE(r, g, b)) "\n"
 	"#define LOD_TINT_MIX(own, tint, shade) " TEXT(LOD_TINT_MIX(sqrt, min, own, tint, shade)) "\n"
 	"#define LOD_IMPOSTOR_DEEP(need, opacity) " TEXT(LOD_IMPOSTOR_DEEP(need, opacity)) "\n"
 	"#ifdef LEAVES\n"
