@@ -115,7 +115,7 @@ static void slices_element(void *ctx, const double (*corners)[3], uint32_t n)
 	}
 }
 
-/* Where the crown begins: below it no corners, or single ones, are farther from the stem than a third of its radius. */
+/* The crown base: below it no corners, or single ones, are farther from the stem than a third of its radius. */
 static double crown_base(const struct make_plant *plant)
 {
 	struct slices s = { .height_m = (double)plant->built.plant.height_m,

@@ -220,7 +220,7 @@ static double guess_crown(struct eco_positions *p, const struct eco_size_row *ro
 	return round(500 * width) / 1000;
 }
 
-/* Where the crown begins, as a share of a measured height. */
+/* The crown base, as a share of a measured height. */
 static double read_base(const struct eco_positions *p, double height_m)
 {
 	const struct eco_crown *crown = &p->spec->crown;
