@@ -217,6 +217,7 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 			.tint = tint_of(list, plant, place.tint), .list = list->id, .index = i };
 		lod_place_instance(&instance.place, placement, &list->list, &place);
 		instance.hash = lod_share_hash(placement->path, list->id, i);
+		instance.place.salt = instance.hash & 0xFFFF;
 		if (lod_open_hash(instance.hash) < left)
 			continue;
 		uint32_t count = lod_instance_anchors(w->eye, &instance.place, plant->anchors,

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
-#include "lod/hash.h"
 
 static void cross(const double a[3], const double b[3], double out[3])
 {
@@ -122,17 +121,6 @@ void lod_eye_sample(struct lod_eye *eye, uint32_t number)
 	eye->sample = number;
 }
 
-uint32_t lod_place_salt(const struct lod_place *place)
-{
-	uint32_t bits[6], hash = 0;
-	memcpy(bits, place->at, sizeof bits);
-	for (int i = 0; i < 6; i++) {
-		hash += bits[i];
-		LOD_HASH_MIX;
-	}
-	return hash >> 16;
-}
-
 void lod_place_instance(struct lod_place *out, const struct eco_placement *placement,
 	const struct eco_list *list, const struct eco_place *place)
 {
@@ -146,6 +134,7 @@ void lod_place_instance(struct lod_place *out, const struct eco_placement *place
 	eco_angle16_sincos((uint16_t)(placement->turn + place->turn), &out->sine, &out->cosine);
 	out->scale = placement->scale * (place->scale / 65536.0);
 	out->wider = eco_place_width(place->width) - 1;
+	out->salt = 0;
 }
 
 void lod_place_point(const struct lod_place *place, const float p[3], double world[3])

@@ -39,15 +39,17 @@ void lod_eye_part(struct lod_eye *eye, uint32_t width, uint32_t height, const ui
 void lod_eye_sample(struct lod_eye *eye, uint32_t number);
 
 /* world = at + scale * turn(p), with x and y of p times 1 + wider */
-struct lod_place { double at[3]; double sine, cosine, scale, wider; };
+struct lod_place {
+	double at[3];
+	double sine, cosine, scale, wider;
+	uint32_t salt;                   /* 16 bits that differ from plant to plant, of its lod_share_hash; 0 in measurements */
+};
 static inline double lod_place_width(const struct lod_place *place) { return 1 + place->wider; }
 /* The greatest factor of a plant's lengths. */
 static inline double lod_place_most(const struct lod_place *place)
 {
 	return place->wider > 0 ? place->scale * lod_place_width(place) : place->scale;
 }
-/* 16 bits that differ from place to place, for plants of one kind. */
-uint32_t lod_place_salt(const struct lod_place *place);
 void lod_place_instance(struct lod_place *out, const struct eco_placement *placement,
 	const struct eco_list *list, const struct eco_place *place);
 void lod_place_point(const struct lod_place *place, const float p[3], double world[3]);

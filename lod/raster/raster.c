@@ -108,7 +108,7 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 		row[3][4];
 	plane_scale(raster, scale);
 	state->place = *place;
-	state->salt = lod_place_salt(place);
+	state->salt = place->salt;
 	for (int i = 0; i < 3; i++) {
 		const double *axis = axes[i];
 		row[i][0] = axis[0] * cosine + axis[1] * sine;

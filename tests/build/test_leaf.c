@@ -115,7 +115,7 @@ UNIT_TEST(far_plants_of_a_kind_lack_different_leaves)
 			look(origin, 100);
 			for (uint32_t i = 0; i < 3600; i++) {
 				lod_raster_object(&raster, &(struct lod_place){
-					.at = { 3.1 * (i % 60) - 92, 0, 3.1 * (i / 60) - 92 }, .cosine = 1, .scale = 1 });
+					.at = { 3.1 * (i % 60) - 92, 0, 3.1 * (i / 60) - 92 }, .cosine = 1, .scale = 1, .salt = lod_share_hash(0, 0, i) & 0xFFFF });
 				lod_raster_splats(&raster, &(struct lod_raster_batch){ .count = 1 + two,
 					.position = at, .half = half, .opacity = opacity, .owner = 1,
 					.leaf = leafy ? 0.02f : 0 });

@@ -156,7 +156,7 @@ UNIT_TEST(covers_what_the_twin_covers_in_perspective)
 	struct lod_eye eye = turned_eye(64, 48);
 	rnd_seed = 2;
 	raster_start(&raster, 64, 48, &eye);
-	struct lod_place place = { { 1e6 + 1, 2, 0 }, 0.6, 0.8, 1.25, 0 };
+	struct lod_place place = { { 1e6 + 1, 2, 0 }, 0.6, 0.8, 1.25, 0, 0 };
 	lod_raster_object(&raster, &place);
 	uint64_t drawn = 0;
 	for (int i = 0; i < 2500; i++) {
@@ -513,7 +513,7 @@ UNIT_TEST(every_build_paints_the_same_bits)
 	struct lod_eye eye = wide_eye();
 	rnd_seed = 12;
 	raster_start(&raster, 320, 200, &eye);
-	lod_raster_object(&raster, &(struct lod_place){ { 1, 4, 2 }, 0.28, 0.96, 0.5, 0 });
+	lod_raster_object(&raster, &(struct lod_place){ { 1, 4, 2 }, 0.28, 0.96, 0.5, 0, 0 });
 	FREED(crowd) crowd = crowd_make(200, 40, 3);
 	crowd_draw(&raster, &crowd, 0, 200);
 	FREED_MEMORY float *width = malloc(2000 * sizeof *width);
