@@ -337,8 +337,8 @@ static double error_at(const struct lod_fill *fill, const struct lod_candidate *
 }
 
 /* Vertices that a plant may draw between candidate->low and candidate->high: those that leave least wrong, of
- * some tried from `vertices` down. Between two points of a hull a curve may rise. Where there are many plants
- * only the most are tried: they are one plant's. */
+ * some tried from `vertices` down. Between two points of a hull a curve may rise. With many plants in view only
+ * the first is tried: it changes one plant. */
 static uint64_t best_part(const struct lod_fill *fill, const struct lod_candidate *candidate,
 	uint64_t vertices)
 {
@@ -683,7 +683,9 @@ static bool try_steps(struct lod_fill *fill, uint64_t budget)
 		best.vertices = fill->vertices;
 		best.wrong = fill->wrong;
 		candidate->least = candidate->step + 1;
-		lod_fill_search(fill, fill->lambda, budget);
+		fill_at(fill, INFINITY);
+		if (fill->vertices <= budget)
+			lod_fill_search(fill, best.lambda, budget);
 		good = fill->vertices > budget || finish_rest(fill, budget);
 		if (fill->vertices <= budget && fill->wrong < best.wrong)
 			continue;
