@@ -314,7 +314,7 @@ static void judge_organs(struct lod_allocation *m)
 			* fmax(0, choice->organs_saved) + near * fmax(0, each));
 	}
 	for (uint32_t i = 0; i < plants; i++)
-		if (prices->organs[i] != LOD_ORGANS_KEPT && prices->spent[i] > 0
+		if (!prices->organs_kept[i] && prices->spent[i] > 0
 				&& prices->saved[i] < m->price * prices->spent[i])
 			prices->organs_off[i] = true;
 }
@@ -324,22 +324,21 @@ bool lod_prices_organs_off(const struct lod_allocation *m, uint32_t plant)
 	return m->price > 0 && m->prices->organs_off[plant];
 }
 
-static void set_organs(struct lod_allocation *m, uint32_t plant, uint8_t organs)
+void lod_prices_keep_organs(struct lod_allocation *m, uint32_t plant, bool kept)
 {
-	if (m->prices->organs[plant] == organs)
+	if (m->prices->organs_kept[plant] == kept)
 		return;
-	m->prices->organs[plant] = organs;
+	m->prices->organs_kept[plant] = kept;
 	m->prices->kept_lambda = m->relaxed.lambda = NAN;
 }
 
-uint32_t lod_prices_dearest(struct lod_allocation *m, bool returned)
+uint32_t lod_prices_dearest(struct lod_allocation *m)
 {
 	const struct lod_prices *prices = m->prices;
 	uint32_t most = ECO_NONE;
 	judge_organs(m);
 	for (uint32_t i = 0; i < m->p->scene->plant_count; i++) {
-		bool asked = prices->organs[i] == LOD_ORGANS_PRICED && !prices->organs_off[i]
-			&& (!returned || prices->noted[i]);
+		bool asked = !prices->organs_kept[i] && !prices->organs_off[i] && prices->noted[i];
 		if (asked && prices->spent[i] > (most == ECO_NONE ? 0 : prices->spent[most]))
 			most = i;
 	}
@@ -351,23 +350,17 @@ void lod_prices_note_off(struct lod_allocation *m)
 	memcpy(m->prices->noted, m->prices->organs_off, m->p->scene->plant_count);
 }
 
-void lod_prices_set_organs_of(struct lod_allocation *m, uint32_t plant, enum lod_organs organs)
-{
-	set_organs(m, plant, (uint8_t)organs);
-}
+const bool *lod_prices_kept(const struct lod_allocation *m) { return m->prices->organs_kept; }
 
-const uint8_t *lod_prices_organs(const struct lod_allocation *m) { return m->prices->organs; }
-
-void lod_prices_set_organs(struct lod_allocation *m, const uint8_t *organs)
+void lod_prices_set_kept(struct lod_allocation *m, const bool *kept)
 {
 	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		set_organs(m, i, organs ? organs[i] : LOD_ORGANS_PRICED);
+		lod_prices_keep_organs(m, i, kept && kept[i]);
 }
 
 void lod_prices_lift(struct lod_allocation *m)
 {
-	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		m->prices->organs_off[i] = m->prices->organs[i] == LOD_ORGANS_OUT;
+	memset(m->prices->organs_off, 0, m->p->scene->plant_count * sizeof *m->prices->organs_off);
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
 		set_count(m, &m->ladder_choices[i], m->ladder_choices[i].hull_count);
 }

@@ -39,15 +39,14 @@ void lod_prices_free(struct lod_allocation *allocation);      /* none made: fine
  * that these have something to be compared with. */
 void lod_prices_lift(struct lod_allocation *allocation);
 void lod_prices_limit(struct lod_allocation *allocation, bool first, bool last);
-/* Whether a plant's organs are drawn where they save what they cost, whatever they save, or by none. */
-enum lod_organs { LOD_ORGANS_PRICED, LOD_ORGANS_OUT, LOD_ORGANS_KEPT };
-void lod_prices_set_organs_of(struct lod_allocation *allocation, uint32_t plant, enum lod_organs organs);
-/* Per plant; to be kept, and set again. NULL: all are priced. */
-const uint8_t *lod_prices_organs(const struct lod_allocation *allocation);
-void lod_prices_set_organs(struct lod_allocation *allocation, const uint8_t *organs);
-/* The priced plant whose organs take the most bytes now; ECO_NONE: none has any. `returned`: of those whose
- * organs were not drawn when lod_prices_note_off was called. */
-uint32_t lod_prices_dearest(struct lod_allocation *allocation, bool returned);
+/* Whether a plant's organs are drawn whatever they save, or where they save what they cost. */
+void lod_prices_keep_organs(struct lod_allocation *allocation, uint32_t plant, bool kept);
+/* Per plant; to be stored, and set again. NULL: none are kept. */
+const bool *lod_prices_kept(const struct lod_allocation *allocation);
+void lod_prices_set_kept(struct lod_allocation *allocation, const bool *kept);
+/* The plant whose organs take the most bytes now, of those that are not kept and whose organs were not drawn
+ * when lod_prices_note_off was called; ECO_NONE: there is none. */
+uint32_t lod_prices_dearest(struct lod_allocation *allocation);
 void lod_prices_note_off(struct lod_allocation *allocation);
 /* Sets limits to what the last relaxation chose: filling a budget pays for no more. */
 void lod_prices_tighten(struct lod_allocation *allocation);

@@ -323,7 +323,7 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 		prices->factor = waste;
 	}
 	bool good = prices && (prices->organs_off = calloc(plants + 1u, sizeof *prices->organs_off))
-		&& (prices->organs = calloc(plants + 1u, sizeof *prices->organs))
+		&& (prices->organs_kept = calloc(plants + 1u, sizeof *prices->organs_kept))
 		&& (prices->noted = calloc(plants + 1u, sizeof *prices->noted))
 		&& (prices->saved = malloc((plants + 1u) * sizeof *prices->saved))
 		&& (prices->spent = malloc((plants + 1u) * sizeof *prices->spent))
@@ -361,7 +361,7 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->part);
 	free(prices->shared);
 	free(prices->organs_off);
-	free(prices->organs);
+	free(prices->organs_kept);
 	free(prices->noted);
 	free(prices->saved);
 	free(prices->spent);

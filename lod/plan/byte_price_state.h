@@ -69,7 +69,7 @@ struct lod_prices {
 	uint32_t *room_first;        /* per node */
 	bool *organs_off;            /* per plant */
 	bool *noted;                 /* per plant: they were when lod_prices_note_off was called */
-	uint8_t *organs;             /* per plant: an enum lod_organs */
+	bool *organs_kept;           /* per plant */
 	double *saved, *spent;       /* per plant: by its organs */
 };
 

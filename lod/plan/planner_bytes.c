@@ -91,7 +91,7 @@ struct fitted {
 	struct lod_price at;
 	double near, lowest;         /* a price that nearly fits, while `at` is not a number, and vertices at
 	                              * the lowest lambda there */
-	uint8_t *organs;             /* per plant, as lod_prices_organs */
+	bool *organs;                /* per plant, as lod_prices_kept */
 	const struct eco_holdings *kept;     /* as in lod_prices_make */
 	bool first;                  /* tells what is beside: gaps are filled in the next answer */
 	double wrong;                /* pixels that it leaves */
@@ -177,14 +177,14 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 			&fit->at, &over);
 		bytes = relax_and_fill(m, fit, target, over);
 	}
-	memcpy(fit->organs, lod_prices_organs(m), m->p->scene->plant_count);
+	memcpy(fit->organs, lod_prices_kept(m), m->p->scene->plant_count * sizeof *fit->organs);
 	return bytes;
 }
 
 static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct fitted *fit, uint64_t budget,
 	struct eco_error *error)
 {
-	lod_prices_set_organs(s->allocation, fit->organs);
+	lod_prices_set_kept(s->allocation, fit->organs);
 	lod_price_relax(s->allocation, fit->lambda, &fit->at);
 	enum eco_code code = lod_search_fill(s, fit->lambda, budget, error);
 	return code ? code : lod_bytes_size(s->allocation->p, error);
@@ -192,8 +192,8 @@ static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct
 
 static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t plants)
 {
-	uint8_t *organs = best->organs;
-	memcpy(organs, now->organs, plants);
+	bool *organs = best->organs;
+	memcpy(organs, now->organs, plants * sizeof *organs);
 	*best = *now;
 	best->organs = organs;
 }
@@ -266,7 +266,7 @@ static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct 
 /* Fits best->kept, for which prices are made, from those of `first` on. What an answer has beside what is
  * priced, records and the plan itself, is learnt from the answers tried. `room`: per plant, for organs. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget,
-	const struct fitted *first, struct fitted *best, uint8_t *room, struct eco_error *error)
+	const struct fitted *first, struct fitted *best, bool *room, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
@@ -331,7 +331,7 @@ static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod
 /* Twice: with all chunks alike, and with those of the answer without a limit of bytes before others. Neither
  * is always better, as plants' lists come at once (lod/EXPERIMENTS.md, Fitted twice). */
 static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budget,
-	const struct eco_holdings *kept, uint8_t *room, struct eco_error *error)
+	const struct eco_holdings *kept, bool *room, struct eco_error *error)
 {
 	uint32_t plants = s->allocation->p->scene->plant_count;
 	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
@@ -392,7 +392,7 @@ static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget,
 	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
 	const double image_price = p->image_price;
 	enum eco_code code = ECO_OK;
-	lod_prices_set_organs(m, NULL);
+	lod_prices_set_kept(m, NULL);
 	lod_price_relax(m, lod_lambda_at(fits), &highest);
 	p->price = m->price;
 	lod_prices_lift(m);
@@ -433,7 +433,7 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	struct lod_planner *p = m->p;
 	struct eco_holdings kept;
 	uint32_t plants = p->scene->plant_count;
-	uint8_t *room = calloc(3 * (size_t)plants + 1, 1);
+	bool *room = calloc(3 * (size_t)plants + 1, sizeof *room);
 	bound_work(p);
 	enum eco_code code = needs_of_entries(p, &kept, error);
 	if (!code)

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "lod/plan/byte_price.h"
 
@@ -48,19 +49,10 @@ double lod_price_wrong(const struct lod_allocation *m)
 	return m->cost.alike + m->cost.open + lod_prices_lost(m);
 }
 
-static bool is_priced(const struct lod_allocation *m)
-{
-	const uint8_t *organs = lod_prices_organs(m);
-	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		if (organs[i] != LOD_ORGANS_PRICED)
-			return false;
-	return true;
-}
-
 static void remember(struct lod_allocation *m, double lambda, double octave, double bytes)
 {
 	struct lod_price_tries *tries = &m->tries;
-	if (!is_priced(m) || tries->count == LOD_PRICE_TRIES)
+	if (memchr(lod_prices_kept(m), true, m->p->scene->plant_count) || tries->count == LOD_PRICE_TRIES)
 		return;
 	tries->at[tries->count].lambda = lambda;
 	tries->at[tries->count].octave = octave;
@@ -163,15 +155,14 @@ static bool is_better(struct lod_allocation *m, double lambda, double target, co
 	return true;
 }
 
-/* Prices with a plant's organs decided. False, and all is as it was, where that leaves no less wrong. */
-static bool decide(struct lod_allocation *m, double lambda, double target, uint32_t plant,
-	enum lod_organs organs, double near, struct lod_price *at, double *over, double *bytes)
+/* Prices with a plant's organs kept. False, and all is as it was, where that leaves no less wrong. */
+static bool keep(struct lod_allocation *m, double lambda, double target, uint32_t plant, double near,
+	struct lod_price *at, double *over, double *bytes)
 {
-	enum lod_organs before = lod_prices_organs(m)[plant];
 	double low, high;
 	lod_price_relax(m, lambda, at);
 	double wrong = lod_price_wrong(m);
-	lod_prices_set_organs_of(m, plant, organs);
+	lod_prices_keep_organs(m, plant, true);
 	seek(m, lambda, target, near, &low, &high);
 	struct lod_price try = high > low ? search_price(m, lambda, target, NAN, &exactly, &low, high)
 		: (struct lod_price){ low, low };
@@ -179,15 +170,14 @@ static bool decide(struct lod_allocation *m, double lambda, double target, uint3
 		*over = low;
 		return true;
 	}
-	lod_prices_set_organs_of(m, plant, before);
+	lod_prices_keep_organs(m, plant, false);
 	return false;
 }
 
 /* At the price `over` there are too many bytes, at `at`, little higher, many are left: there lists come that
  * many plants or all tiles draw. Either tiles pay less where these are not, or more where they are; or the
- * dearest organs that come there are kept, and all else pays more, first levels of textures; or the dearest
- * of all are left out, and all else pays less. False where none of it leaves less wrong, or the bytes are
- * used. */
+ * dearest organs that come there are kept, and all else pays more, first levels of textures. False where none
+ * of it leaves less wrong, or the bytes are used. */
 static bool fill_gap(struct lod_allocation *m, double lambda, double target, struct lod_price *at,
 	double *over, double *bytes)
 {
@@ -212,11 +202,8 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	lod_price_relax(m, lambda, at);
 	lod_prices_note_off(m);
 	lod_price_relax(m, lambda, &(struct lod_price){ lists, lists });
-	uint32_t kept = lod_prices_dearest(m, true), out = lod_prices_dearest(m, false);
-	better = kept != ECO_NONE && decide(m, lambda, target, kept, LOD_ORGANS_KEPT, lists, at, over, bytes);
-	if (out != ECO_NONE)
-		better |= decide(m, lambda, target, out, LOD_ORGANS_OUT, lists, at, over, bytes);
-	return better;
+	uint32_t dearest = lod_prices_dearest(m);
+	return dearest != ECO_NONE && keep(m, lambda, target, dearest, lists, at, over, bytes);
 }
 
 /* The highest price tried at which there are too many bytes, and the next one tried above it, at which there
@@ -240,7 +227,7 @@ double lod_price_find(struct lod_allocation *m, double lambda, double target,
 {
 	const struct closely *closely = near->is_enough ? &roughly : &exactly;
 	double low, high;
-	lod_prices_set_organs(m, NULL);
+	lod_prices_set_kept(m, NULL);
 	if (!recall(m, lambda, target, &low, &high))
 		seek(m, lambda, target, near->octave, &low, &high);
 	*at = high > low ? search_price(m, lambda, target, NAN, closely, &low, high)

@@ -28,8 +28,8 @@ struct lod_price_near {
 };
 double lod_price_find(struct lod_allocation *allocation, double lambda, double target,
 	const struct lod_price_near *near, struct lod_price *at, double *over);
-/* The same where that leaves many bytes, gap after gap: two prices, or organs of plants that are kept, or
- * left out. Vertices stay within the request's. */
+/* The same where that leaves many bytes, gap after gap: two prices, or organs of plants that are kept. Vertices
+ * stay within the request's. */
 double lod_price_fill(struct lod_allocation *allocation, double lambda, double target, struct lod_price *at,
 	double over, int gaps);
 /* Wrong pixels that the last relaxation leaves. */
