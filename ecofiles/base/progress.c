@@ -65,12 +65,11 @@ static void find_left(char text[32], const char *stage, double now, double share
 	write_left(text, now - stage_now.since_s, share);
 }
 
-static void say(const char *stage, const char *detail, double share, const char *left)
+static void say(const char *what, double share, const char *left)
 {
-	static char last[256];
+	static char last[320];
 	char text[sizeof last];
-	snprintf(text, sizeof text, "%s%s%.150s, %.0f %%%s", stage, detail ? ": " : "", detail ? detail : "",
-		100 * share, left);
+	snprintf(text, sizeof text, "%s, %.0f %%%s", what, 100 * share, left);
 	if (strcmp(text, last) != 0)
 		fprintf(stderr, "%s: %s\n", program, text);
 	memcpy(last, text, sizeof last);
@@ -80,25 +79,26 @@ void eco_progress(const char *stage, const char *detail, double share)
 {
 	double now = eco_clock_s(CLOCK_MONOTONIC);
 	bool terminal = isatty(STDERR_FILENO) == 1;
-	char left[32];
+	char left[32], what[240];
 	pthread_mutex_lock(&lock);
-	share = share < 0 ? 0 : share > 1 ? 1 : share;
+	share = share > 0 ? share < 1 ? share : 1 : 0;       /* not NaN */
 	find_left(left, stage, now, share);
 	if (!silent && now - last_s >= (terminal ? 0.1 : 4.0)) {
 		/* a run that ends within a few seconds prints nothing */
 		bool first = last_s < 0;
 		last_s = now;
+		snprintf(what, sizeof what, "%s%s%.150s", stage, detail ? ": " : "", detail ? detail : "");
+		eco_utf8_tame(what, "", '?');        /* names from files must not steer a terminal */
 		if (terminal) {
 			char bar[BAR + 1];
 			memset(bar, '.', BAR);
 			memset(bar, '#', (size_t)(share * BAR));
 			bar[BAR] = 0;
-			fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s%s%s%s", bar, 100 * share, stage,
-				detail ? ": " : "", detail ? detail : "", left);
+			fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s%s", bar, 100 * share, what, left);
 			fflush(stderr);
 			shown = true;
 		} else if (!first)
-			say(stage, detail, share, left);
+			say(what, share, left);
 	}
 	pthread_mutex_unlock(&lock);
 }
@@ -117,7 +117,7 @@ void eco_progress_note(const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
-	eco_utf8_tame(text, "", '?');        /* quotes from files must not steer a terminal */
+	eco_utf8_tame(text, "", '?');
 	pthread_mutex_lock(&lock);
 	if (!silent) {
 		erase();
