@@ -215,7 +215,7 @@ void main() {
 
 /* u_level: eco_level_share, in 1/255. Ellipses as lod/splat.h has them. Each is a point as large as the
  * pixels whose middles lie within its sides, of which the fragment shader tells those that it covers; one
- * that covers none is not drawn. Where some may be larger than the driver's points (u_corners is 3, not 1)
+ * that covers none is not drawn. If some may be larger than the driver's points (u_corners is 3, not 1)
  * each is the least triangle around its ellipse, and a quarter of a pixel more, as drivers round vertices.
  * All plants of a cut are one instance: drivers begin anew with each (lod/EXPERIMENTS.md, A frame's time). */
 #ifdef ELLIPSE

@@ -45,7 +45,7 @@ static bool same_plant(const struct make_plant *plant, const struct eco_source_p
 		&& same_rules(s, source);
 }
 
-/* The files of a plant as one text: canonical paths, separated by newlines. Of a plant of the library: what it is. */
+/* The files of a plant as one text: canonical paths, separated by newlines; a plant of the library says what it is. */
 static char *paths_of(const struct eco_source_plant *source)
 {
 	const struct eco_library_plant *l = &source->library;

@@ -1,7 +1,7 @@
 /* Uses a budget to the last vertex that gains, with tiles and gates fixed. First the lowest lambda whose hull
  * points fit is searched: the dual solution. The rest of the budget goes to further steps in falling order of
- * slope (greedy fill, as in the linear relaxation of the knapsack), down to steps of single plants. Where many
- * plants are in view all take whole steps but the last, which goes part of the way: the rest differs from
+ * slope (greedy fill, as in the linear relaxation of the knapsack), down to steps of single plants. With many
+ * plants in view all take whole steps but the last, which goes part of the way: the rest differs from
  * picture to picture and must not change more than one plant.
  *
  *   lod_allocation_fix(&allocation);                      tiles, gates, counts

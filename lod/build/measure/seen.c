@@ -15,10 +15,9 @@
 
 #define FINEST ECO_SEEN_PX(0)    /* pixels a side of the largest size */
 
-/* Backgrounds of plants: the ground, the sky and their means. */
+/* The background of plants: a mean of ground and sky. */
 static const float before_open[3] = { 0.22f, 0.27f, 0.26f };
-/* Light of a fine day, alike from all sides of the sky: as much less, and from overhead. */
-#define OVERHEAD 0.56f
+#define OVERHEAD 0.56f           /* of the usual sunlight: it comes from overhead, for a sun in any part of the sky */
 #define TONE 0.53125f            /* of a plant as bright as all in the mean (plant_light) */
 
 struct lod_seen_light { struct sunlight sun; struct plant plant; };     /* the sky's alone */
@@ -197,7 +196,7 @@ static float reach_of(const struct lod_drawing *d, const struct lod_geometry *g,
 	return volume > 0 ? cube_root(volume) / half_width : 0;
 }
 
-/* The color seen of a primitive, and the factor of its light. */
+/* The surface seen of a primitive; *tone: a factor of its color, which stays 1 without leaves. */
 static face face_at(const struct lod_seen *seen, uint32_t item, uint32_t leaf, float *tone, const double at[3],
 	vec3 to_eye)
 {

@@ -131,7 +131,7 @@ static void note_trees(void *ctx, const struct view_draw_job *job)
 	}
 }
 
-/* Means of a picture's pixels by owner: red, green, and their number; trees in order of note_trees. */
+/* Sums of pixels by owner: red, green, blue and their number; trees in order of note_trees. */
 static void find_means(const struct trees *trees, const struct view_picture *p, double (*mean)[4])
 {
 	memset(mean, 0, 2 * TREES * sizeof *mean);
