@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/pack.h"
@@ -289,9 +290,12 @@ static void print_value(FILE *out, const json_t *value)
 			fputs(i ? " " : "", out);
 			print_value(out, part);
 		}
-	} else if (json_is_string(value))
-		fputs(json_string_value(value), out);
-	else if (json_is_integer(value))
+	} else if (json_is_string(value)) {
+		char *text = eco_copy_text(json_string_value(value));
+		eco_utf8_tame(text, "", '?');        /* names from packs must not steer a terminal */
+		fputs(text, out);
+		free(text);
+	} else if (json_is_integer(value))
 		fprintf(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
 	else if (json_is_real(value))
 		fprintf(out, fabs(json_real_value(value)) < 1e5 ? "%.5g" : "%.10g", json_real_value(value));
@@ -381,7 +385,8 @@ static void print_info(const struct eco_scene *s, const json_t *info, FILE *out)
 	const json_t *tint;
 	size_t i;
 	json_array_foreach(json_object_get(info, "tints"), i, tint) {
-		fprintf(out, "\ntints by %s", json_string_value(json_object_get(tint, "column")));
+		fputs("\ntints by ", out);
+		print_value(out, json_object_get(tint, "column"));
 		inspect_table(out, NULL, json_object_get(tint, "classes"), "name color plants");
 	}
 }
