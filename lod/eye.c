@@ -6,13 +6,6 @@
 
 #include "ecofiles/base/angle16.h"
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* Scales to unit length. The components are first divided by the largest, so that neither 1e-200 nor 1e200
  * over- or underflows. */
 static bool normalize(double v[3])
@@ -82,17 +75,17 @@ void lod_eye_make(struct lod_eye *eye, const struct eco_view *view)
 	bool looks = normalize(eye->forward);
 	assert(looks);
 	bool has_up = normalize(up);
-	cross(eye->forward, up, eye->right);
+	lod_cross(eye->forward, up, eye->right);
 	if (!has_up || lod_dot(eye->right, eye->right) < 1e-24) {
 		/* `up` is parallel to the view: take the world axis that is least along it, Z first, so that
 		 * a level view stays level */
 		int axis = fabs(eye->forward[2]) < 0.9 ? 2 : 1;
 		for (int i = 0; i < 3; i++)
 			up[i] = i == axis;
-		cross(eye->forward, up, eye->right);
+		lod_cross(eye->forward, up, eye->right);
 	}
 	normalize(eye->right);
-	cross(eye->right, eye->forward, eye->up);
+	lod_cross(eye->right, eye->forward, eye->up);
 	eye->tan_y = tangent_deg(view->fov_y_deg * 0.5);
 	eye->tan_x = eye->tan_y * view->width / view->height;
 	eye->pixel_rad = 2.0 * eye->tan_y / view->height;

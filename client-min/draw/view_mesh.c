@@ -144,12 +144,6 @@ static void texture_mean(const struct eco_image *image, const double uv[3][2], d
 		light[k] = sum.sum[k] / sum.weight;
 }
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	for (int k = 0; k < 3; k++)
-		out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 /* uv where a ray meets the triangle's plane, but not beyond the triangle: pixels at its edges reach out. */
 static void find_uv(const float *p, const float *uv, const double eye[3], const double ray[3], double out[2])
 {
@@ -159,8 +153,8 @@ static void find_uv(const float *p, const float *uv, const double eye[3], const 
 		side[1][k] = (double)p[6 + k] - p[k];
 		from[k] = eye[k] - p[k];
 	}
-	cross(ray, side[1], q);                  /* Möller and Trumbore 1997 */
-	cross(from, side[0], r);
+	lod_cross(ray, side[1], q);              /* Möller and Trumbore 1997 */
+	lod_cross(from, side[0], r);
 	double whole = lod_dot(side[0], q), b = lod_dot(from, q) / whole, c = lod_dot(ray, r) / whole;
 	b = b > 0 ? b < 1 ? b : 1 : 0;
 	c = c > 0 ? c < 1 - b ? c : 1 - b : 0;
@@ -185,7 +179,7 @@ static uint32_t facet_of(const float *p)
 	const double a[3] = { p[3] - p[0], p[4] - p[1], p[5] - p[2] }, b[3] = { p[6] - p[0], p[7] - p[1],
 		p[8] - p[2] };
 	double n[3];
-	cross(a, b, n);
+	lod_cross(a, b, n);
 	double length = sqrt(lod_dot(n, n)), part = length > 0 ? 1 / length : 0;
 	const float normal[3] = { (float)(n[0] * part), (float)(n[1] * part), (float)(n[2] * part) };
 	return view_surface_direction(VIEW_FACET, normal);

@@ -10,10 +10,10 @@
  * distance. */
 static void set_ellipse(struct lod_outline *o, const double a[3], const double b[3], const double f[3])
 {
-	const double c[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-	const double part = 1 / (1 - lod_dot(f, f)), x = lod_dot(a, f), y = lod_dot(b, f),
-		/* cross products of (x, y) with each half axis */
-		s[3] = { f[2] * c[1] - f[1] * c[2], f[0] * c[2] - f[2] * c[0], f[1] * c[0] - f[0] * c[1] };
+	double c[3], s[3];           /* s: cross products of (x, y) with each half axis */
+	lod_cross(a, b, c);
+	lod_cross(c, f, s);
+	const double part = 1 / (1 - lod_dot(f, f)), x = lod_dot(a, f), y = lod_dot(b, f);
 	double xy = (lod_dot(a, b) + x * y * part) * part, yy = (lod_dot(b, b) + y * y * part) * part,
 		area = sqrt(lod_dot(c, c) + part * lod_dot(s, s)) * part;
 	o->x -= x * part;
@@ -51,13 +51,6 @@ void lod_outline_make(struct lod_outline *o, const struct lod_eye *eye, const do
 
 double lod_outline_area(const struct lod_outline *o) { return PI * o->half * o->high; }
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* With the ellipsoid as a unit ball around m, the ray v = p + x q meets it where |v|^2 >= |m x v|^2 and m v > 0:
  * a quadratic in x. */
 static bool ray_row(const struct lod_outline *o, const struct lod_eye *eye, double y, double *low, double *high)
@@ -68,8 +61,8 @@ static bool ray_row(const struct lod_outline *o, const struct lod_eye *eye, doub
 		p[k] = (eye->forward[k] + y * eye->up[k]) / o->size[k];
 		q[k] = eye->right[k] / o->size[k];
 	}
-	cross(m, p, mp);
-	cross(m, q, mq);
+	lod_cross(m, p, mp);
+	lod_cross(m, q, mq);
 	const double a = lod_dot(q, q) - lod_dot(mq, mq), b = lod_dot(p, q) - lod_dot(mp, mq),
 		c = lod_dot(p, p) - lod_dot(mp, mp), rest = b * b - a * c;
 	if (!(rest > 0))
@@ -111,7 +104,7 @@ double lod_outline_way(const struct lod_outline *o, const struct lod_eye *eye, d
 		m[k] = o->middle[k] / o->size[k];
 		v[k] = (eye->forward[k] + x * eye->right[k] + y * eye->up[k]) / o->size[k];
 	}
-	cross(m, v, mv);
+	lod_cross(m, v, mv);
 	const double along = lod_dot(m, v), vv = lod_dot(v, v), rest = vv - lod_dot(mv, mv),
 		root = rest > 0 ? sqrt(rest) : 0;
 	return (fmax(0, along + root) - fmax(0, along - root)) / vv * sqrt(1 + x * x + y * y);

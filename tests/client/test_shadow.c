@@ -92,17 +92,11 @@ static void put_corner(const struct lit *l, const struct lod_place *place, const
 		out[k] -= l->h.eye.at[k];
 }
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	for (int k = 0; k < 3; k++)
-		out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 /* A line is as wide as it is, towards the sun. */
 static void add_line(struct solids *s, double a[3], double b[3], double width, const double sun[3])
 {
 	double along[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, side[3];
-	cross(along, sun, side);
+	lod_cross(along, sun, side);
 	double part = 0.5 * width / sqrt(fmax(lod_dot(side, side), 1e-30));
 	for (int half = 0; half < 2; half++) {
 		struct solid *t = add_solid(s);
@@ -163,8 +157,8 @@ static bool meets(const struct solid *t, const double from[3], const double sun[
 		double along = -lod_dot(to, sun);
 		return along > least && lod_dot(to, to) - along * along < t->radius * t->radius;
 	}
-	cross(sun, e2, q);
-	cross(to, e1, r);
+	lod_cross(sun, e2, q);
+	lod_cross(to, e1, r);
 	double whole = lod_dot(e1, q), a = lod_dot(to, q) / whole, b = lod_dot(sun, r) / whole;
 	return a >= 0 && b >= 0 && a + b <= 1 && lod_dot(e2, r) / whole > least;
 }
