@@ -276,8 +276,11 @@ static void add_group(struct shares *s, const struct eco_group *group)
 		s->plant[group->plant] += (double)group->count * area;
 		return;
 	}
-	for (uint32_t i = 0; i < group->count; i++)
-		s->plant[eco_place_read(scene, group->place_first + i).tint * scene->plant_count + group->plant] += area;
+	for (uint32_t i = 0; i < group->count; i++) {
+		uint32_t tint = eco_place_read(scene, group->place_first + i).tint;
+		assert(tint <= s->tint_count);
+		s->plant[tint * scene->plant_count + group->plant] += area;
+	}
 }
 
 /* An eco file's instance lists have one palette. */
