@@ -340,6 +340,6 @@ void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struc
 			bits((float)(a[2] * place->scale)),
 			bits((float)(a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2])));
 	}
-	uint32_t half = bits(plant ? view_shape_of(plant).half_width : 0) & 0xFFFF0000u;
+	uint32_t half = (bits(plant ? view_shape_of(plant).half_width : 0) + 0x8000u) & 0xFFFF0000u;
 	put(&words, bits((float)place->scale), half | place->salt, bits((float)lod_place_width(place)), p->tint);
 }

@@ -59,8 +59,8 @@ uint32_t view_impostor_surface(const struct eco_list *list);
 
 /* ---- Instances ---- */
 
-/* Four texels: the rows of object -> view, then the instance's scale, half the width of its plant in the upper half
- * of a word over its salt, its width and its tint; plant: NULL for a summary's. */
+/* Four texels: the rows of object -> view, then the instance's scale, half the width of its plant, rounded to the
+ * upper half of a word, over its salt, its width and its tint; plant: NULL for a summary's. */
 #define VIEW_INSTANCE_TEXELS 4
 void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struct view_instance *instance,
 	const struct view_plant *plant);
