@@ -25,7 +25,9 @@ static const char *rows_text_of(struct eco_rows *rows, char *text, size_t size)
 	while (rows->next(rows, &more, &error) == ECO_OK && more) {
 		const struct eco_rows_place *place = &rows->place;
 		ROWS_PUT(" /");
-		if (place->kind == ECO_PLACE_POINT && !isnan(place->at[2]))
+		if (place->kind == ECO_PLACE_POINT && place->width > 0)
+			ROWS_PUT(" (%.9g %.9g, %.3g m wide)", place->at[0], place->at[1], place->width);
+		else if (place->kind == ECO_PLACE_POINT && !isnan(place->at[2]))
 			ROWS_PUT(" (%.9g %.9g %.9g)", place->at[0], place->at[1], place->at[2]);
 		else if (place->kind == ECO_PLACE_POINT)
 			ROWS_PUT(" (%.9g %.9g)", place->at[0], place->at[1]);
@@ -121,7 +123,10 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 		"oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / "
 		"POINT POINT (x y),bad", NULL, NULL },
 	{ NULL, "crown.csv", "id,WKT\n1,\"POLYGON ((0 0,4 0,4 4,0 4,0 0))\"\n",
-		"id,WKT / (2 2) 1,POLYGON ((0 0,4 0,4 4,0 4,0 0))", NULL, NULL },
+		"id,WKT / (2 2, 4.51 m wide) 1,POLYGON ((0 0,4 0,4 4,0 4,0 0))", NULL, NULL },
+	{ NULL, "degrees.csv", "WKT\n\"POLYGON Z ((0 60 9,0 60.0001 9,0.0002 60.0001 9,0.0002 60 9,0 60 9))\"\n",
+		"WKT / (0.0001 60.00005, 12.5 m wide) POLYGON Z ((0 60 9,0 60.0001 9,0.0002 60.0001 9,0.0002 60 9,0 60 9))",
+		NULL, NULL },
 	{ NULL, "several.csv", "id,WKT\n1,MULTIPOINT ((1 2))\n", "id,WKT / (1 2) 1,MULTIPOINT ((1 2))", NULL, NULL },
 	{ NULL, "postgis.csv", "id,geom\n1,0101000020E6100000000000000000F83F0000000000000440\n",
 		"id,geom / (1.5 2.5) 1,0101000020E6100000000000000000F83F0000000000000440", NULL, NULL },

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "build/words/grids.table"
+#include "ecofiles/base/angle16.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
 
@@ -88,6 +89,13 @@ const char *eco_crs_words(const char *code)
 {
 	size_t row = grid_row((uint32_t)strtoul(code + strcspn(code, "0123456789"), NULL, 10));
 	return row < sizeof grids_rows / sizeof *grids_rows ? grids_rows[row].words : "";
+}
+
+double eco_degree_m(double latitude_deg)
+{
+	double sine, cosine;
+	eco_angle16_sincos(eco_angle16_from_deg(fmin(fmax(latitude_deg, -90), 90)), &sine, &cosine);
+	return ECO_DEGREE_M * cosine;
 }
 
 void eco_crs_utm(const double degrees[2], char code[32])

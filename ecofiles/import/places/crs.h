@@ -67,6 +67,10 @@ uint32_t eco_crs_usual(uint32_t epsg);
 /* Words of columns in tables of the country of a CRS, "EPSG:2154"; "": none. */
 const char *eco_crs_words(const char *code);
 
+#define ECO_DEGREE_M 111195.0        /* of a great circle */
+/* Metres of a degree of longitude at a latitude; 0 at the poles, beyond them, and for NaN. */
+double eco_degree_m(double latitude_deg);
+
 /* The code of the UTM zone of a place in degrees: "EPSG:32632". */
 void eco_crs_utm(const double degrees[2], char code[32]);
 

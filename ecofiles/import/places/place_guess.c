@@ -24,7 +24,6 @@
 #define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
 #define STAND_PER_HA 150.0         /* plants; towns and parks have 5 to 100 */
 #define STAND_LEAST 50u              /* fewer plants are a group */
-#define DEGREE_M 111195.0            /* of a great circle */
 #define ONLY_SO_TERRAIN "only so does the terrain lie there"
 
 void eco_place_why(char why[ECO_WHY_BYTES], const char *format, ...)
@@ -540,8 +539,8 @@ static void guess_stand(const struct eco_place_look *l)
 	if (g->stand)
 		return;
 	if (crs && eco_crs_look(crs, low, &a, NULL) == ECO_OK && eco_crs_look(crs, high, &b, NULL) == ECO_OK) {
-		side[0] = DEGREE_M * fabs(b.degrees[0] - a.degrees[0]) * cos(a.degrees[1] * M_PI / 180);
-		side[1] = DEGREE_M * fabs(b.degrees[1] - a.degrees[1]);
+		side[0] = eco_degree_m(a.degrees[1]) * fabs(b.degrees[0] - a.degrees[0]);
+		side[1] = ECO_DEGREE_M * fabs(b.degrees[1] - a.degrees[1]);
 	}
 	double length = fmax(side[0], side[1]), width = fmax(fmin(side[0], side[1]), length / 4);
 	g->per_ha = length > 0 ? 1e4 * (double)l->asked->table->rows / (length * width) : 0;

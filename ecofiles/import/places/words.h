@@ -23,10 +23,10 @@ bool eco_words_have(const char *words, const char *word);
 bool eco_words_any(const char *name, const char *words);
 /* The words of a set of words/sets.tsv, which has it. */
 const char *eco_words_set(const char *set);
-/* Letters inserted, left out, replaced or swapped with their neighbours between two words; more than
- * `most`: most + 1. */
 /* Whether two words differ by two letters beside each other that are swapped, "heigth". */
 bool eco_words_swapped(const char *a, const char *b);
+/* Letters inserted, left out, replaced or swapped with their neighbours between two words; more than
+ * `most`: most + 1. */
 unsigned eco_words_distance(const char *a, const char *b, unsigned most);
 
 #endif

@@ -12,7 +12,6 @@
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/track/track_read.h"
 
-#define METRES_PER_DEGREE 111195.0
 #define NORTH_STEP_DEG 1e-3              /* to see where north is in a grid */
 #define WINDOW_S 1.0                     /* speeds are measured over */
 #define FAR_S (30 * 86400.0)             /* from the middle stamp: another recording, or a clock not set */
@@ -38,7 +37,7 @@ static void find_step(struct eco_track *track)
 			step[k] = d > least ? fmin(d, step[k]) : step[k];
 		}
 	double finer = fmin(step[0] * (track->degrees ? cos(f[0].at[1] / TRACK_DEG) : 1), step[1]);
-	track->still_m = isfinite(finer) ? finer * (track->degrees ? METRES_PER_DEGREE : 1) : 0;
+	track->still_m = isfinite(finer) ? finer * (track->degrees ? ECO_DEGREE_M : 1) : 0;
 }
 
 static bool convert(struct eco_crs *crs, double at[2])

@@ -24,6 +24,7 @@
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/ground/gdal_module.h"
 #include "ecofiles/import/model/import_file.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/table_columns.h"
 
@@ -611,8 +612,6 @@ static void take_foot(struct eco_rows_place *place, OGRGeometryH tree)
 		(foot.MinY + foot.MaxY) / 2, OGR_G_Is3D(tree) ? whole.MinZ : NAN } };
 }
 
-#define DEGREE_M 111195.0            /* of a great circle */
-
 /* The middle of a crown and the width of the disc of its area. */
 static void take_crown(const struct ogr_rows *r, struct eco_rows_place *place, OGRGeometryH crown)
 {
@@ -620,8 +619,8 @@ static void take_crown(const struct ogr_rows *r, struct eco_rows_place *place, O
 	if (OGR_G_Centroid(crown, middle) == OGRERR_NONE && !OGR_G_IsEmpty(middle)) {
 		take_point(place, middle);
 		place->at[2] = NAN;
-		double metre = r->metre_per_unit > 0 ? r->metre_per_unit : DEGREE_M,
-		       across = r->metre_per_unit > 0 ? metre : metre * cos(place->at[1] * M_PI / 180);
+		double metre = r->metre_per_unit > 0 ? r->metre_per_unit : ECO_DEGREE_M,
+		       across = r->metre_per_unit > 0 ? metre : eco_degree_m(place->at[1]);
 		place->width = 2 * sqrt(fabs(OGR_G_Area(crown)) * metre * across / M_PI);
 	}
 	OGR_G_DestroyGeometry(middle);
@@ -693,6 +692,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	}
 	for (int k = 0; k < 3; k++)
 		place->at[k] *= r->unit_m;
+	place->width *= r->unit_m;
 	return ECO_OK;
 }
 

@@ -16,6 +16,7 @@
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_file.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/inventory_text.h"
 
 #define HEAD_BYTES 65536u
@@ -230,14 +231,14 @@ void eco_rows_free_texts(struct eco_rows *rows)
 /* ---- Points as text ---- */
 
 #define DEGREE_DIGITS 6
-#define DEGREE_M 111195.0            /* of a great circle */
+#define PLANT_DEG 0.1                /* wider polygons of small numbers are in metres: they hold one plant */
 
 /* The middle of the first ring, "((11 48, 12 48, ...", and the width of the disc of its area. */
 static bool read_ring(const char *text, double at[3], double *width)
 {
 	double first[2], last[2], now[2], sum[2] = { 0, 0 }, area = 0;
 	int count = 0;
-	for (text += strspn(text, "( "); sscanf(text, "%lf %lf", &now[0], &now[1]) == 2; count++) {
+	for (text += strspn(text, "( ZzMm"); sscanf(text, "%lf %lf", &now[0], &now[1]) == 2; count++) {
 		if (count == 0)
 			memcpy(first, now, sizeof first);
 		else {                           /* from the first corner, as its coordinates may be large */
@@ -252,11 +253,11 @@ static bool read_ring(const char *text, double at[3], double *width)
 			break;
 		text++;
 	}
-	bool degrees = count > 0 && fabs(first[0]) <= 180 && fabs(first[1]) <= 90;
+	bool degrees = count > 0 && fabs(first[0]) <= 180 && fabs(first[1]) <= 90 && fabs(area) < PLANT_DEG * PLANT_DEG;
 	for (int k = 0; k < 2 && area != 0; k++)
 		at[k] = first[k] + sum[k] / area;
 	at[2] = NAN;
-	*width = 2 * sqrt(fabs(area) / M_PI * (degrees ? DEGREE_M * DEGREE_M * cos(first[1] * M_PI / 180) : 1));
+	*width = 2 * sqrt(fabs(area) / M_PI * (degrees ? ECO_DEGREE_M * eco_degree_m(first[1]) : 1));
 	return area != 0;
 }
 
