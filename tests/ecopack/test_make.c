@@ -317,7 +317,7 @@ UNIT_TEST(test_crowns_have_a_width_of_their_own)
 	free(line[2]);
 }
 
-/* Rows have a class each, missing values too; a scene without a tint stores none. */
+/* Rows have a class each, missing values too, and control characters are spaces; a scene without a tint stores none. */
 UNIT_TEST(test_plants_have_the_tint_of_their_row)
 {
 	static const char entry[] = "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": "
@@ -329,7 +329,7 @@ UNIT_TEST(test_plants_have_the_tint_of_their_row)
 		{ "owner", "[\"#ff0000\", \"#00ff00\"]", 4, { 2, 1, 1, 4, 3, 3 } } };
 	char text[600], tint[200];
 	write_tree("wide.obj", 5, 5);
-	write_text("tints.csv", "x,y,health,age,owner\n0,0,Good,9.9,B\n10,0,POOR (root),10,a\n20,0,who knows,99,A \n"
+	write_text("tints.csv", "x,y,health,age,owner\n0,0,Good,9.9,B\n10,0,POOR (root),10,a\n20,0,who knows,99,A\033\n"
 		"30,0,,NaN,\n40,0,n/a,-,C\n50,0,who knows,old,D\n");
 	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
 		snprintf(tint, sizeof tint, ", \"tint\": {\"column\": \"%s\", \"palette\": %s}", cases[c].column,

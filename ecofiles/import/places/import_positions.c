@@ -322,7 +322,11 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 	read_sizes(p, record);
 	record->yaw_deg = read_yaw(p);
 	record->scale = read_scale(p);
-	record->tint = p->spec->tint.column ? eco_row_field(p, ECO_COLUMN_TINT) : NULL;
+	if (p->spec->tint.column) {
+		eco_row_shown(eco_row_field(p, ECO_COLUMN_TINT), p->tint, sizeof p->tint);
+		tidy(p->tint, strlen(p->tint) == ECO_SPECIES_BYTES);
+		record->tint = p->tint;
+	}
 	record->row = p->rows->row;
 	record->line = p->rows->line;
 	p->plants++;

@@ -124,7 +124,7 @@ struct eco_position {
 	/* as the row itself has it: UTF-8 without control characters, at most ECO_SPECIES_BYTES; "": it
 	 * states none; NULL: no column does. Valid until the next call */
 	const char *species;
-	const char *tint;            /* the field of the tint's column; NULL: there is none. Valid likewise */
+	const char *tint;            /* the field of the tint's column, made fit and valid likewise; NULL: there is none */
 	uint32_t plant;              /* a variant, by a hash of the row's number; ECO_NONE: end */
 	uint32_t variant_first, variant_count;       /* the variants it was taken from */
 	double at[3];                /* metres from the origin; z is 0 if the row has none */

@@ -89,6 +89,7 @@ struct eco_positions {
 	bool sized;                  /* a size was understood */
 	uint64_t sizes[ECO_SIZED_COUNT];
 	char said[ECO_SPECIES_BYTES + 1];    /* species of the row being read */
+	char tint[ECO_SPECIES_BYTES + 1];    /* its value of the tint's column */
 	bool ended;
 };
 

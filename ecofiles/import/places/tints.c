@@ -11,7 +11,7 @@
 #include "ecofiles/import/places/words.h"
 
 #define ROWS (sizeof tints_rows / sizeof *tints_rows)
-#define VALUES_MAX 65536u        /* of all columns; further ones are "other" */
+#define VALUES_MAX 65536u        /* of all columns; beyond, those without a class of the palette are "other" */
 #define KEY_BYTES 272u
 
 /* ---- Palettes ---- */
@@ -184,7 +184,7 @@ const char *eco_tint_fitting(const char *const *texts, uint32_t count, double *s
 struct value { const struct eco_tint *tint; uint32_t class, code; char *text; uint64_t plants; };
 
 struct eco_tint_values {
-	struct eco_string_pool keys; /* the tint's number, and the class's or the folded text */
+	struct eco_string_pool keys; /* the tint's number, then its class's or the folded text */
 	struct value *items;         uint32_t room;
 	const struct eco_tint **tints;       uint32_t tint_count, tint_room;
 };
@@ -209,17 +209,19 @@ uint32_t eco_tints_value(struct eco_tints *tints, const struct eco_tint *tint, c
 	if (!tints->values)
 		tints->values = eco_alloc(1, sizeof *tints->values);
 	struct eco_tint_values *v = tints->values;
-	uint32_t number = tint_number(v, tint), class = tint->break_count ? class_of(tint, text) : tint->class_count;
+	bool by_class = tint->break_count || v->keys.count >= VALUES_MAX;
+	uint32_t number = tint_number(v, tint), class = by_class ? class_of(tint, text) : 0, before = v->keys.count;
+	if (by_class && class == tint->class_count)
+		class = class_named(tint, ECO_TINT_OTHER);
 	eco_text_fold(text, folded, sizeof folded);
-	if (tint->break_count || v->keys.count >= VALUES_MAX)
-		snprintf(folded, sizeof folded, "%u", tint->break_count ? class : class_named(tint, ECO_TINT_OTHER));
-	snprintf(key, sizeof key, "%u%c%s", number, v->keys.count >= VALUES_MAX ? '+' : '=', folded);
-	uint32_t before = v->keys.count, at = eco_string_number(&v->keys, key);
+	if (by_class)
+		snprintf(key, sizeof key, "%u+%u", number, class);
+	else
+		snprintf(key, sizeof key, "%u=%s", number, folded);
+	uint32_t at = eco_string_number(&v->keys, key);
 	if (at == before) {
 		eco_grow(&v->items, &v->room, at, sizeof *v->items);
-		bool many = before >= VALUES_MAX && !tint->break_count;
-		v->items[at] = (struct value){ tint, many ? class_named(tint, ECO_TINT_OTHER) : tint->break_count ? class
-			: class_of(tint, text), 0, eco_copy_text(text), 0 };
+		v->items[at] = (struct value){ tint, by_class ? class : class_of(tint, text), 0, eco_copy_text(text), 0 };
 	}
 	v->items[at].plants++;
 	return at + 1;
