@@ -54,14 +54,16 @@ camera 0 0
 file "$DIR/my/map.png" 2>/dev/null | grep -q PNG || [ "$(head -c 4 "$DIR/my/map.png" | tail -c 3)" = PNG ] || complain "map.png is none"
 
 # ---- colours by a column: noted, and taken where they are asked for; then felled trees are there ----
-awk 'BEGIN { print "species,x_m,y_m,height_m,Zustand,Massnahme"; for (i = 0; i < 40; i++)
-	printf "oak,%d,%d,12,%s,%s\n", i % 8 * 5, i * 3, i % 3 ? "gut" : "sehr schlecht (Stamm)", i % 5 ? "Erhalt" : "gef\303\244llt" }' >"$DIR/tint.csv"
+awk 'BEGIN { print "species,x_m,y_m,height_m,Zustand,Massnahme,Jahr"; for (i = 0; i < 40; i++)
+	printf "oak,%d,%d,12,%s,%s,%d\n", i % 8 * 5, i * 3, i % 3 ? "gut" : "sehr schlecht (Stamm)", i % 5 ? "Erhalt" : "gef\303\244llt", 1941 + 2 * i }' >"$DIR/tint.csv"
 start 0 'tint none .*"Zustand" .health., "Massnahme" .status.* change: --tint COLUMN' tint.csv
 is '.instances[0].tint' null
 start 0 'tint "Massnahme" in the colours of "status"' tint.csv --tint Massnahme
 is '.instances[0].tint' '{"column":"Massnahme","palette":"status"}'
 "$PACK" map "$DIR/my/scene.json" -o "$DIR/tint.png" >"$DIR/out" 2>&1 && grep -q 'felled  *8$' "$DIR/out" || complain "tint: $(cat "$DIR/out")"
-start 2 'has no such column' tint.csv --tint Zustaende
+start 0 'tint "Jahr" in the colours of "age"' tint.csv --tint Jahr
+is '.instances[0].tint.breaks' '[1957,1973,1987,2003]'
+start 1 'has no such column' tint.csv --tint Zustaende
 
 # ---- thousands: commas that other rows or other columns explain, or the user; spaces ----
 printf 'species,Easting_32632,Northing_32632,h_m\noak,"691,234","5,334,000",12\noak,"691,260.5","5,334,020",9\n' >"$DIR/thousands.csv"

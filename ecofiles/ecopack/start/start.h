@@ -90,6 +90,7 @@ struct start {
 	const char *base_unit;               /* else a height */
 	int now;                             /* the year from which ages are counted */
 	json_t *skip;                        /* of rows without a plant: column to values */
+	uint32_t tint_column;                /* as --tint says; ECO_NONE: not given */
 	json_t *tint;                        /* as a scene has it; NULL: none */
 	struct start_model *models; uint32_t model_count, model_capacity;
 	struct eco_table_values species;
@@ -122,8 +123,8 @@ void start_models_find(struct start *s);
 /* A model of that name, or one like it if there is one already. */
 struct start_model *start_model_add(struct start *s, const char *base, size_t bytes);
 void start_match_species(struct start *s);
-/* The library's plant of a genus or form, which is added if it is not there; its number. */
 void start_library_add(struct start *s, const char *habit);          /* a plant of no genus */
+/* The library's plant of a genus or form, which is added if it is not there; its number. */
 uint32_t start_library_plant(struct start *s, const struct eco_flora *flora);
 /* Rare genera get a plant of their habit together. */
 void start_library_merge(struct start *s);

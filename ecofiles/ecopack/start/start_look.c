@@ -13,14 +13,12 @@
 
 /* ---- Columns ---- */
 
-static void find_named(struct start *s, enum eco_role role, const char *name, const char *option)
+static uint32_t find_named(const struct start *s, const char *name, const char *option)
 {
 	char there[250] = "";
 	for (uint32_t i = 0; i < s->table.column_count; i++) {
-		if (strcmp(s->table.columns[i], name) == 0) {
-			s->columns.of[role] = i;
-			return;
-		}
+		if (strcmp(s->table.columns[i], name) == 0)
+			return i;
 		eco_phrase_add(there, sizeof there, s->table.columns[i]);
 	}
 	eco_stop(ECO_BAD_INPUT, "%s %.60s: %.120s has no such column; there are: %s", option, name, s->options->table,
@@ -38,7 +36,8 @@ static void find_columns(struct start *s)
 	s->columns.decimal = o->decimal ? o->decimal[0] : 0;
 	for (size_t i = 0; i < sizeof given / sizeof *given; i++)
 		if (given[i].name)
-			find_named(s, given[i].role, given[i].name, given[i].option);
+			s->columns.of[given[i].role] = find_named(s, given[i].name, given[i].option);
+	s->tint_column = o->tint ? find_named(s, o->tint, "--tint") : ECO_NONE;
 	eco_table_columns(&s->table, &s->columns);
 	if (s->columns.thousands_open)
 		eco_stop(ECO_BAD_INPUT, "%.120s: do the commas in \"%.40s\" and \"%.40s\" part thousands or decimals? "

@@ -422,8 +422,7 @@ static void find_gone(struct start *s)
 	s->skip = json_object();
 	for (uint32_t i = 0; i < s->table.column_count; i++) {
 		enum gone kind = kind_of(s->table.columns[i]);
-		bool colors = s->options->tint && strcmp(s->options->tint, s->table.columns[i]) == 0;
-		if (kind != STAYS && !colors && i != s->columns.of[ECO_ROLE_SPECIES] && may_leave_out(s, i, kind))
+		if (kind != STAYS && i != s->tint_column && i != s->columns.of[ECO_ROLE_SPECIES] && may_leave_out(s, i, kind))
 			add_gone(s, i, kind);
 	}
 }

@@ -5,8 +5,8 @@
 #include "ecofiles/ecopack/start/start.h"
 #include "ecofiles/import/places/inventory_text.h"
 
+#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define VALUES_MOST 40u          /* different ones in the rows looked at: more are names or remarks */
@@ -54,23 +54,25 @@ static const char *palette_of(const struct start *s, uint32_t column, const stru
 		? "owner" : NULL;
 }
 
-/* Numbers are divided so that classes have as many plants, at numbers of one or two digits. */
+/* Numbers are divided so that classes have as many plants, at round numbers: years are not rounded to millennia. */
 static json_t *breaks_json(struct seen *seen)
 {
 	json_t *breaks = json_array();
-	double last = 0;
+	double last = 0, step = 1, part = 1.0 / (BREAKS + 1);
+	double span = eco_spread_quantile(&seen->numbers, 1 - part) - eco_spread_quantile(&seen->numbers, part);
+	for (; 100 * step <= span; step *= 10) {}
+	for (; 10 * step > span && step > 1e-3; step /= 10) {}
 	for (uint32_t i = 1; i <= BREAKS; i++) {
-		char text[32];
-		snprintf(text, sizeof text, "%.2g", eco_spread_quantile(&seen->numbers, (double)i / (BREAKS + 1)));
-		double at = strtod(text, NULL);
+		double at = floor(eco_spread_quantile(&seen->numbers, i * part) / step + 0.5) * step;
 		if (json_array_size(breaks) == 0 || at > last)
 			json_array_append_new(breaks, json_real(last = at));
 	}
 	return breaks;
 }
 
-static void take(struct start *s, uint32_t column)
+static void take(struct start *s)
 {
+	const uint32_t column = s->tint_column;
 	struct seen seen;
 	char took[160];
 	look(s, column, &seen);
@@ -106,14 +108,8 @@ static void propose(struct start *s)
 
 void start_tint(struct start *s)
 {
-	const char *name = s->options->tint;
-	uint32_t i = 0;
-	while (name && i < s->table.column_count && strcmp(s->table.columns[i], name) != 0)
-		i++;
-	if (name && i == s->table.column_count)
-		eco_stop(ECO_BAD_USAGE, "--tint \"%.60s\": %.200s has no such column", name, s->options->table);
-	if (name)
-		take(s, i);
+	if (s->tint_column != ECO_NONE)
+		take(s);
 	else
 		propose(s);
 }
