@@ -104,8 +104,7 @@ static void place_leaf(const struct gen_foliage *f, struct gen_v3 at, struct gen
 	}
 }
 
-/* The way of a leaf that leaves `way` under the angle, turned around it. */
-static struct gen_v3 way_off(struct gen_v3 way, double degrees, double turn_deg)
+struct gen_v3 gen_way_off(struct gen_v3 way, double degrees, double turn_deg)
 {
 	struct gen_v3 side = gen_turned(gen_across(way), way, turn_deg);
 	return gen_turned(way, gen_unit(gen_cross(way, side)), degrees);
@@ -127,7 +126,7 @@ static void place_on(const struct gen_foliage *f, const struct gen_bearer *b, do
 		along = gen_mad(gen_mad(way, gen_random_way(f->random), 0.85), gen_v3(0, 0, 1), 0.15);
 		face = gen_random_way(f->random);
 	} else {
-		along = way_off(way, f->angle_deg, GOLDEN_DEG * number + gen_random_in(f->random, -30, 30));
+		along = gen_way_off(way, f->angle_deg, GOLDEN_DEG * number + gen_random_in(f->random, -30, 30));
 		along.z -= f->droop;
 		face = gen_mad(up, gen_v3(at.x, at.y, 0), 0.5 / (1e-3 + gen_length(gen_v3(at.x, at.y, 0))));
 	}

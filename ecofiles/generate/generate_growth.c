@@ -199,12 +199,10 @@ static void end_branch(struct grower *g, const struct branch *b, uint32_t sides,
 /* The way of child number i: under an angle with its parent's, to one side or around it. */
 static struct gen_v3 child_way(struct grower *g, struct gen_v3 way, double degrees, uint32_t i)
 {
-	struct gen_v3 side = gen_across(way);
 	bool flat = gen_random_unit(g->random) < g->h->flat;
 	double turn = flat ? 180 * (i % 2) + gen_random_in(g->random, -14, 14)
 			   : GOLDEN_DEG * i + gen_random_in(g->random, -25, 25);
-	side = gen_turned(side, way, turn);
-	return gen_turned(way, gen_unit(gen_cross(way, side)), degrees * gen_random_in(g->random, 0.8, 1.2));
+	return gen_way_off(way, degrees * gen_random_in(g->random, 0.8, 1.2), turn);
 }
 
 static uint32_t whole(struct grower *g, double number)

@@ -47,6 +47,9 @@ struct gen_foliage {
 void gen_foliage_plan(struct gen_foliage *foliage, const struct gen_plant_look *look, double area,
 	double part_m, double slim);
 void gen_foliage_place(const struct gen_foliage *foliage, const struct gen_bearer *bearers, uint32_t count);
+/* The way of a leaf or branch that leaves `way` under an angle, turned around it. */
+struct gen_v3 gen_way_off(struct gen_v3 way, double degrees, double turn_deg);
+/* One of GEN_SHADES by the light, 0 to 1, and by chance. */
 uint8_t gen_foliage_shade(const struct gen_foliage *foliage, double light);
 
 /* The facts of habit number i; false: there are no more. */

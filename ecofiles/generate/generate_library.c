@@ -10,6 +10,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/generate/generate_growth.h"
+#include "ecofiles/import/model/model_parts.h"
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 #define FRESH 0x9cbc54u    /* leaves that have just unfolded */
@@ -179,27 +180,15 @@ static float tidy(double v)
 	return (float)(floor(v * 10000 + 0.5) / 10000);
 }
 
-static bool is_flat(const float *a, const float *b, const float *c)
-{
-	double u[3], v[3];
-	for (int k = 0; k < 3; k++) {
-		u[k] = (double)b[k] - (double)a[k];
-		v[k] = (double)c[k] - (double)a[k];
-	}
-	double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-	return !(x * x + y * y + z * z > 0);
-}
-
 static void add_triangle(struct eco_model *model, const uint32_t corner[3], uint32_t material, uint8_t organ)
 {
-	const float *p = model->position;
 	uint32_t t = model->triangle_count;
 	model->triangles_in++;
-	if (is_flat(p + 3 * (size_t)corner[0], p + 3 * (size_t)corner[1], p + 3 * (size_t)corner[2])) {
+	memcpy(model->index + 3 * (size_t)t, corner, 3 * sizeof *corner);
+	if (!(eco_triangle_area(model, t) > 0)) {
 		model->dropped[ECO_DROP_DEGENERATE]++;
 		return;
 	}
-	memcpy(model->index + 3 * (size_t)t, corner, 3 * sizeof *corner);
 	model->material[t] = material;
 	model->organ[t] = organ;
 	model->triangle_count++;
