@@ -40,15 +40,14 @@ struct above {
 /* Marks the cells below a triangle, by points as far apart as a cell is wide. */
 static void above_triangle(struct above *above, const double a[3], const double b[3], const double c[3])
 {
-	double longest = fmax(hypot(b[0] - a[0], b[1] - a[1]), hypot(c[0] - a[0], c[1] - a[1]));
+	const double u[2] = { b[0] - a[0], b[1] - a[1] }, v[2] = { c[0] - a[0], c[1] - a[1] };
+	double longest = sqrt(fmax(u[0] * u[0] + u[1] * u[1], v[0] * v[0] + v[1] * v[1]));
 	uint32_t steps = (uint32_t)(longest / above->cell_m) + 1;
 	for (uint32_t i = 0; i <= steps; i++)
 		for (uint32_t k = 0; i + k <= steps; k++) {
 			double s = (double)i / steps, t = (double)k / steps;
-			double x = (a[0] + s * (b[0] - a[0]) + t * (c[0] - a[0])) / above->cell_m +
-				CELLS / 2.0,
-			       y = (a[1] + s * (b[1] - a[1]) + t * (c[1] - a[1])) / above->cell_m +
-				CELLS / 2.0;
+			double x = (a[0] + s * u[0] + t * v[0]) / above->cell_m + CELLS / 2.0,
+			       y = (a[1] + s * u[1] + t * v[1]) / above->cell_m + CELLS / 2.0;
 			if (x >= GAP && y >= GAP && x < CELLS - GAP && y < CELLS - GAP)
 				above->covered[(uint32_t)y][(uint32_t)x] = 1;
 		}

@@ -80,8 +80,9 @@ static bool is_of_library(const struct make *m, uint32_t source, uint32_t plant)
 
 static double times(double a, double b) { return fmax(a / b, b / a); }
 
-/* The size of a library's plant with the nearest height and proportions, in the individual that the hash took. */
-static uint32_t fitting_size(const struct make *m, uint32_t source, uint32_t plant, double height_m, double crown_m)
+/* The size of a library's plant with the nearest height and, where radius_m is known, proportions, in the individual that
+ * the hash took. */
+static uint32_t fitting_size(const struct make *m, uint32_t source, uint32_t plant, double height_m, double radius_m)
 {
 	const struct eco_source_plant *plants = m->sources.items[source].plants;
 	uint32_t first = plant - plants[plant].variant, count = plants[first].variant_count, best = plant;
@@ -91,8 +92,8 @@ static uint32_t fitting_size(const struct make *m, uint32_t source, uint32_t pla
 		if (l->individual != plants[plant].library.individual)
 			continue;
 		double off = times(l->height_m, height_m), own = m->plants[m->plant_of[source][i]].crown / l->height_m;
-		if (!isnan(crown_m))
-			off *= times(own, crown_m / height_m);
+		if (!isnan(radius_m))
+			off *= times(own, radius_m / height_m);
 		if (off < least) {
 			least = off;
 			best = i;
