@@ -198,10 +198,10 @@ static void free_rules(struct eco_source_plant *plant)
 
 /* ---- Plants of the library ---- */
 
-/* Number i of an array, or the one number there is; absent: `otherwise`. */
+/* Number i of an array, in turn, or the one number there is; absent: `otherwise`. */
 static double number_of(const struct eco_json *at, const char *key, size_t i, double otherwise)
 {
-	struct eco_json node = eco_json_member(at, key), one = node.value ? eco_scene_one(&node, i) : node;
+	struct eco_json node = eco_json_member(at, key), one = node.value ? eco_scene_one(&node, i % eco_scene_several(&node)) : node;
 	if (node.value && !json_is_number(one.value))
 		eco_scene_fail(&one, "\"%s\" is a number, or an array of up to %u", key, SIZES_MAX);
 	return node.value ? json_number_value(one.value) : otherwise;
@@ -233,6 +233,8 @@ static void parse_library(struct eco_source *source, const struct eco_json *at, 
 		&& eco_json_text(at, "genus", sizeof plant->library.genus - 1, &genus));
 	if (crowns > 1 && crowns != sizes)
 		eco_scene_fail(at, "%zu heights with %zu crowns: each has its own, or all have one", sizes, crowns);
+	if (*genus && !eco_flora_of(genus, NULL).genus)
+		eco_scene_fail(&node, "no genus of \"%.40s\" is known; without \"genus\" a plant has the leaves of its form", genus);
 	plant->library.season = source->season;
 	eco_scene_parse_season(at, &plant->library.season);
 	snprintf(plant->library.habit, sizeof plant->library.habit, "%s", habit);
@@ -241,7 +243,7 @@ static void parse_library(struct eco_source *source, const struct eco_json *at, 
 	spread_variants(source, plant);
 	for (uint32_t i = 0; i < plant->variant_count; i++) {
 		struct eco_library_plant *own = &plant[i].library;
-		double number = number_of(at, "individual", i % individuals, 1);
+		double number = number_of(at, "individual", i, 1);
 		own->height_m = number_of(at, "height_m", i / individuals, eco_library_height(habit));
 		own->crown_m = number_of(at, "crown_m", i / individuals, 0);
 		own->individual = number >= 1 && number <= UINT16_MAX ? (uint32_t)number : UINT16_MAX;

@@ -175,6 +175,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"known here: model, variants, height_m, unit, up, grade, foot, parts, importance" },
 	{ "{'plants': {'oak': {'library': 'oak'}}}", ":1:32:", "in the library: round, oval, conical" },
 	{ "{'plants': {'oak': {'library': 'round', 'model': 'o'}}}", ":1:41:", "known here: library, height_m, crown_m" },
+	{ "{'plants': {'oak': {'library': 'round', 'genus': 'Xyzzy'}}}", ":1:32:", "no genus of \"Xyzzy\" is known" },
 	{ "{'plants': {'oak': {'library': 'round', 'height_m': 0}}}", ":1:32:", "is 0.02 to 150 m high" },
 	{ "{'plants': {'oak': {'library': 'round', 'height_m': [3, 1e9]}}}", ":1:32:", "is 0.02 to 150 m high" },
 	{ "{'plants': {'oak': {'library': 'round', 'height_m': 'tall'}}}", ":1:53:", "is a number, or an array" },

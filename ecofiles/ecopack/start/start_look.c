@@ -327,6 +327,6 @@ bool start_check_order(char **names, uint32_t count)
 	if (trees_bad || models_bad)
 		eco_stop(ECO_BAD_INPUT, "the order is TREES [MODELS] [RASTER...], and TREES, %.250s, is %s, MODELS, %.250s, %s: "
 			"the first is the table of plants, such as trees.csv, the second a folder or a model ("
-			START_FORMATS ")", names[0], says[trees], count > 1 ? names[1] : "", count > 1 ? says[models] : "none");
+			START_FORMATS ")", names[0], says[trees], count > 1 ? names[1] : "-", says[count > 1 ? models : ABSENT]);
 	return models != RASTER;
 }
