@@ -229,7 +229,8 @@ static void add_tile(struct make *m, uint32_t source, uint32_t index)
 
 static void add_tint_colors(struct make *m, struct make_eco *eco)
 {
-	uint8_t rgb[ECO_LIST_TINTS_MAX][3];
+	_Static_assert(ECO_TINTS_CLASSES_MAX <= ECO_LIST_TINTS_MAX, "lists have codes for all classes");
+	uint8_t rgb[ECO_TINTS_CLASSES_MAX][3];
 	for (uint32_t i = 0; i < eco->tints.class_count; i++)
 		memcpy(rgb[i], eco->tints.classes[i].rgb, sizeof *rgb);
 	if (eco->tints.class_count)

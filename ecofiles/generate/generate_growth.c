@@ -494,7 +494,7 @@ static void make_materials(struct grower *g, uint8_t organ[GEN_MATERIALS_MAX],
 						: ECO_ORGAN_FLOWER;
 }
 
-bool gen_habit_facts(size_t i, struct eco_habit *habit)
+bool eco_library_habit(size_t i, struct eco_habit *habit)
 {
 	if (i >= COUNT(habits_rows))
 		return false;

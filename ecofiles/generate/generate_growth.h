@@ -52,8 +52,6 @@ struct gen_v3 gen_way_off(struct gen_v3 way, double degrees, double turn_deg);
 /* One of GEN_SHADES by the light, 0 to 1, and by chance. */
 uint8_t gen_foliage_shade(const struct gen_foliage *foliage, double light);
 
-/* The facts of habit number i; false: there are no more. */
-bool gen_habit_facts(size_t i, struct eco_habit *habit);
 /* Grows habit number i, `height_m` high and `crown_m` wide; writes the organ of each material. */
 void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], size_t i,
 	const struct eco_library_plant *plant, const struct gen_plant_look *look, uint64_t seed);

@@ -23,11 +23,6 @@ const char *const eco_season_names[ECO_SEASON_COUNT + 1] = { "summer", "autumn",
 
 /* ---- Habits ---- */
 
-bool eco_library_habit(size_t i, struct eco_habit *habit)
-{
-	return gen_habit_facts(i, habit);
-}
-
 /* False: no such habit; *number is then their count. */
 static bool find_habit(const char *name, size_t *number, struct eco_habit *habit)
 {

@@ -7,6 +7,7 @@
 
 #include "build/words/tints.table"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/words.h"
 
@@ -45,12 +46,11 @@ bool eco_tint_palette(struct eco_tint *tint, const char *name)
 
 const char *eco_tint_palettes(char *text, size_t size)
 {
-	size_t used = 0;
 	*text = 0;
-	for (size_t i = 0; i < ROWS && used < size; i++)
+	for (size_t i = 0; i < ROWS; i++)
 		if ((i == 0 || strcmp(tints_rows[i].palette, tints_rows[i - 1].palette) != 0)
 				&& strcmp(tints_rows[i].palette, "-") != 0)
-			used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", tints_rows[i].palette);
+			eco_phrase_add(text, size, tints_rows[i].palette);
 	return text;
 }
 

@@ -456,7 +456,8 @@ static void each_attribute(struct ogr_rows *r, OGRFeatureH feature, int field, t
 	}
 }
 
-/* Calls `take` with each name and value of a line: two cells, "height: 12", "height = 12". Returns how many there are. */
+/* Calls `take`, if it is not NULL, with each name and value of a line: two cells, "height: 12", "height = 12". Returns how
+ * many there are. */
 static unsigned each_pair(struct ogr_rows *r, OGRFeatureH feature, int field, take_pair *take)
 {
 	unsigned count = 0;
@@ -476,7 +477,8 @@ static unsigned each_pair(struct ogr_rows *r, OGRFeatureH feature, int field, ta
 		value = trimmed(value + 1);
 		if (*line == 0 || *value == 0)
 			continue;
-		take(r, line, value);
+		if (take)
+			take(r, line, value);
 		count++;
 	}
 	free(text);
@@ -500,11 +502,6 @@ static void add_column(struct ogr_rows *r, const char *name, const char *value)
 	}
 }
 
-static void count_pair(struct ogr_rows *r, const char *name, const char *value)
-{
-	(void)r, (void)name, (void)value;
-}
-
 static void set_field(struct ogr_rows *r, const char *name, const char *value)
 {
 	uint32_t i = column_named(r, name, r->rows.column_count - r->html_columns);
@@ -524,7 +521,7 @@ static void find_html(struct ogr_rows *r, int count)
 		for (int i = 0; feature && i < count; i++) {
 			const char *text = OGR_F_GetFieldAsString(feature, i);
 			bool pairs = is_of(r, "DXF") ? strcmp(r->rows.columns[i], "BlockAttributes") == 0
-				: strcasestr(text, "<td") || each_pair(r, feature, i, count_pair) > 1;
+				: strcasestr(text, "<td") || each_pair(r, feature, i, NULL) > 1;
 			if (!pairs || (r->html >= 0 && r->html != i))
 				continue;
 			r->html = i;
