@@ -65,6 +65,10 @@ start 0 'tint "Jahr" in the colours of "age"' tint.csv --tint Jahr
 is '.instances[0].tint.breaks' '[1957,1973,1987,2003]'
 start 1 'has no such column' tint.csv --tint Zustaende
 
+# ---- one habit of the library for all: a shrub is as high as shrubs are ----
+awk 'BEGIN { print "x_m,y_m,dbh_cm"; for (i = 0; i < 40; i++) printf "%d,%d,%d\n", i % 8 * 5, i * 3, i + 5 }' >"$DIR/shrub.csv"
+start 0 'without a size 2 m .usual for a shrub' shrub.csv --plant 'round shrub'
+
 # ---- thousands: commas that other rows or other columns explain, or the user; spaces ----
 printf 'species,Easting_32632,Northing_32632,h_m\noak,"691,234","5,334,000",12\noak,"691,260.5","5,334,020",9\n' >"$DIR/thousands.csv"
 start 0 'commas between thousands .as they part groups of three digits everywhere.' thousands.csv

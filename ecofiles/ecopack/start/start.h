@@ -123,7 +123,7 @@ void start_models_find(struct start *s);
 /* A model of that name, or one like it if there is one already. */
 struct start_model *start_model_add(struct start *s, const char *base, size_t bytes);
 void start_match_species(struct start *s);
-void start_library_add(struct start *s, const char *habit);          /* a plant of no genus */
+void start_library_add(struct start *s, const char *name);   /* a plant of no genus; `name`: of a habit that is there */
 /* The library's plant of a genus or form, which is added if it is not there; its number. */
 uint32_t start_library_plant(struct start *s, const struct eco_flora *flora);
 /* Rare genera get a plant of their habit together. */

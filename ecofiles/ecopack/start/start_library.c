@@ -37,7 +37,12 @@ static uint32_t add_plant(struct start *s, const char *habit, const char *genus,
 	return s->model_count - 1;
 }
 
-void start_library_add(struct start *s, const char *habit) { add_plant(s, habit, "", ECO_FORM_BROAD); }
+void start_library_add(struct start *s, const char *name)
+{
+	struct eco_habit habit;
+	for (size_t i = 0; eco_library_habit(i, &habit) && strcmp(habit.name, name) != 0; i++) {}
+	add_plant(s, name, "", habit.like);
+}
 
 uint32_t start_library_plant(struct start *s, const struct eco_flora *flora)
 {
