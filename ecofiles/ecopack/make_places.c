@@ -125,14 +125,21 @@ static const char *plural(uint64_t count) { return count == 1 ? "" : "s"; }
 
 #define BASE_OFF 0.15            /* of the height: a crown that begins so much lower or higher looks like another */
 
+static uint32_t count_base(struct make *m, uint32_t source, const struct eco_position *row, uint32_t plant)
+{
+	m->ecos[source].bases += !isnan(row->base);
+	m->ecos[source].bases_off += fabs(m->plants[plant].base - row->base) > BASE_OFF;         /* not of NaN */
+	return plant;
+}
+
 /* The variant with the nearest proportions: width by height where both are measured, and where the crown begins. A base
  * that is off by half of the height counts as a width that is off by a factor of 2. */
 static uint32_t fitting_variant(struct make *m, uint32_t source, const struct eco_position *row)
 {
 	uint32_t best = row->plant;
-	double least = INFINITY, off_base = 0;
+	double least = INFINITY;
 	if (is_of_library(m, source, row->plant))
-		return fitting_size(m, source, row->plant, row->height_m, row->crown_radius_m);
+		return count_base(m, source, row, fitting_size(m, source, row->plant, row->height_m, row->crown_radius_m));
 	bool wide = !isnan(row->height_m) && !isnan(row->crown_radius_m) && !row->crown_is_guess, based = !isnan(row->base);
 	for (uint32_t i = 0; i < row->variant_count && (wide || based); i++) {
 		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
@@ -141,13 +148,10 @@ static uint32_t fitting_variant(struct make *m, uint32_t source, const struct ec
 		/* among equals, the one that the hash took */
 		if (off < least || (off == least && row->variant_first + i == row->plant)) {
 			least = off;
-			off_base = base;
 			best = row->variant_first + i;
 		}
 	}
-	m->ecos[source].bases += based;
-	m->ecos[source].bases_off += off_base > BASE_OFF;
-	return m->plant_of[source][best];
+	return count_base(m, source, row, m->plant_of[source][best]);
 }
 
 static double row_scale(const struct make *m, uint32_t plant, const struct eco_position *row)
