@@ -10,6 +10,7 @@
 #include "ecofiles/format/pack.h"
 #include "ecofiles/generate/generate_growth.h"
 #include "ecofiles/generate/library.h"
+#include "ecofiles/import/model/model_parts.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
@@ -48,14 +49,7 @@ static double area_of(const struct eco_model *m, uint8_t organ)
 {
 	double sum = 0;
 	for (uint32_t t = 0; t < m->triangle_count; t++)
-		if (m->organ[t] == organ) {
-			struct gen_v3 p[3];
-			for (int c = 0; c < 3; c++) {
-				const float *at = m->position + 3 * (size_t)m->index[3 * t + c];
-				p[c] = gen_v3((double)at[0], (double)at[1], (double)at[2]);
-			}
-			sum += 0.5 * gen_length(gen_cross(gen_sub(p[1], p[0]), gen_sub(p[2], p[0])));
-		}
+		sum += m->organ[t] == organ ? eco_triangle_area(m, t) : 0;
 	return sum;
 }
 
