@@ -81,7 +81,7 @@ function named({ short, long }) {
 
 // ---- Tints ----
 
-/** What the colours of plants mean, on the picture: classes of a column and how many plants have each. */
+/** The legend of tints, on the picture: classes of a column and how many plants have each. */
 export function showLegend(tints = []) {
 	const lists = tints.map(({ classes }) => {
 		const ul = document.createElement('ul');
