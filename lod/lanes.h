@@ -40,19 +40,19 @@ typedef uint32_t lod_u4 __attribute__((vector_size(16)));    /* for sums that ma
                                                               * read */
 
 /* fmaxf is a call, as it takes care of NaN. */
-static inline float lod_max(float a, float b) { return a > b ? a : b; }
-static inline lod_f4 lod_f4_all(float v) { return (lod_f4){ v, v, v, v }; }
-static inline lod_i4 lod_i4_all(int32_t v) { return (lod_i4){ v, v, v, v }; }
-static inline lod_f4 lod_f4_load(const float *from) { lod_f4 v; memcpy(&v, from, sizeof v); return v; }
-static inline void lod_f4_store(float *to, lod_f4 v) { memcpy(to, &v, sizeof v); }
+LOD_INLINE float lod_max(float a, float b) { return a > b ? a : b; }
+LOD_INLINE lod_f4 lod_f4_all(float v) { return (lod_f4){ v, v, v, v }; }
+LOD_INLINE lod_i4 lod_i4_all(int32_t v) { return (lod_i4){ v, v, v, v }; }
+LOD_INLINE lod_f4 lod_f4_load(const float *from) { lod_f4 v; memcpy(&v, from, sizeof v); return v; }
+LOD_INLINE void lod_f4_store(float *to, lod_f4 v) { memcpy(to, &v, sizeof v); }
 
-static inline lod_f4 lod_f4_select(lod_i4 mask, lod_f4 yes, lod_f4 no)
+LOD_INLINE lod_f4 lod_f4_select(lod_i4 mask, lod_f4 yes, lod_f4 no)
 {
 	return (lod_f4)(((lod_i4)yes & mask) | ((lod_i4)no & ~mask));
 }
 
 /* a < b ? a : b and a > b ? a : b: the second operand where either is NaN. */
-static inline lod_f4 lod_f4_min(lod_f4 a, lod_f4 b)
+LOD_INLINE lod_f4 lod_f4_min(lod_f4 a, lod_f4 b)
 {
 #ifdef __SSE2__
 	return (lod_f4)_mm_min_ps((__m128)a, (__m128)b);
@@ -60,7 +60,7 @@ static inline lod_f4 lod_f4_min(lod_f4 a, lod_f4 b)
 	return lod_f4_select(a < b, a, b);
 #endif
 }
-static inline lod_f4 lod_f4_max(lod_f4 a, lod_f4 b)
+LOD_INLINE lod_f4 lod_f4_max(lod_f4 a, lod_f4 b)
 {
 #ifdef __SSE2__
 	return (lod_f4)_mm_max_ps((__m128)a, (__m128)b);
@@ -69,10 +69,10 @@ static inline lod_f4 lod_f4_max(lod_f4 a, lod_f4 b)
 #endif
 }
 
-static inline lod_f4 lod_f4_abs(lod_f4 a) { return (lod_f4)((lod_i4)a & lod_i4_all(INT32_MAX)); }
+LOD_INLINE lod_f4 lod_f4_abs(lod_f4 a) { return (lod_f4)((lod_i4)a & lod_i4_all(INT32_MAX)); }
 
 /* The sign of each lane, a bit a lane. */
-static inline unsigned lod_i4_bits(lod_i4 mask)
+LOD_INLINE unsigned lod_i4_bits(lod_i4 mask)
 {
 #ifdef __SSE2__
 	return (unsigned)_mm_movemask_ps((__m128)mask);
@@ -84,16 +84,16 @@ static inline unsigned lod_i4_bits(lod_i4 mask)
 
 /* `middle` + the nearest integer, ties to even, for |a| < 2^22 (otherwise arbitrary): adding 1.5 * 2^23
  * leaves the integer in the low bits of the float. */
-static inline lod_i4 lod_f4_round(lod_f4 a, lod_i4 middle)
+LOD_INLINE lod_i4 lod_f4_round(lod_f4 a, lod_i4 middle)
 {
 	return (lod_i4)((lod_u4)(a + lod_f4_all(12582912.0f))
 		+ ((lod_u4)middle - (lod_u4)lod_i4_all(0x4b400000)));
 }
 
-static inline lod_i4 lod_i4_add(lod_i4 a, int32_t b) { return (lod_i4)((lod_u4)a + (lod_u4)lod_i4_all(b)); }
+LOD_INLINE lod_i4 lod_i4_add(lod_i4 a, int32_t b) { return (lod_i4)((lod_u4)a + (lod_u4)lod_i4_all(b)); }
 
 /* Transposes in place. */
-static inline void lod_f4_transpose(lod_f4 r[4])
+LOD_INLINE void lod_f4_transpose(lod_f4 r[4])
 {
 	lod_f4 ab_low = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5),
 		ab_high = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);
