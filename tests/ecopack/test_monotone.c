@@ -163,8 +163,8 @@ UNIT_TEST(a_tree_of_cards_never_falls)
  * with gaps by chance 0, though both look right. */
 UNIT_TEST(fields_of_blades_hold)
 {
-	static const struct field fields[] = { { "turf", 220, 1, 0.26, 0.75, 0.012, { 0.5, 0, 0 } },
-		{ "reeds", 90, 3, 1.6, 0.5, 0.02, { 0.5, 0.35, 0.35 } } };
+	static const struct field fields[] = { { "turf", 220, 1, 0.26, 0.75, 0.012, { 0.7, 0.2, 0.1 } },
+		{ "reeds", 90, 3, 1.6, 0.5, 0.02, { 0.45, 0.35, 0.35 } } };
 	for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
 		char model[60], scene[100], path[100];
 		snprintf(model, sizeof model, "%s.obj", fields[i].name);
