@@ -70,7 +70,7 @@ async function openLayer(url, options) {
 	globalThis.tested?.free();
 	Object.assign(globalThis, { shadowTexts: 0, meanTexts: 0, early: null });
 	gl.shaderSource = (shader, text) => {
-		shadowTexts += /#define SHADOW|u_tops|u_cells/.test(text);
+		shadowTexts += /#define (SHADOW|CELLS)/.test(text);
 		meanTexts += /u_count > 0/.test(text);
 		WebGL2RenderingContext.prototype.shaderSource.call(gl, shader, text);
 	};
@@ -123,7 +123,7 @@ async function refuseShadows(url, view, { width, height, ...budgets }) {
 	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2'), { prototype: own } = WebGL2RenderingContext;
 	let programs = 0;
-	gl.shaderSource = (shader, text) => own.shaderSource.call(gl, shader, /u_cells/.test(text) ? 'refused' : text);
+	gl.shaderSource = (shader, text) => own.shaderSource.call(gl, shader, /#define ROWS/.test(text) ? 'refused' : text);
 	gl.createProgram = () => { programs++; return own.createProgram.call(gl); };
 	gl.deleteProgram = (program) => { programs -= !!program; own.deleteProgram.call(gl, program); };
 	const layer = new EcoLayer({ url, gl, shadows: 'standard', firstBytes: Infinity }), errors = [], counts = [];
@@ -166,7 +166,7 @@ async function keepShadows(url, view, { width, height, ...budgets }) {
 	const said = [];
 	let texts = 0, leaves = 0, clears = 0;
 	gl.shaderSource = (shader, text) => {
-		texts += /#define SHADOW|u_tops|u_cells/.test(text);
+		texts += /#define (SHADOW|CELLS)/.test(text);
 		leaves += /#define LEAVES/.test(text);
 		own.shaderSource.call(gl, shader, text);
 	};
