@@ -1,4 +1,4 @@
-/* scene.json: what was guessed, with the reasons in "notes". */
+/* scene.json: what was guessed, with the reasons in "notes". Longer than 600 lines: each key is written beside its note. */
 #include "ecofiles/base/files.h"
 #include "ecofiles/base/geometry.h"
 #include "ecofiles/base/memory.h"

@@ -2,7 +2,7 @@
  * streams, and written out at each of its places, in double.
  *
  * Axes and unit are the format's: Y up, metres. A file that requires an extension unknown here is refused by
- * name: an error is better than a model that silently lacks its leaves. */
+ * name: an error is better than a model that silently lacks its leaves. Longer than 600 lines: one walk fills one soup. */
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
