@@ -234,7 +234,7 @@ static bool has_levels(const struct view_image_tile *tile)
 	bool good = tile->levels >= 1 && tile->levels <= ECO_GROUND_IMAGE_LEVELS;
 	for (uint32_t i = 0; i < tile->levels && good; i++) {
 		const struct eco_texture_part *part = &tile->list->parts[i];
-		good = part->texels && part->width == SIDE_LEAST << i && part->height == part->width;
+		good = part->width == SIDE_LEAST << i && part->height == part->width;
 	}
 	return good;
 }
@@ -351,8 +351,8 @@ enum eco_code view_image_of(struct view_image *image, const struct view_image_ti
 
 static bool shows(const struct view_list *list, const struct eco_cut *cut)
 {
-	return list->list.kind == ECO_LIST_GROUND_IMAGE && cut->end && cut->end <= list->chunk_count
-		&& list->parts && list->parts[cut->end - 1].texels;
+	return list->list.kind == ECO_LIST_GROUND_IMAGE && cut->end && list->chunk_count
+		&& cut->end <= list->marks[list->chunk_count - 1].primitives && list->parts[cut->end - 1].height;
 }
 
 enum eco_code view_image_make(struct view_image *image, const struct view_store *store,

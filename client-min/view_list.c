@@ -55,7 +55,7 @@ void view_list_free(struct view_list *list)
 		return;
 	eco_elements_free(&list->elements);
 	eco_image_free(&list->image);
-	for (uint32_t i = 0; list->parts && i < list->chunk_count; i++)
+	for (uint32_t i = 0; list->parts && i < list->list.primitive_count; i++)
 		eco_texture_part_free(&list->parts[i]);
 	free(list->parts);
 	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
@@ -214,21 +214,31 @@ static enum eco_code push_elements(struct view_list *list, const struct eco_elem
 	return ECO_OK;
 }
 
-/* A level of an impostor or a texture, which the list takes over. */
-static enum eco_code push_level(struct view_list *list, struct view_piece *piece, struct eco_error *error)
+/* A level of an impostor, which the list takes over. */
+static enum eco_code push_impostor(struct view_list *list, struct view_piece *piece, struct eco_error *error)
 {
-	size_t room = list->chunk_count + (size_t)1;
-	bool part = is_texture(list);
-	if (part ? !resize(&list->parts, room, sizeof *list->parts)
-			: !resize(&list->impostors, room, sizeof *list->impostors))
-		return eco_no_memory(error, part ? "a texture" : "an impostor");
-	if (part)
-		list->parts[list->chunk_count] = piece->part;
-	else
-		list->impostors[list->chunk_count] = piece->impostor;
-	piece->part = (struct eco_texture_part){ 0 };
+	if (!resize(&list->impostors, list->chunk_count + (size_t)1, sizeof *list->impostors))
+		return eco_no_memory(error, "an impostor");
+	list->impostors[list->chunk_count] = piece->impostor;
 	piece->impostor = (struct lod_impostor){ 0 };
 	return ECO_OK;
+}
+
+/* Levels of a texture that are whole; the strip of a chunk behind them is of that level. */
+static uint32_t levels_of(const struct view_list *list, uint32_t chunks)
+{
+	return view_list_before(list, chunks).primitives;
+}
+
+static enum eco_code push_strip(struct view_list *list, const struct view_piece *piece, struct eco_error *error)
+{
+	uint32_t level = levels_of(list, list->chunk_count);
+	if (!list->parts)
+		list->parts = calloc(list->list.primitive_count, sizeof *list->parts);
+	if (!list->parts)
+		return eco_no_memory(error, "a texture");
+	return level < list->list.primitive_count ? eco_texture_part_add(&list->parts[level], &piece->part, error)
+		: BAD("list %u: a strip follows its last level", list->id);
 }
 
 static void hide_image(struct view_list *list)
@@ -244,8 +254,8 @@ enum eco_code view_list_show(struct view_list *list, uint32_t levels, const stru
 	if (list->image.rgba && list->shown[0] == levels && list->shown[1] == outline_levels)
 		return ECO_OK;
 	hide_image(list);
-	if (!levels || levels > list->chunk_count || !list->parts[levels - 1].texels
-			|| (outline && (!outline_levels || outline_levels > outline->chunk_count)))
+	if (!levels || levels > levels_of(list, list->chunk_count) || !list->parts[levels - 1].height
+			|| (outline && (!outline_levels || outline_levels > levels_of(outline, outline->chunk_count))))
 		return ECO_OK;
 	enum eco_code code = eco_texture_show(&list->image, &list->parts[levels - 1],
 		outline ? &outline->parts[outline_levels - 1] : NULL, error);
@@ -267,20 +277,21 @@ void view_list_mark(struct view_list *list, uint32_t ordinal, const struct eco_c
 {
 	struct view_mark before = view_list_before(list, ordinal);
 	list->marks[ordinal] = (struct view_mark){ before.primitives + chunk->primitive_count,
-		before.elements + chunk->element_count, list->elements.corner_count, (uint32_t)bytes, 0 };
+		before.elements + chunk->element_count, list->elements.corner_count, 0, (uint32_t)bytes, 0 };
 }
 
 enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, const struct eco_chunk *chunk,
 	struct eco_error *error)
 {
 	enum eco_code code = is_element_list(list) ? push_elements(list, &piece->elements, error)
-		: push_level(list, piece, error);
+		: is_texture(list) ? push_strip(list, piece, error) : push_impostor(list, piece, error);
 	if (code)
 		return code;
 	if (list->list.kind == ECO_LIST_GROUND)
 		list->tile = piece->tile;
 	list->bytes += piece->bytes;
 	view_list_mark(list, list->chunk_count++, chunk, piece->bytes);
+	list->marks[list->chunk_count - 1].rows = piece->part.height;
 	return ECO_OK;
 }
 
@@ -307,9 +318,11 @@ void view_list_pop(struct view_list *list)
 	if (is_element_list(list)) {
 		pop_elements(list, view_list_before(list, last));
 	} else if (is_texture(list)) {
-		eco_texture_part_free(&list->parts[last]);
-		resize(&list->parts, last, sizeof *list->parts);
-		if (list->shown[0] > last)
+		struct eco_texture_part *part = &list->parts[levels_of(list, last)];
+		part->height -= list->marks[last].rows;
+		if (!part->height)
+			eco_texture_part_free(part);
+		if (list->shown[0] > levels_of(list, last))
 			hide_image(list);
 	} else {
 		lod_impostor_close(&list->impostors[last]);

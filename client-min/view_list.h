@@ -19,6 +19,7 @@
  * running totals. */
 struct view_mark {
 	uint32_t primitives, elements, corners;
+	uint32_t rows;                   /* of texels, of this chunk alone */
 	uint32_t bytes;                  /* decoded, of this chunk alone */
 	uint64_t used;                   /* when a plan last needed it (view_cache.h): never more than of the
 	                                  * chunk before it, as plans need prefixes */
@@ -34,7 +35,7 @@ struct view_list {                       /* stays where it is until its last chu
 	struct view_mark *marks;         /* one per chunk; those served are set */
 	struct eco_elements elements;    /* of all chunks held, in draw order */
 	uint64_t bytes;                  /* held in all: this struct and what it owns */
-	struct eco_texture_part *parts;  /* eco_list_has_texels: one for each chunk held */
+	struct eco_texture_part *parts;  /* eco_list_has_texels: one for each level */
 	/* IMAGE: as the plan shows it, and the number of levels, and of the outline's, that this is of */
 	struct eco_image image;
 	uint32_t shown[2];

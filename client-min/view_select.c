@@ -448,12 +448,10 @@ static enum eco_code hash_list(uint64_t *h, const struct view_list *list, struct
 	*h = hash_word(hash_word(*h, list->id), list->chunk_count);
 	*h = hash(*h, list->palette, (size_t)list->list.palette_count * 3);
 	*h = hash_elements(*h, &list->elements);
-	for (uint32_t i = 0; i < list->chunk_count && !code; i++) {
-		if (list->parts)
-			*h = hash_part(*h, &list->parts[i]);
-		if (list->impostors)
-			code = hash_impostor(h, &list->impostors[i], error);
-	}
+	for (uint32_t i = 0; list->parts && i < list->list.primitive_count; i++)
+		*h = hash_part(*h, &list->parts[i]);
+	for (uint32_t i = 0; list->impostors && i < list->chunk_count && !code; i++)
+		code = hash_impostor(h, &list->impostors[i], error);
 	return code;
 }
 

@@ -202,17 +202,27 @@ void link_plants(struct link *l, struct link_part *part)
 
 /* Textures of parts, in the order in which plants of a full build would show them. */
 
+/* A hash of each level's chunks. */
+static void hash_levels(const struct eco_scene *s, const struct eco_list *list, struct eco_chunk_id *levels)
+{
+	struct eco_chunk_id all[2] = { 0 };
+	for (uint32_t i = list->chunk_first, k = 0; i < list->chunk_first + list->chunk_count; i++) {
+		all[1] = s->chunks[i].id;
+		levels[k] = all[0] = eco_chunk_hash((const uint8_t *)all, sizeof all);
+		k += s->chunks[i].primitive_count;
+	}
+}
+
 static struct make_texture describe_texture(struct link_part *part, uint32_t list)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	const struct eco_list *image = &s->lists[list],
 		*outline = image->image == ECO_NONE ? NULL : &s->lists[image->image];
-	struct make_texture t = { .count = image->chunk_count, .outlined = outline,
+	struct make_texture t = { .count = image->primitive_count, .outlined = outline,
 		.texel_area = image->unit_area, .from = part, .list = list };
-	for (uint32_t k = 0; k < t.count; k++)
-		t.colors[k] = s->chunks[image->chunk_first + k].id;
-	for (uint32_t k = 0; outline && k < outline->chunk_count; k++)
-		t.outlines[k] = s->chunks[outline->chunk_first + k].id;
+	hash_levels(s, image, t.colors);
+	if (outline)
+		hash_levels(s, outline, t.outlines);
 	return t;
 }
 

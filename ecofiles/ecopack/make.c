@@ -246,10 +246,21 @@ uint32_t make_add_bytes(struct make *m, const struct eco_list *list, const struc
 
 uint32_t make_add_levels(struct make *m, const struct eco_list *list, const struct eco_writer *levels, uint32_t count)
 {
-	struct eco_bytes chunks[MAKE_LEVELS_MAX];
-	for (uint32_t i = 0; i < count; i++)
-		chunks[i] = (struct eco_bytes){ levels[i].bytes, levels[i].size };
-	return make_add_bytes(m, list, chunks, count);
+	struct make_array chunks = { 0 };
+	for (uint32_t i = 0; i < count; i++) {
+		struct eco_reader r = { .bytes = levels[i].bytes, .size = levels[i].size };
+		while (r.at < r.size) {
+			size_t size = eco_read_u32(&r);
+			uint8_t *strip = levels[i].bytes + r.at;
+			eco_read_bytes(&r, size);
+			const uint32_t last = r.at == r.size;
+			make_add(&chunks, &(struct eco_encoded_chunk){ strip, size, last, last }, 1,
+				sizeof(struct eco_encoded_chunk));
+		}
+	}
+	uint32_t id = make_add_encoded(m, list, &(struct eco_encoded){ chunks.items, (uint32_t)chunks.count });
+	free(chunks.items);
+	return id;
 }
 
 uint32_t make_threads(const struct make *m)

@@ -158,8 +158,7 @@ uint32_t make_add_list(struct make *m, const struct eco_list *list, const struct
 /* The same for a list encoded before, and for the bytes of chunks. */
 uint32_t make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded);
 uint32_t make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_bytes *chunks, uint32_t count);
-/* At most MAKE_LEVELS_MAX chunks. */
-#define MAKE_LEVELS_MAX 32u
+/* Levels of texels, each as eco_texture_write_strips wrote it. */
 uint32_t make_add_levels(struct make *m, const struct eco_list *list, const struct eco_writer *levels, uint32_t count);
 
 /* as many as the options ask for, or the machine has processors */

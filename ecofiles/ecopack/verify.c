@@ -68,14 +68,19 @@ static const char *bad_impostor(const uint8_t *bytes, size_t size, uint32_t ordi
 	return good ? NULL : "holds another level of an impostor than its number says";
 }
 
-static const char *bad_texture(const uint8_t *bytes, size_t size, uint8_t kind, uint32_t ordinal,
+/* A level is judged at its last chunk. */
+static const char *bad_texture(const struct verify *v, const struct eco_list *list, uint32_t ordinal,
 	struct eco_error *error)
 {
 	struct eco_texture_part part;
-	uint32_t side = ECO_GROUND_IMAGE_SIDE >> (ECO_GROUND_IMAGE_LEVELS - 1) << ordinal;
-	if (eco_texture_read(&part, kind, bytes, size, error))
+	uint32_t level = 0, side = ECO_GROUND_IMAGE_SIDE >> (ECO_GROUND_IMAGE_LEVELS - 1);
+	for (uint32_t c = 0; c < ordinal; c++)
+		level += v->pack->scene.chunks[list->chunk_first + c].primitive_count;
+	if (!v->pack->scene.chunks[list->chunk_first + ordinal].primitive_count)
+		return NULL;
+	if (eco_texture_read_level(&part, v->pack, list, level, error))
 		return error->text;
-	bool good = kind != ECO_LIST_GROUND_IMAGE || (part.width == side && part.height == side);
+	bool good = list->kind != ECO_LIST_GROUND_IMAGE || (part.width == side << level && part.height == side << level);
 	eco_texture_part_free(&part);
 	return good ? NULL : "holds another number of texels than its level says";
 }
@@ -106,7 +111,7 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 	else if (list->kind == ECO_LIST_INVENTORY)
 		bad = bad_inventory(v->pack, ordinal, &error);
 	else if (list->coder == ECO_CODER_BYTES)
-		bad = bad_texture(bytes, size, list->kind, ordinal, &error);
+		bad = bad_texture(v, list, ordinal, &error);
 	else if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error))
 		bad = error.text;
 	else if (elements.element_count != chunk->element_count

@@ -28,7 +28,7 @@ enum eco_list_kind {
 	ECO_LIST_INSTANCES,      /* plants of one tile, species by species (struct eco_group) */
 	/* one tile of the ground: samples row by row from the south-west, `columns` wide (ground_tile.h) */
 	ECO_LIST_GROUND,
-	/* a texture in levels (texture.h): primitive, element and chunk k is level k */
+	/* a texture in levels (texture.h): primitive and element k is level k, in one or more chunks */
 	ECO_LIST_IMAGE,
 	/* a plant's impostors (impostor.h): primitive, element and chunk k is level k. Levels are
 	 * alternatives: a cut draws one of them, though what is fetched is a prefix */

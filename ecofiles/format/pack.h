@@ -41,7 +41,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define ECO_PACK_VERSION 22u
+#define ECO_PACK_VERSION 23u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 
@@ -335,6 +335,7 @@ uint32_t eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list
 	const struct eco_elements *partner_elements);
 /* The same in two steps, for lists without a partner: encoding needs no writer and may run in many threads
  * at a time. The caller frees encoded chunks in any case. */
+struct eco_encoded_chunk { uint8_t *bytes; size_t size; uint32_t elements, primitives; };
 struct eco_encoded { struct eco_encoded_chunk *chunks; uint32_t count; };
 enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list,
 	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,

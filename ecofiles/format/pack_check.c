@@ -99,11 +99,12 @@ const char *eco_list_fault(const struct eco_list *l)
 		return "its groups of plants are impossible";
 	if (ownerless != (l->owner == ECO_NONE) && l->kind != ECO_LIST_IMAGE && l->kind != ECO_LIST_OUTLINE)
 		return "its owner does not go with its kind";
-	if (l->element_count > l->primitive_count || l->chunk_count > l->element_count
+	if (l->element_count > l->primitive_count || (l->chunk_count > l->element_count && !eco_list_has_texels(l))
 			|| !l->chunk_count != !l->primitive_count)
 		return "its counts are impossible";
-	if (levels_max && (l->primitive_count != l->chunk_count || l->chunk_count > levels_max))
-		return "its levels are too many, or not a chunk each";
+	if (levels_max && (l->primitive_count != l->element_count || l->primitive_count > l->chunk_count
+			|| l->primitive_count > levels_max))
+		return "its levels are too many, or not an element each";
 	if (form && l->primitive_count != l->element_count
 			&& (l->kind != ECO_LIST_TRIANGLES || l->primitive_count != 2ull * l->element_count))
 		return "its forms are not all points, lines, triangles or quads";
@@ -116,7 +117,7 @@ enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chun
 	uint64_t most = (uint64_t)chunk->element_count * (list->kind == ECO_LIST_TRIANGLES
 		&& list->coder != ECO_CODER_MESH ? 4 : 1);
 	bool form = list->coder == ECO_CODER_FORM;
-	if (chunk->element_count < 1 || chunk->element_count > ECO_CHUNK_ELEMENTS_MAX)
+	if (chunk->element_count < !eco_list_has_texels(list) || chunk->element_count > ECO_CHUNK_ELEMENTS_MAX)
 		return BAD("chunk: %u elements are not in 1..%u", chunk->element_count,
 			ECO_CHUNK_ELEMENTS_MAX);
 	if (chunk->primitive_count < chunk->element_count || chunk->primitive_count > most
@@ -126,7 +127,7 @@ enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chun
 			chunk->primitive_count);
 	if (chunk->size_bytes < 1 || chunk->size_bytes > ECO_CHUNK_BYTES_MAX)
 		return BAD("chunk: %u bytes are not in 1..%u", chunk->size_bytes, ECO_CHUNK_BYTES_MAX);
-	if (list->coder == ECO_CODER_BYTES && chunk->element_count != 1)
+	if (list->coder == ECO_CODER_BYTES && chunk->element_count > 1)
 		return BAD("chunk: a file is one element, not %u", chunk->element_count);
 	return ECO_OK;
 }

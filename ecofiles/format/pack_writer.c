@@ -197,8 +197,6 @@ static uint32_t count_primitives(const struct eco_elements *elements, uint32_t f
 	return count;
 }
 
-struct eco_encoded_chunk { uint8_t *bytes; size_t size; uint32_t elements, primitives; };
-
 /* As eco_pack_encode; also the forms of `partner`. */
 static enum eco_code encode(struct eco_encoded *encoded, const struct eco_list *list,
 	const struct eco_elements *elements, const struct eco_elements *partner, uint8_t partner_attributes,

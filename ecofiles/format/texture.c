@@ -23,6 +23,24 @@ void eco_texture_part_free(struct eco_texture_part *part)
 	*part = (struct eco_texture_part){ 0 };
 }
 
+enum eco_code eco_texture_part_add(struct eco_texture_part *part, const struct eco_texture_part *strip,
+	struct eco_error *error)
+{
+	size_t row = (size_t)strip->width * strip->channels;
+	if (!strip->height)
+		return ECO_OK;
+	if (part->height && (part->width != strip->width || part->channels != strip->channels
+			|| strip->height > ECO_TEXTURE_SIDE_MAX - part->height))
+		return BAD("texture: a strip of %u x %u texels below %u x %u", strip->width, strip->height,
+			part->width, part->height);
+	uint8_t *texels = realloc(part->texels, row * ((size_t)part->height + strip->height));
+	if (!texels)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u rows of a texture", part->height);
+	memcpy(texels + row * part->height, strip->texels, row * strip->height);
+	*part = (struct eco_texture_part){ strip->width, part->height + strip->height, strip->channels, texels };
+	return ECO_OK;
+}
+
 /* ---- Outlines ---- */
 
 /* Three texels two rows above, five in the row above, two to the left. */
@@ -155,7 +173,7 @@ static enum eco_code read_colors(struct eco_texture_part *part, const uint8_t *b
 			|| !sides_fit((uint64_t)features.width, (uint64_t)features.height))
 		return BAD("texture: %zu bytes are no WebP file of colours", size);
 	uint32_t width = (uint32_t)features.width, height = (uint32_t)features.height;
-	uint32_t channels = features.has_alpha ? 4 : 3;
+	uint32_t channels = may_fade ? 4 : 3;
 	size_t room = channels * (size_t)width * height;
 	*part = (struct eco_texture_part){ width, height, channels, malloc(room) };
 	if (!part->texels)
@@ -182,6 +200,64 @@ enum eco_code eco_texture_read(struct eco_texture_part *part, enum eco_list_kind
 	*part = (struct eco_texture_part){ 0 };
 	enum eco_code code = kind == ECO_LIST_OUTLINE ? read_outline(part, bytes, size, error)
 		: read_colors(part, bytes, size, kind == ECO_LIST_GROUND_IMAGE, error);
+	if (code)
+		eco_texture_part_free(part);
+	return code;
+}
+
+/* ---- Strips ---- */
+
+static enum eco_code write_rows(struct eco_writer *w, const struct eco_texture_part *level, uint32_t first,
+	uint32_t rows, struct eco_error *error)
+{
+	const struct eco_texture_part strip = { level->width, rows, level->channels,
+		level->texels + (size_t)first * level->width * level->channels };
+	size_t at = w->size, size;
+	eco_write_u32(w, 0);
+	enum eco_code code = (level->channels == 1 ? eco_texture_write_outline : eco_texture_write_colors)(w, &strip,
+		error);
+	size = w->size - at - 4;
+	if (code)
+		return code;
+	if (size <= ECO_TEXTURE_CHUNK_BYTES || rows <= ECO_TEXTURE_STRIP_ROWS) {
+		for (int i = 0; i < 4; i++)
+			w->bytes[at + (size_t)i] = (uint8_t)(size >> 8 * i);
+		return ECO_OK;
+	}
+	/* rows are not alike: an eighth more strips than the mean would need */
+	uint32_t count = (uint32_t)(9 * size / (8 * ECO_TEXTURE_CHUNK_BYTES)) + 1, unit = ECO_TEXTURE_STRIP_ROWS,
+		each = (rows / count + unit - 1) / unit * unit;
+	w->size = at;
+	each = each > unit ? each : unit;
+	for (uint32_t y = 0; y < rows && !code; y += each)
+		code = write_rows(w, level, first + y, rows - y < each ? rows - y : each, error);
+	return code;
+}
+
+enum eco_code eco_texture_write_strips(struct eco_writer *w, const struct eco_texture_part *level,
+	struct eco_error *error)
+{
+	return write_rows(w, level, 0, level->height, error);
+}
+
+enum eco_code eco_texture_read_level(struct eco_texture_part *part, const struct eco_pack *pack,
+	const struct eco_list *list, uint32_t level, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	*part = (struct eco_texture_part){ 0 };
+	for (uint32_t c = list->chunk_first, k = 0; !code && c < list->chunk_first + list->chunk_count; c++) {
+		struct eco_texture_part strip = { 0 };
+		const uint8_t *bytes;
+		size_t size;
+		if (k == level)
+			code = eco_pack_payload(pack, c, &bytes, &size, error);
+		if (k == level && !code)
+			code = eco_texture_read(&strip, list->kind, bytes, size, error);
+		if (k == level && !code)
+			code = eco_texture_part_add(part, &strip, error);
+		eco_texture_part_free(&strip);
+		k += pack->scene.chunks[c].primitive_count;
+	}
 	if (code)
 		eco_texture_part_free(part);
 	return code;

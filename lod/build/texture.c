@@ -248,11 +248,11 @@ static enum eco_code write_levels(struct lod_texture *texture, const struct lod_
 		const struct lod_texture_level *level = &levels->levels[i];
 		texture->count = i + 1;
 		if (texture->outlines)
-			code = eco_texture_write_outline(&texture->outlines[i], &level->outline, error);
+			code = eco_texture_write_strips(&texture->outlines[i], &level->outline, error);
 		if (texture->outlines && i)
 			texture->loss = loss_of(&level[-1].outline, &level->outline);
 		if (!code)
-			code = eco_texture_write_colors(&texture->colors[i], &level->colors, error);
+			code = eco_texture_write_strips(&texture->colors[i], &level->colors, error);
 	}
 	return code;
 }
@@ -338,7 +338,7 @@ static enum eco_code write_level(struct eco_writer *w, uint8_t *rgba, uint32_t s
 	for (size_t i = 0; i < (size_t)side * side && part.channels == 3; i++)
 		memcpy(rgb + 3 * i, rgba + 4 * i, 3);
 	part.texels = rgb;
-	enum eco_code code = eco_texture_write_colors(w, &part, error);
+	enum eco_code code = eco_texture_write_strips(w, &part, error);
 	if (rgb != rgba)
 		free(rgb);
 	return code;

@@ -1,7 +1,7 @@
 /* From an image of a model to the chunks of a texture (ecofiles/format/texture.h).
  *
  *   lod_texture_make(&texture, &model, image, &error);
- *   ... texture.colors[0 .. count) and, where texels are clear, texture.outlines: payloads of levels ...
+ *   ... texture.colors[0 .. count) and, where texels are clear, texture.outlines: levels, as strips ...
  *   lod_texture_free(&texture);
  *
  * Levels halve until TEXTURE_SMALLEST. Each is as opaque as the finest, everywhere, by error diffusion (Floyd and
@@ -18,7 +18,7 @@
 #include "ecofiles/format/texture.h"
 
 struct lod_texture {
-	struct eco_writer *colors, *outlines;        /* bytes, size; NULL: it is opaque */
+	struct eco_writer *colors, *outlines;        /* eco_texture_write_strips; NULL: it is opaque */
 	uint32_t count;
 	float texel_area;            /* m^2 of the plant that a texel of the last level covers, in the mean */
 	uint8_t loss;                /* ECO_LOSS_ONE times the share of opaque texels that the level before the

@@ -146,9 +146,9 @@ void lod_image_free(struct lod_image *image)
 static double missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings, uint32_t tile,
 	uint32_t levels)
 {
-	uint32_t list = scene->ground_images[tile].list;
+	uint32_t list = scene->ground_images[tile].list, end = lod_plan_chunks_for(scene, list, levels);
 	double sum = 0;
-	for (uint32_t c = eco_holdings_chunks(holdings, list); c < levels; c++)
+	for (uint32_t c = eco_holdings_chunks(holdings, list); c < end; c++)
 		sum += (double)scene->chunks[scene->lists[list].chunk_first + c].size_bytes +
 			LOD_CHUNK_FRAME_BYTES + (c ? 0 : LOD_LIST_FRAME_BYTES);
 	return sum;

@@ -32,24 +32,30 @@ static void count_levels(struct lod_allocation *m, const struct ladder_price *l)
 	}
 }
 
+static double missing_levels(const struct lod_allocation *m, uint32_t list, uint32_t levels)
+{
+	return lod_prices_missing(m, list, 0, lod_plan_chunks_for(m->p->scene, list, levels));
+}
+
 static void set_levels(struct lod_allocation *m, struct image_price *image, uint32_t levels,
 	uint32_t outline_levels)
 {
 	image->levels = levels;
 	image->outline_levels = outline_levels;
-	image->bytes = lod_prices_missing(m, image->list, 0, levels);
-	image->waste = lod_prices_waste(m, image->list, 0, levels);
+	image->bytes = missing_levels(m, image->list, levels);
+	image->waste = lod_prices_waste(m, image->list, 0, lod_plan_chunks_for(m->p->scene, image->list, levels));
 	m->p->texture_levels[image->list] = (uint8_t)levels;
 	if (image->outline == ECO_NONE)
 		return;
-	image->bytes += lod_prices_missing(m, image->outline, 0, outline_levels);
-	image->waste += lod_prices_waste(m, image->outline, 0, outline_levels);
+	image->bytes += missing_levels(m, image->outline, outline_levels);
+	image->waste += lod_prices_waste(m, image->outline, 0,
+		lod_plan_chunks_for(m->p->scene, image->outline, outline_levels));
 	m->p->texture_levels[image->outline] = (uint8_t)outline_levels;
 }
 
 static uint32_t levels_of(const struct lod_allocation *m, uint32_t list)
 {
-	return list == ECO_NONE ? 0 : m->p->scene->lists[list].chunk_count;
+	return list == ECO_NONE ? 0 : m->p->scene->lists[list].primitive_count;
 }
 
 /* A texture is asked of the ladders of whole plants that show it in equal parts, and of cells likewise. */
@@ -127,7 +133,7 @@ static double whole_pixels(const struct lod_allocation *m, uint32_t id)
 static void add_texel_costs(const struct lod_allocation *m, struct ladder_price *l, double *costs)
 {
 	const struct image_price *image = &m->prices->images[l->image];
-	uint32_t levels = m->p->scene->lists[image->list].chunk_count;
+	uint32_t levels = m->p->scene->lists[image->list].primitive_count;
 	l->seen_px = l->whole_lost = l->bare_lost = 0;
 	for (uint32_t i = 0; i < l->count; i++) {
 		uint32_t id = m->prices->choices[l->first + i];
@@ -150,7 +156,7 @@ static uint32_t outline_levels(const struct lod_allocation *m, uint32_t outline,
 	*lost = 0;
 	for (uint32_t n = all; n > 0 && pixels > 0; n--) {
 		double wrong = pixels * lod_outline_loss(m->p, outline, n),
-			cost = wrong + m->price * lod_prices_missing(m, outline, 0, n);
+			cost = wrong + m->price * missing_levels(m, outline, n);
 		if (cost < least) {
 			least = cost;
 			best = n;
@@ -174,7 +180,7 @@ static double limit_texture(struct lod_allocation *m, uint32_t i, double *outlin
 			pixels += prices->ladders[k].seen_px;
 		}
 	for (uint32_t n = 1; n <= image->most && pixels > 0; n++) {
-		double cost = costs[n] + m->price * lod_prices_missing(m, image->list, 0, n);
+		double cost = costs[n] + m->price * missing_levels(m, image->list, n);
 		best = cost < least ? n : best;
 		least = fmin(least, cost);
 	}

@@ -28,7 +28,7 @@ double lod_texel_px(const struct lod_planner *p, uint32_t image, uint32_t anchor
 uint32_t lod_texture_levels(const struct lod_planner *p, uint32_t image, double px)
 {
 	double asked = p->input->request->texel_px, most = asked > 0 ? asked : ECO_TEXEL_PX;
-	uint32_t levels = p->scene->lists[image].chunk_count;
+	uint32_t levels = p->scene->lists[image].primitive_count;
 	for (; levels > 1 && 2 * px <= most; levels--)
 		px *= 2;
 	return levels;
@@ -40,9 +40,9 @@ double lod_outline_loss(const struct lod_planner *p, uint32_t outline, uint32_t 
 {
 	const struct eco_list *list = &p->scene->lists[outline];
 	double share = 0, step = (double)list->level / ECO_LOSS_ONE;
-	if (levels < list->chunk_count && list->level == 0)
+	if (levels < list->primitive_count && list->level == 0)
 		return INFINITY;
-	for (uint32_t n = list->chunk_count; n > levels; n--, step *= 2)
+	for (uint32_t n = list->primitive_count; n > levels; n--, step *= 2)
 		share += step * fmax(0, 1 - share / OUTLINE_LOSS_MAX);
 	return OUTLINE_WRONG * fmin(share, OUTLINE_LOSS_MAX);
 }
@@ -97,7 +97,7 @@ static uint32_t cuts_of(const struct eco_plan *plan, const struct lod_planner *p
 		if (outline == ECO_NONE)
 			continue;
 		most = p->texture_levels ? p->texture_levels[outline] : 0;
-		to[count++] = cut_of(outline, most ? most : p->scene->lists[outline].chunk_count);
+		to[count++] = cut_of(outline, most ? most : p->scene->lists[outline].primitive_count);
 	}
 	return count;
 }

@@ -66,14 +66,28 @@ static struct lod_texture make(struct card *c)
 	return texture;
 }
 
+/* A level from its strips; *largest (may be NULL): bytes of the largest. */
+static struct eco_texture_part read_strips(const struct eco_writer *w, enum eco_list_kind kind, size_t *largest)
+{
+	struct eco_texture_part part = { 0 };
+	struct eco_error error = { 0 };
+	struct eco_reader r = { .bytes = w->bytes, .size = w->size };
+	while (r.at < r.size) {
+		FREED(eco_texture_part) strip;
+		size_t size = eco_read_u32(&r);
+		assert_ok(eco_texture_read(&strip, kind, eco_read_bytes(&r, size), size, &error), error);
+		assert_ok(eco_texture_part_add(&part, &strip, &error), error);
+		if (largest)
+			*largest = size > *largest ? size : *largest;
+	}
+	assert_false(r.failed);
+	return part;
+}
+
 static struct eco_texture_part read_level(const struct lod_texture *texture, uint32_t i, bool outline)
 {
-	const struct eco_writer *w = outline ? &texture->outlines[i] : &texture->colors[i];
-	struct eco_texture_part part;
-	struct eco_error error = { 0 };
-	assert_ok(eco_texture_read(&part, outline ? ECO_LIST_OUTLINE : ECO_LIST_IMAGE, w->bytes, w->size, &error),
-		error);
-	return part;
+	return read_strips(outline ? &texture->outlines[i] : &texture->colors[i],
+		outline ? ECO_LIST_OUTLINE : ECO_LIST_IMAGE, NULL);
 }
 
 static double covered(const uint8_t *texels, size_t count, size_t step)
@@ -99,6 +113,35 @@ UNIT_TEST(impossible_parts_are_refused)
 	assert_null(part.texels);
 }
 
+/* Noise takes more than a byte a texel. */
+UNIT_TEST(large_levels_are_strips_of_few_bytes)
+{
+	struct eco_texture_part colors = { 400, 313, 3, malloc(3 * 400 * 313) },
+		outline = { 400, 313, 1, malloc(400 * 313) };
+	for (size_t i = 0; i < 3 * 400 * 313; i++)
+		colors.texels[i] = (uint8_t)lcg_bits(&state);
+	for (size_t i = 0; i < 400 * 313; i++)
+		outline.texels[i] = lcg_bits(&state) & 1 ? 255 : 0;
+	for (int k = 0; k < 2; k++) {
+		const struct eco_texture_part *part = k ? &outline : &colors;
+		FREED(eco_writer) w = { 0 };
+		struct eco_error error = { 0 };
+		size_t largest = 0;
+		assert_ok(eco_texture_write_strips(&w, part, &error), error);
+		assert_true(w.size > (k ? 1 : 4) * ECO_TEXTURE_CHUNK_BYTES - ECO_TEXTURE_CHUNK_BYTES / 10);
+		FREED(eco_texture_part) all = read_strips(&w, k ? ECO_LIST_OUTLINE : ECO_LIST_IMAGE, &largest);
+		assert_true(largest <= ECO_TEXTURE_CHUNK_BYTES && all.width == 400 && all.height == 313);
+		if (k)
+			assert_memory_equal(all.texels, outline.texels, 400 * 313);
+		all.height = 312;
+		const struct eco_texture_part narrow = { 399, 1, all.channels, all.texels };
+		assert_int_equal(eco_texture_part_add(&all, &narrow, NULL), ECO_DAMAGED);
+		assert_int_equal(all.height, 312);
+	}
+	eco_texture_part_free(&colors);
+	eco_texture_part_free(&outline);
+}
+
 UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 {
 	struct card card;
@@ -116,7 +159,9 @@ UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 		FREED(eco_texture_part) cut = read_level(&texture, i, true),
 			seen = read_level(&texture, i, false);
 		const struct eco_texture_part *colors = &levels.levels[i].colors;
-		const struct eco_writer *payload[2] = { &texture.colors[i], &texture.outlines[i] };
+		/* a strip each, behind its size */
+		const struct eco_bytes payload[2] = { { texture.colors[i].bytes + 4, texture.colors[i].size - 4 },
+			{ texture.outlines[i].bytes + 4, texture.outlines[i].size - 4 } };
 		FREED(eco_writer) w = { 0 };
 		size_t count = (32u << i) * (16u << i);
 		double squares = 0;
@@ -132,17 +177,17 @@ UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 			squares += pow(colors->texels[k] - seen.texels[k], 2);
 		assert_true(sqrt(squares / (3 * (double)count)) < 12);
 		assert_ok(eco_texture_write_colors(&w, colors, &error), error);
-		assert_int_equal(w.size, texture.colors[i].size);
-		assert_memory_equal(w.bytes, texture.colors[i].bytes, w.size);
+		assert_int_equal(w.size, payload[0].size);
+		assert_memory_equal(w.bytes, payload[0].at, w.size);
 		/* cut off anywhere it is refused, or another outline of the same size */
-		for (size_t size = 0; size < payload[1]->size; size += 1 + payload[1]->size / 9) {
+		for (size_t size = 0; size < payload[1].size; size += 1 + payload[1].size / 9) {
 			struct eco_texture_part part;
-			if (!eco_texture_read(&part, ECO_LIST_OUTLINE, payload[1]->bytes, size, NULL))
+			if (!eco_texture_read(&part, ECO_LIST_OUTLINE, payload[1].at, size, NULL))
 				eco_texture_part_free(&part);
 		}
 		for (int outline = 0; outline < 2; outline++) {
-			assert_true(eco_texture_texels(payload[outline]->bytes, payload[outline]->size, outline) == count);
-			assert_true(eco_texture_texels(payload[outline]->bytes, 5, outline) == 0);
+			assert_true(eco_texture_texels(payload[outline].at, payload[outline].size, outline) == count);
+			assert_true(eco_texture_texels(payload[outline].at, 5, outline) == 0);
 		}
 	}
 	free(card.image.rgba);

@@ -38,8 +38,9 @@ static int open_all(void **state)
 	make_texture();
 	static struct eco_bytes levels[2][2];
 	for (uint32_t i = 0; i < texture.count; i++) {
-		levels[0][i] = (struct eco_bytes){ texture.colors[i].bytes, texture.colors[i].size };
-		levels[1][i] = (struct eco_bytes){ texture.outlines[i].bytes, texture.outlines[i].size };
+		/* a strip each, behind its size */
+		levels[0][i] = (struct eco_bytes){ texture.colors[i].bytes + 4, texture.colors[i].size - 4 };
+		levels[1][i] = (struct eco_bytes){ texture.outlines[i].bytes + 4, texture.outlines[i].size - 4 };
 	}
 	scene_make(&grove, (const struct eco_bytes *const[2]){ levels[0], levels[1] }, texture.count);
 	return scene_open_gl(state);

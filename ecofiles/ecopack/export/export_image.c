@@ -62,14 +62,11 @@ static void lay(const struct eco_texture_part *part, size_t from, uint8_t *to)
 static void paint_level(struct painting *p, const struct eco_list *list)
 {
 	struct eco_texture_part part = { .texels = NULL };
-	const uint8_t *bytes;
-	size_t size;
 	uint32_t levels = 1;
 	while (levels < ECO_GROUND_IMAGE_LEVELS && eco_ground_image_texel_m(list, levels) > SAME * p->texel_m)
 		levels++;
 	double texel_m = eco_ground_image_texel_m(list, levels);
-	eco_check(eco_pack_payload(p->x->pack, list->chunk_first + levels - 1, &bytes, &size, p->x->error));
-	eco_check(eco_texture_read(&part, ECO_LIST_GROUND_IMAGE, bytes, size, p->x->error));
+	eco_check(eco_texture_read_level(&part, p->x->pack, list, levels - 1, p->x->error));
 	for (uint32_t y = 0; y < p->height; y++) {
 		double north = p->high[1] - (y + 0.5) * (p->high[1] - p->low[1]) / p->height,
 			row = part.height - (north - list->grid_origin[1]) / texel_m;

@@ -21,25 +21,14 @@
 
 /* ---- Textures ---- */
 
-static void last_payload(const struct plant_view *p, const struct eco_list *list, const uint8_t **bytes,
-	size_t *size, struct eco_error *error)
-{
-	eco_check(eco_pack_payload(p->pack, list->chunk_first + list->chunk_count - 1, bytes, size, error));
-}
-
 /* Its finest level. */
 static void decode_picture(const struct plant_view *p, struct plant_view_list *to, struct eco_error *error)
 {
 	const struct eco_list *cut = to->image == ECO_NONE ? NULL : &p->pack->scene.lists[to->image];
 	struct eco_texture_part colors = { 0 }, outline = { 0 };
-	const uint8_t *bytes;
-	size_t size;
-	last_payload(p, to->list, &bytes, &size, error);
-	eco_check(eco_texture_read(&colors, ECO_LIST_IMAGE, bytes, size, error));
-	if (cut) {
-		last_payload(p, cut, &bytes, &size, error);
-		eco_check(eco_texture_read(&outline, ECO_LIST_OUTLINE, bytes, size, error));
-	}
+	eco_check(eco_texture_read_level(&colors, p->pack, to->list, to->list->primitive_count - 1, error));
+	if (cut)
+		eco_check(eco_texture_read_level(&outline, p->pack, cut, cut->primitive_count - 1, error));
 	eco_check(eco_texture_show(&to->picture, &colors, cut ? &outline : NULL, error));
 	for (size_t i = 0; i < (size_t)to->picture.width * to->picture.height; i++)
 		to->cutout = to->cutout || to->picture.rgba[4 * i + 3] < 128;
