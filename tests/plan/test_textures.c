@@ -197,7 +197,7 @@ UNIT_TEST(a_coarse_texture_is_better_than_none)
 UNIT_TEST(where_nothing_is_known_all_levels_are_shown)
 {
 	struct eco_anchor anchor = { { 0, 0, 2 }, 2 };
-	struct eco_list list = { .kind = ECO_LIST_OUTLINE, .chunk_count = LEVELS };
+	struct eco_list list = { .kind = ECO_LIST_OUTLINE, .primitive_count = LEVELS };
 	struct eco_scene scene = { .lists = &list, .list_count = 1, .anchors = &anchor, .anchor_count = 1 };
 	struct eco_request request = { .texel_px = 0.5 };
 	struct lod_planner_input input = { .scene = &scene, .request = &request };
