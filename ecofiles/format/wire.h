@@ -29,43 +29,26 @@
  * client that holds a chunk of a list knows its record; one that holds a chunk of any list of a plant
  * (not of its instances) knows the plant.
  *
- * PLAN. u8 zeros that were left off at the end, then one range-coded stream with adaptive models
- * (ecofiles/base/range.h); zeros behind it where there are more than 64 items and 32 a byte. A plan has one
- * encoding: arrays are in the order of eco_plan_sort; a field with several forms uses the first in this
- * table that can hold the value. Everything else is refused. What only a server reports (visible plants, the
- * sample distance) does not travel. A usual rule takes 2 to 5 bytes, a usual run 1, a plant none.
+ * PLAN. Varints, and f64 where so said. A plan has one encoding: arrays are in the order of eco_plan_sort, a
+ * field that is said differs from what is expected of it. Everything else is refused. What only a server reports
+ * (visible plants, the sample distance) does not travel. A usual cut takes 3 to 6 bytes, a plant none.
  *
- *   n vertices   pixels: tp, fp, fn   n counts: placements, runs, gates, cuts drawn once (without an anchor:
- *                                     summaries, ground, textures), rules; then these
- *   placement    3 axes: 1 bit: 0: whole millimetres, s less the axis's last whole ones; 1: f64. 1 bit: u16
- *                turn   1 bit: u32 path   scale, 2 bits: 0: 1, 1: f32, 2: f64
- *   run          1 bit, but for the first: 1: another placement: n placement - before's - 1 (first:
- *                placement), s list_first less that of the first run of the placement before, or 0;
- *                0: n list_first - list_end of the run before. n list_end - list_first - 1. left, 1 bit:
- *                0: as before; 1: 1 bit: 0: none, 1: u16
- *   gate         n plant - plant before - 1 (first: plant), 8 bits: whole bands of end, 1 bit: u16 of the next
- *   cut          told by the cut before of its array (first: 0, anchor -1), and by what was said in its
- *                first band:
- *     owner      1 bit: another anchor: n anchor - before - 1; drawn once: another placement: s
- *     list       1 bit: another: s
- *     halvings   3 bits; only of cuts drawn once
- *     bands      2 bits: 0: as before   1: from before's end: n count - 1   2: s less before's end (of
- *                another list: less the first band of the first cut of the list before), n count - 1
- *     share      2 bits: first is 0, before's end, before's first, sent; 3 bits: end is all, before's, the
- *                last of this band that is not all, the one before that, sent. Sent: n bits behind the
- *                point, and these
- *     first      2 bits: 0, before's, before's end, n
- *     end        3 bits: before's; the lowest power of 4 above first; 4 times before's first (a level of
- *                splats, and of the next one what is drawn); end of the cut before that one; n end - first
- *                - 1
- *     scale      3 bits: 1, the last but 1, the last but 1 of this band, s less the last's in the steps of
- *                eco_wire_scale_round, f32
- *   Cuts drawn once have bands [0, ECO_BANDS) and all of the share, which are not sent.
- *
- *   n            6 bits, modelled: how many; then those below the highest, up to three of them modelled
- *   s            n of the zigzag code of a difference modulo 2^32
- *   pixels       1 bit: 0: sixteenths, n; 1: f64
- * Bits are modelled but for those of f32, f64, u16, u32 and of shares; contexts are in wire_plan.c. */
+ *   v vertices   pixels in sixteenths: v tp, v fp, v fn   v counts: placements, runs, gates, cuts; then these
+ *   placement    v fields: 1, 2, 4: the axis is no whole millimetre; 8, 16: turn, path are not 0; 32: scale is
+ *                not 1 but an f32; 64: but an f64. 3 axes: f64, or z millimetres less the axis's last whole ones.
+ *                v turn, v path, v bits of the f32 or f64, if they are there
+ *   run          v placement - before's (first: -1). A row: list_first (expected: before's list_end; of another
+ *                placement: list_first of the first run of the placement before), list_end - list_first, left
+ *   gate         v plant - before's, z end - before's
+ *   cut          a row, expected as the cut before (first: drawn once, list 0, [0,1), scale 1), but
+ *     of another list: as the first cut of the list before
+ *     behind [first, L), L the lowest power of 4 above first > 0: these splats' children, [L, 4 first)
+ *     else: the rest of the share in these bands, or all of as many bands behind them
+ *     Fields: list, anchor, end (less L), first, band_first, share_end, share_first, scale (its bits with the
+ *     low 17 in front), bands, placement, halvings. A cut drawn once has bands [0, ECO_BANDS) and all of the
+ *     share; another one has placement 0
+ *   row          v which fields differ from what is expected, the first one lowest; of each: z by how much,
+ *                modulo 2^32 */
 #ifndef ECO_WIRE_H
 #define ECO_WIRE_H
 
@@ -74,7 +57,7 @@
 #include "ecofiles/format/wire_items.h"
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN, ECO_FRAME_END, ECO_FRAME_AHEAD };
-#define ECO_WIRE_VERSION 24u
+#define ECO_WIRE_VERSION 25u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)

@@ -1,11 +1,8 @@
-/* Plans on the wire: what is coded, and against what, stands in wire.h. One function a field writes and
- * reads it (ecofiles/base/range.h), so that both ways agree.
+/* Plans on the wire: the layout stands in wire.h. One function a field writes and reads it, so that both ways
+ * agree. A sorted plan repeats itself, so an item is told by what is expected of it: mostly the item before.
  *
- * Most fields are those of an item before, because a sorted plan repeats itself: from one band to the next
- * a rule changes its end and its scale, and the bands, shares and scales of one organ are those of the next.
- *
- * The reader checks what it needs to go on, leaves the rest to eco_plan_check, and finally writes the plan
- * again: bytes that differ from the input were another encoding of the same plan. */
+ * A plan has one encoding: numbers are canonical, a field that is said differs from what is expected, and what
+ * says nothing is constant. The rest is checked by eco_plan_check. */
 #include "ecofiles/format/wire.h"
 
 #include <math.h>
@@ -14,67 +11,60 @@
 
 #include "ecofiles/base/range.h"
 
-#define ITEMS_A_BYTE 32u         /* of a plan at most, so that memory is in proportion to bytes */
-#define ITEMS_FREE 64u           /* and so many whatever its size is */
-
-/* ---- Numbers ---- */
-
-#define SIZES 64u
-#define MODELLED 3u              /* bits below the highest that have models, in numbers of few bits */
-
-struct number { struct eco_bit size[SIZES], low[6][1u << MODELLED]; };
-
 struct coder {
-	struct eco_range range;
+	struct eco_writer *w;                    /* NULL: reading */
+	struct eco_reader r;
 	bool bad;                                /* what was read is out of range */
 };
 
-/* 6 bits for how many there are, then those below the highest; value < 2^63. */
-static uint64_t code_number(struct coder *c, struct number *n, uint64_t value)
+static uint64_t code_number(struct coder *c, uint64_t value)
 {
-	unsigned bits = eco_bit_length(value);
-	bits = eco_range_tree(&c->range, n->size, 6, bits);
-	if (bits < 2)
-		return bits;
-	unsigned below = bits - 1, modelled = below < MODELLED ? below : MODELLED, raw = below - modelled;
-	unsigned slot = bits < 7 ? bits - 2 : 5;
-	uint64_t high = eco_range_tree(&c->range, n->low[slot], modelled,
-		(uint32_t)(value >> raw) & ((1u << modelled) - 1));
-	return (1ull << modelled | high) << raw | eco_range_raw(&c->range, raw, value & ((1ull << raw) - 1));
+	if (!c->w)
+		return eco_read_varint(&c->r);
+	eco_write_varint(c->w, value);
+	return value;
 }
 
-static uint32_t code_u32(struct coder *c, struct number *n, uint32_t value)
+static uint32_t code_u32(struct coder *c, uint32_t value)
 {
-	uint64_t v = code_number(c, n, value);
+	uint64_t v = code_number(c, value);
 	c->bad |= v > UINT32_MAX;
 	return (uint32_t)v;
 }
 
-/* A value by its difference to another, both modulo 2^32. */
-static uint32_t code_step(struct coder *c, struct number *n, uint32_t before, uint32_t value)
-{
-	return before + eco_unzigzag(code_u32(c, n, eco_zigzag(value - before)));
-}
-
 static double code_f64(struct coder *c, double value)
 {
-	uint64_t bits;
-	memcpy(&bits, &value, sizeof bits);
-	bits = eco_range_raw(&c->range, 64, bits);
-	memcpy(&value, &bits, sizeof value);
+	if (!c->w)
+		return eco_read_f64(&c->r);
+	eco_write_f64(c->w, value);
 	return value;
 }
 
-static unsigned code_form(struct coder *c, struct eco_bit *models, unsigned bits, unsigned form)
+/* Which of a row's fields differ from the expected ones, and those from `from` to `to`: by how much, modulo
+ * 2^32. */
+static uint32_t code_which(struct coder *c, const uint32_t *row, const uint32_t *expected, uint32_t count)
 {
-	return eco_range_tree(&c->range, models, bits, form);
+	uint32_t differ = 0;
+	for (uint32_t i = 0; i < count; i++)
+		differ |= (uint32_t)(row[i] != expected[i]) << i;
+	differ = code_u32(c, differ);
+	c->bad |= differ >> count != 0;
+	return differ;
 }
 
-/* ---- Scales ---- */
+static void code_fields(struct coder *c, uint32_t differ, uint32_t *row, const uint32_t *expected, uint32_t from,
+	uint32_t to)
+{
+	for (uint32_t i = from; i < to; i++) {
+		uint32_t by = differ >> i & 1 ? code_u32(c, eco_zigzag(row[i] - expected[i])) : 0;
+		c->bad |= (differ >> i & 1) && !by;
+		row[i] = expected[i] + eco_unzigzag(by);
+	}
+}
+
+/* ---- Roundings ---- */
 
 #define DROPPED_BITS 17u                 /* of a float's 23 behind the leading one */
-#define SHORT_BASE ((127u - 8u) << (23 - DROPPED_BITS))
-#define SHORT_END ((127u + 24u) << (23 - DROPPED_BITS))
 
 static uint32_t float_bits(float v)
 {
@@ -100,18 +90,28 @@ float eco_wire_scale_round(float scale)
 	return bits_float(bits & ~((1u << DROPPED_BITS) - 1));
 }
 
-static bool is_short(float scale)
+/* A rounded scale is a small number. */
+static uint32_t rotate(uint32_t v, uint32_t left) { return v << left | v >> (32 - left); }
+
+#define PIXELS_MAX 1e14
+
+double eco_wire_pixels_round(double pixels)
 {
-	uint32_t bits = float_bits(scale), code = bits >> DROPPED_BITS;
-	return code << DROPPED_BITS == bits && code >= SHORT_BASE && code < SHORT_END;
+	return pixels >= 0 && pixels <= PIXELS_MAX ? floor(pixels * 16 + 0.5) / 16 : pixels;
 }
 
-/* ---- Placements ---- */
+static double code_pixels(struct coder *c, double value)
+{
+	c->bad |= c->w && !(value >= 0 && value <= PIXELS_MAX);
+	uint64_t sixteenths = code_number(c, c->bad ? 0 : (uint64_t)floor(value * 16 + 0.5));
+	c->bad |= sixteenths > (uint64_t)(16 * PIXELS_MAX);
+	return (double)sixteenths / 16;
+}
+
+/* ---- Items ---- */
 
 #define MILLIMETRES_MAX INT64_C(1000000000000000)        /* 1e12 m, see eco_view_check */
-enum place_scale { PLACE_ONE, PLACE_F32, PLACE_F64 };
-
-struct place_models { struct number step, path; struct eco_bit whole, turn, path_there, scale[4]; };
+enum place_field { PLACE_EXACT = 1, PLACE_TURN = 8, PLACE_PATH = 16, PLACE_SCALE = 32, PLACE_SCALE_EXACT = 64 };
 
 /* Division rounds correctly, so a position written with up to three decimals is such a quotient to the
  * last bit. */
@@ -123,372 +123,163 @@ static bool whole_millimetres(double v, int64_t *millimetres)
 	return (double)*millimetres / 1000.0 == v && !(v == 0 && signbit(v));
 }
 
-static double code_axis(struct coder *c, struct place_models *m, int64_t *last, double value)
+static double code_axis(struct coder *c, bool exact, int64_t *last, double value)
 {
-	int64_t millimetres = 0;
-	if (eco_range_bit(&c->range, &m->whole, !whole_millimetres(value, &millimetres)))
+	int64_t millimetres = *last;
+	if (exact)
 		return code_f64(c, value);
+	if (c->w)
+		whole_millimetres(value, &millimetres);
 	int64_t step = millimetres - *last;
-	uint64_t zigzag = code_number(c, &m->step, (uint64_t)step << 1 ^ (step < 0 ? UINT64_MAX : 0));
-	*last += (int64_t)(zigzag >> 1) ^ -(int64_t)(zigzag & 1);
+	uint64_t zigzag = code_number(c, (uint64_t)step << 1 ^ (step < 0 ? UINT64_MAX : 0));
+	c->bad |= zigzag > 4 * (uint64_t)MILLIMETRES_MAX;
+	*last += c->bad ? 0 : (int64_t)(zigzag >> 1) ^ -(int64_t)(zigzag & 1);
 	c->bad |= *last < -MILLIMETRES_MAX || *last > MILLIMETRES_MAX;
-	if (c->bad)
-		*last = 0;
 	return (double)*last / 1000.0;
 }
 
-static void code_placement(struct coder *c, struct place_models *m, int64_t last[3], struct eco_placement *p)
+static uint32_t place_fields(const struct eco_placement *p)
 {
-	enum place_scale form = p->scale == 1 ? PLACE_ONE : (double)(float)p->scale == p->scale ? PLACE_F32
-		: PLACE_F64;
+	int64_t unused;
+	uint32_t fields = (p->turn ? PLACE_TURN : 0u) | (p->path ? PLACE_PATH : 0u)
+		| (p->scale == 1 ? 0u : (double)(float)p->scale == p->scale ? PLACE_SCALE : PLACE_SCALE_EXACT);
 	for (int axis = 0; axis < 3; axis++)
-		p->at[axis] = code_axis(c, m, &last[axis], p->at[axis]);
-	if (eco_range_bit(&c->range, &m->turn, p->turn != 0))
-		p->turn = (uint16_t)eco_range_raw(&c->range, 16, p->turn);
-	if (eco_range_bit(&c->range, &m->path_there, p->path != 0))
-		p->path = (uint32_t)eco_range_raw(&c->range, 32, p->path);
-	form = code_form(c, m->scale, 2, form);
-	if (form == PLACE_F32)
-		p->scale = (double)bits_float((uint32_t)eco_range_raw(&c->range, 32,
-			float_bits((float)p->scale)));
-	else
-		p->scale = form == PLACE_F64 ? code_f64(c, p->scale) : 1;
+		fields |= whole_millimetres(p->at[axis], &unused) ? 0u : (uint32_t)PLACE_EXACT << axis;
+	return fields;
 }
 
-/* ---- Runs and gates ---- */
-
-struct run_models { struct number place, jump, step, size; struct eco_bit moved, left_there, left_again; };
-
-/* `first`: of the first run of the placement before. */
-static void code_run(struct coder *c, struct run_models *m, const struct eco_run *before, uint32_t *first,
-	struct eco_run *run)
+static void code_placement(struct coder *c, int64_t last[3], struct eco_placement *p)
 {
-	bool moved = !before || run->placement != before->placement;
-	if (before)
-		moved = eco_range_bit(&c->range, &m->moved, moved);
-	if (moved) {             /* placements of one nested eco file begin with the same list */
-		uint32_t from = before ? before->placement + 1 : 0;
-		run->placement = from + code_u32(c, &m->place, run->placement - from);
-		*first = run->list_first = code_step(c, &m->jump, *first, run->list_first);
-	} else {
-		run->placement = before->placement;
-		run->list_first = before->list_end
-			+ code_u32(c, &m->step, run->list_first - before->list_end);
-	}
-	run->list_end = run->list_first + 1 + code_u32(c, &m->size, run->list_end - run->list_first - 1);
-	uint32_t last = before ? before->left : 0;
-	if (!eco_range_bit(&c->range, &m->left_again, run->left != last))
-		run->left = last;
-	else if (eco_range_bit(&c->range, &m->left_there, run->left != 0))
-		run->left = (uint32_t)eco_range_raw(&c->range, 16, run->left);
-	else
-		run->left = 0;
+	uint32_t fields = code_u32(c, place_fields(p));
+	for (int axis = 0; axis < 3; axis++)
+		p->at[axis] = code_axis(c, fields & (uint32_t)PLACE_EXACT << axis, &last[axis], p->at[axis]);
+	uint32_t turn = fields & PLACE_TURN ? code_u32(c, p->turn) : 0;
+	p->turn = (uint16_t)turn;
+	p->path = fields & PLACE_PATH ? code_u32(c, p->path) : 0;
+	p->scale = fields & PLACE_SCALE ? (double)bits_float(code_u32(c, float_bits((float)p->scale)))
+		: fields & PLACE_SCALE_EXACT ? code_f64(c, p->scale) : 1;
+	c->bad |= fields != place_fields(p) || turn > UINT16_MAX;
 }
 
-struct gate_models { struct number plant; struct eco_bit within, band[256]; };
-
-static void code_gate(struct coder *c, struct gate_models *m, const struct eco_gate *before,
-	struct eco_gate *gate)
+/* `first`: of the first run of the placement before: placements of one nested eco file begin with the same
+ * list. */
+static void code_run(struct coder *c, const struct eco_run *before, uint32_t *first, struct eco_run *run)
 {
-	uint32_t from = before ? before->plant + 1 : 0, band = gate->end / ECO_SHARE_ONE,
-		share = gate->end % ECO_SHARE_ONE;
-	gate->plant = from + code_u32(c, &m->plant, gate->plant - from);
-	band = eco_range_tree(&c->range, m->band, 8, band);
-	if (eco_range_bit(&c->range, &m->within, share != 0))
-		share = (uint32_t)eco_range_raw(&c->range, 16, share);
-	else
-		share = 0;
-	gate->end = band * ECO_SHARE_ONE + share;
+	uint32_t placement = before->placement + code_u32(c, run->placement - before->placement);
+	bool moved = placement != before->placement;
+	const uint32_t expected[] = { moved ? *first : before->list_end, before->list_end - before->list_first,
+		before->left };
+	uint32_t row[] = { run->list_first, run->list_end - run->list_first, run->left };
+	code_fields(c, code_which(c, row, expected, 3), row, expected, 0, 3);
+	*run = (struct eco_run){ placement, row[0], row[0] + row[1], row[2] };
+	*first = moved ? row[0] : *first;
 }
 
-/* ---- Cuts ---- */
+static void code_gate(struct coder *c, const struct eco_gate *before, struct eco_gate *gate)
+{
+	gate->plant = before->plant + code_u32(c, gate->plant - before->plant);
+	gate->end = before->end + eco_unzigzag(code_u32(c, eco_zigzag(gate->end - before->end)));
+}
 
-enum bands_form { BANDS_AGAIN, BANDS_NEXT, BANDS_SENT };
-enum share_form { SHARE_ZERO, SHARE_FROM_END, SHARE_AGAIN, SHARE_SENT };
-enum share_end_form { SHARE_TO_ONE, SHARE_TO_SAME, SHARE_TO_LAST, SHARE_TO_OLDER, SHARE_TO_OTHER };
-enum first_form { FIRST_ZERO, FIRST_AGAIN, FIRST_FROM_END, FIRST_OTHER };
-enum end_form { END_AGAIN, END_LEVEL, END_FOUR, END_BEFORE_LAST, END_OTHER };
-enum scale_form { SCALE_ONE, SCALE_AGAIN, SCALE_OF_BAND, SCALE_NEAR, SCALE_FLOAT };
+enum cut_field { CUT_LIST, CUT_ANCHOR, CUT_END, CUT_FIRST, CUT_BAND, CUT_SHARE_END, CUT_SHARE, CUT_SCALE, CUT_BANDS,
+	CUT_PLACEMENT, CUT_HALVINGS, CUT_FIELDS };
+#define CUT_TOLD (CUT_ANCHOR + 1)        /* fields that those behind them are expected by */
 
-#define CONTEXTS 16u
-struct cut_models {
-	struct eco_bit moved[4], other[4], bands[CONTEXTS][4], share[CONTEXTS][4], share_end[CONTEXTS][8],
-		first[CONTEXTS][4], end[CONTEXTS][8], scale[CONTEXTS][8], float_bits,
-		halvings[ECO_HALVINGS_MAX + 1][8];
-	struct number anchor, list[2], band_first[2], band_count[4], first_at, end_at[2], share_bits,
-		scale_step;
-};
-
-/* Context that codes the next cut. */
-struct cut_state {
-	struct eco_cut before, older;
-	uint32_t group_band;                     /* first band of the list before's first cut */
-	float stated;                            /* the last scale but 1 */
-	uint32_t end_form;
-	struct { uint16_t last, older; float scale; } bands[ECO_BANDS + 1];  /* share ends, a scale */
-};
-
-/* The number of a level of splats: 4, 16, 64, ...; the first that is larger. */
+/* The number of a level of splats that is the next above `first`: 4, 16, 64, ...; else 0. */
 static uint32_t level_above(uint32_t first)
 {
 	uint64_t level = 1;
 	while (level <= first)
 		level *= 4;
-	return level > UINT32_MAX ? 0 : (uint32_t)level;
+	return first && level <= UINT32_MAX ? (uint32_t)level : 0;
 }
 
-static bool code_owner(struct coder *c, struct cut_models *m, struct cut_state *s, bool once,
-	struct eco_cut *cut)
+static void row_of_cut(uint32_t row[CUT_FIELDS], const struct eco_cut *cut)
 {
-	const struct eco_cut *b = &s->before;
-	bool moved = once ? cut->placement != b->placement : cut->anchor != b->anchor;
-	moved = eco_range_bit(&c->range, &m->moved[b->share_end == ECO_SHARE_ONE], moved);
-	if (once) {
-		cut->anchor = ECO_NONE;
-		cut->placement = moved ? code_step(c, &m->anchor, b->placement, cut->placement)
-			: b->placement;
-	} else {
-		/* the first rule's -1 wraps to 0 here: unsigned on purpose */
-		cut->anchor = moved ? b->anchor + 1 + code_u32(c, &m->anchor, cut->anchor - b->anchor - 1)
-			: b->anchor;
-		cut->placement = 0;
-		c->bad |= cut->anchor == ECO_NONE;
-	}
-	bool other = eco_range_bit(&c->range, &m->other[2 * moved + (b->share_end == ECO_SHARE_ONE)],
-		cut->list != b->list);
-	cut->list = other ? code_step(c, &m->list[moved], b->list, cut->list) : b->list;
-	return moved || other;
+	bool once = cut->anchor == ECO_NONE;
+	const uint32_t all[CUT_FIELDS] = { [CUT_LIST] = cut->list, [CUT_ANCHOR] = cut->anchor,
+		[CUT_END] = cut->end - level_above(cut->first), [CUT_FIRST] = cut->first,
+		[CUT_BAND] = once ? 0 : cut->band_first,
+		[CUT_BANDS] = once ? ECO_BANDS : (uint32_t)(cut->band_end - cut->band_first),
+		[CUT_SHARE] = once ? 0 : cut->share_first, [CUT_SHARE_END] = once ? ECO_SHARE_ONE : cut->share_end,
+		[CUT_SCALE] = rotate(float_bits(cut->scale), 32 - DROPPED_BITS),
+		[CUT_PLACEMENT] = once ? cut->placement : 0, [CUT_HALVINGS] = cut->halvings };
+	memcpy(row, all, sizeof all);
 }
 
-static void code_bands(struct coder *c, struct cut_models *m, struct cut_state *s, bool fresh,
-	struct eco_cut *cut)
+/* What is expected behind `before`, by its row and its list; `group`: the first cut of its list. */
+static void expect_cut(uint32_t e[CUT_FIELDS], const struct eco_cut *before, const struct eco_cut *group,
+	uint32_t list, uint32_t anchor)
 {
-	const struct eco_cut *b = &s->before;
-	unsigned context = (fresh ? 8 : 0) | (b->share_end == ECO_SHARE_ONE ? 4 : 0) | (b->first > 0 ? 2 : 0)
-		| (b->first == s->older.end ? 1 : 0);
-	enum bands_form form = cut->band_first == b->band_first && cut->band_end == b->band_end ? BANDS_AGAIN
-		: cut->band_first == b->band_end ? BANDS_NEXT : BANDS_SENT;
-	form = code_form(c, m->bands[context], 2, form);
-	if (form == BANDS_AGAIN) {
-		cut->band_first = b->band_first;
-		cut->band_end = b->band_end;
+	bool fresh = list != before->list || anchor != before->anchor, coarse = before->first
+		&& before->end == level_above(before->first);
+	row_of_cut(e, fresh ? group : before);
+	e[CUT_LIST] = before->list;
+	e[CUT_ANCHOR] = before->anchor;
+	if (fresh || anchor == ECO_NONE)
+		return;
+	if (coarse) {                    /* the children of those splats of a level that have given way */
+		e[CUT_FIRST] = before->end;
+		e[CUT_END] = 4 * before->first - level_above(before->end);
 		return;
 	}
-	uint32_t first = form == BANDS_NEXT ? b->band_end : code_step(c, &m->band_first[fresh], fresh
-		? s->group_band : b->band_end, cut->band_first);
-	uint32_t count = code_u32(c, &m->band_count[2 * fresh + (form == BANDS_NEXT)],
-		(uint32_t)(cut->band_end - cut->band_first - 1));
-	c->bad |= first >= ECO_BANDS || count >= ECO_BANDS - first;
-	if (c->bad)
-		first = count = 0;
-	cut->band_first = (uint8_t)first;
-	cut->band_end = (uint8_t)(first + 1 + count);
+	e[CUT_END] = before->first ? 0 : e[CUT_END];
+	e[CUT_SHARE] = before->share_end % ECO_SHARE_ONE;
+	e[CUT_SHARE_END] = ECO_SHARE_ONE;
+	e[CUT_BAND] = e[CUT_SHARE] ? e[CUT_BAND] : before->band_end;
 }
 
-/* A share's end in (0, ECO_SHARE_ONE): how many bits it has behind the point, then those but the last,
- * which is 1. */
-static uint32_t code_share(struct coder *c, struct cut_models *m, uint32_t share)
+static void code_cut(struct coder *c, const struct eco_cut *before, struct eco_cut *group, struct eco_cut *cut)
 {
-	unsigned bits = share ? 16 - (unsigned)__builtin_ctz(share) : 0;
-	bits = (unsigned)code_u32(c, &m->share_bits, bits);
-	c->bad |= bits == 0 || bits > 16;
-	if (c->bad)
-		return 1;
-	return ((uint32_t)eco_range_raw(&c->range, bits - 1, share >> (17 - bits)) << 1 | 1) << (16 - bits);
-}
-
-static void code_shares(struct coder *c, struct cut_models *m, struct cut_state *s, bool fresh,
-	struct eco_cut *cut)
-{
-	const struct eco_cut *b = &s->before;
-	bool same_bands = cut->band_first == b->band_first && cut->band_end == b->band_end;
-	unsigned context = (fresh ? 4 : 0) | (b->share_end == ECO_SHARE_ONE ? 2 : 0) | same_bands
-		| (b->first > 0 && b->first != s->older.end ? 8 : 0);
-	enum share_form form = cut->share_first == 0 ? SHARE_ZERO : cut->share_first == b->share_end
-		? SHARE_FROM_END : cut->share_first == b->share_first ? SHARE_AGAIN : SHARE_SENT;
-	form = code_form(c, m->share[context], 2, form);
-	cut->share_first = form == SHARE_ZERO ? 0 : form == SHARE_FROM_END ? b->share_end
-		: form == SHARE_AGAIN ? b->share_first : code_share(c, m, cut->share_first);
-	uint16_t *last = &s->bands[cut->band_first].last, *older = &s->bands[cut->band_first].older;
-	enum share_end_form to = cut->share_end == ECO_SHARE_ONE ? SHARE_TO_ONE
-		: cut->share_end == b->share_end ? SHARE_TO_SAME : cut->share_end == *last ? SHARE_TO_LAST
-		: cut->share_end == *older ? SHARE_TO_OLDER : SHARE_TO_OTHER;
-	context = form << 2 | same_bands << 1 | (b->share_end == ECO_SHARE_ONE);
-	to = code_form(c, m->share_end[context], 3, to);
-	c->bad |= to > SHARE_TO_OTHER;
-	cut->share_end = to == SHARE_TO_ONE ? ECO_SHARE_ONE : to == SHARE_TO_SAME ? b->share_end
-		: to == SHARE_TO_LAST ? *last : to == SHARE_TO_OLDER ? *older
-		: code_share(c, m, cut->share_end);
-	if (cut->share_end != ECO_SHARE_ONE && cut->share_end != *last) {
-		*older = *last;
-		*last = (uint16_t)cut->share_end;
-	}
-}
-
-static void code_range(struct coder *c, struct cut_models *m, struct cut_state *s, bool fresh,
-	struct eco_cut *cut)
-{
-	const struct eco_cut *b = &s->before;
-	bool pair = cut->band_first == b->band_first && cut->share_first == b->share_first && !fresh;
-	unsigned context = (fresh ? 4 : 0) | (b->first > 0 ? 2 : 0) | pair
-		| (b->first == s->older.end && !fresh ? 8 : 0);
-	enum first_form form = cut->first == 0 ? FIRST_ZERO : cut->first == b->first ? FIRST_AGAIN
-		: cut->first == b->end ? FIRST_FROM_END : FIRST_OTHER;
-	form = code_form(c, m->first[context], 2, form);
-	cut->first = form == FIRST_ZERO ? 0 : form == FIRST_AGAIN ? b->first : form == FIRST_FROM_END ? b->end
-		: code_u32(c, &m->first_at, cut->first);
-	uint32_t four = 4 * b->first, level = level_above(cut->first);
-	enum end_form to = cut->end == b->end ? END_AGAIN : cut->end == level ? END_LEVEL : cut->end == four
-		? END_FOUR : cut->end == s->older.end ? END_BEFORE_LAST : END_OTHER;
-	to = code_form(c, m->end[form << 2 | pair << 1 | (s->end_form == END_OTHER)], 3, to);
-	c->bad |= to > END_OTHER;
-	s->end_form = to;
-	cut->end = to == END_AGAIN ? b->end : to == END_LEVEL ? level : to == END_FOUR ? four
-		: to == END_BEFORE_LAST ? s->older.end
-		: cut->first + 1 + code_u32(c, &m->end_at[fresh], cut->end - cut->first - 1);
-}
-
-static void code_scale(struct coder *c, struct cut_models *m, struct cut_state *s, bool fresh,
-	struct eco_cut *cut)
-{
-	float stated = s->stated, of_band = s->bands[cut->band_first].scale;
-	enum scale_form form = cut->scale == 1 ? SCALE_ONE : float_bits(cut->scale) == float_bits(stated)
-		? SCALE_AGAIN : float_bits(cut->scale) == float_bits(of_band) ? SCALE_OF_BAND
-		: is_short(cut->scale) ? SCALE_NEAR : SCALE_FLOAT;
-	unsigned context = (fresh ? 4 : 0) | (s->before.scale == 1 ? 2 : 0) | (cut->first > 0);
-	form = code_form(c, m->scale[context], 3, form);
-	c->bad |= form > SCALE_FLOAT;
-	if (form == SCALE_NEAR) {
-		uint32_t from = float_bits(is_short(stated) ? stated : 1) >> DROPPED_BITS;
-		uint32_t code = code_step(c, &m->scale_step, from, float_bits(cut->scale) >> DROPPED_BITS);
-		c->bad |= code < SHORT_BASE || code >= SHORT_END;
-		cut->scale = c->bad ? 1 : bits_float(code << DROPPED_BITS);
-	} else if (form == SCALE_FLOAT) {
-		cut->scale = bits_float((uint32_t)eco_range_raw(&c->range, 32, float_bits(cut->scale)));
-	} else {
-		cut->scale = form == SCALE_ONE ? 1 : form == SCALE_AGAIN ? stated : of_band;
-	}
-	if (cut->scale != 1)
-		s->stated = s->bands[cut->band_first].scale = cut->scale;
-}
-
-static void code_cut(struct coder *c, struct cut_models *m, struct cut_state *s, bool once,
-	struct eco_cut *cut)
-{
-	bool fresh = code_owner(c, m, s, once, cut);
-	if (once) {
-		cut->band_first = 0;
-		cut->band_end = ECO_BANDS;
-		cut->share_first = 0;
-		cut->share_end = ECO_SHARE_ONE;
-		cut->halvings = (uint8_t)code_form(c, m->halvings[s->before.halvings], 3, cut->halvings);
-		c->bad |= cut->halvings > ECO_HALVINGS_MAX;
-	} else {
-		cut->halvings = 0;
-		code_bands(c, m, s, fresh, cut);
-		code_shares(c, m, s, fresh, cut);
-	}
-	code_range(c, m, s, fresh, cut);
-	code_scale(c, m, s, fresh, cut);
-	if (fresh)
-		s->group_band = cut->band_first;
-	s->older = s->before;
-	s->before = *cut;
+	uint32_t row[CUT_FIELDS], expected[CUT_FIELDS];
+	row_of_cut(row, cut);
+	expect_cut(expected, before, group, cut->list, cut->anchor);
+	uint32_t differ = code_which(c, row, expected, CUT_FIELDS);
+	code_fields(c, differ, row, expected, 0, CUT_TOLD);
+	expect_cut(expected, before, group, row[CUT_LIST], row[CUT_ANCHOR]);
+	code_fields(c, differ, row, expected, CUT_TOLD, CUT_FIELDS);
+	bool once = row[CUT_ANCHOR] == ECO_NONE;
+	c->bad |= row[CUT_BAND] > ECO_BANDS || row[CUT_BANDS] > ECO_BANDS - row[CUT_BAND]
+		|| row[CUT_HALVINGS] > ECO_HALVINGS_MAX || (!once && row[CUT_PLACEMENT])
+		|| (once && (row[CUT_BANDS] != ECO_BANDS || row[CUT_SHARE] || row[CUT_SHARE_END] != ECO_SHARE_ONE));
+	*cut = (struct eco_cut){ .list = row[CUT_LIST], .first = row[CUT_FIRST],
+		.end = row[CUT_END] + level_above(row[CUT_FIRST]), .scale = bits_float(rotate(row[CUT_SCALE], DROPPED_BITS)),
+		.placement = row[CUT_PLACEMENT], .anchor = row[CUT_ANCHOR], .band_first = (uint8_t)row[CUT_BAND],
+		.band_end = (uint8_t)(row[CUT_BAND] + row[CUT_BANDS]), .halvings = (uint8_t)row[CUT_HALVINGS],
+		.share_first = row[CUT_SHARE], .share_end = row[CUT_SHARE_END] };
+	if (cut->list != before->list || cut->anchor != before->anchor)
+		*group = *cut;
 }
 
 /* ---- The plan ---- */
 
-struct models {
-	struct place_models place;
-	struct run_models run;
-	struct gate_models gate;
-	struct cut_models once, rule;
-	struct number count, pixels;
-	struct eco_bit whole;
-};
-
-#define PIXELS_MAX 1e14
-
-/* Pixels that are sixteenths are usual, see eco_wire_pixels_round. */
-static double code_pixels(struct coder *c, struct models *m, double value)
+static void code_head(struct coder *c, struct eco_plan *plan)
 {
-	bool sent = !(value >= 0 && value <= PIXELS_MAX && value == eco_wire_pixels_round(value)
-		&& !(value == 0 && signbit(value)));
-	if (eco_range_bit(&c->range, &m->whole, sent))
-		return code_f64(c, value);
-	return (double)code_number(c, &m->pixels, sent ? 0 : (uint64_t)(value * 16)) / 16;
+	uint32_t *const counts[] = { &plan->placement_count, &plan->run_count, &plan->gate_count, &plan->cut_count };
+	plan->vertices = code_number(c, plan->vertices);
+	plan->prediction.tp = code_pixels(c, plan->prediction.tp);
+	plan->prediction.fp = code_pixels(c, plan->prediction.fp);
+	plan->prediction.fn = code_pixels(c, plan->prediction.fn);
+	for (int i = 0; i < 4; i++)
+		*counts[i] = code_u32(c, *counts[i]);
 }
 
-double eco_wire_pixels_round(double pixels)
+static void code_items(struct coder *c, struct eco_plan *plan)
 {
-	return pixels >= 0 && pixels <= PIXELS_MAX ? floor(pixels * 16 + 0.5) / 16 : pixels;
-}
-
-static void code_head(struct coder *c, struct models *m, struct eco_plan *plan, uint32_t counts[5])
-{
-	plan->vertices = code_number(c, &m->count, plan->vertices);
-	plan->prediction.tp = code_pixels(c, m, plan->prediction.tp);
-	plan->prediction.fp = code_pixels(c, m, plan->prediction.fp);
-	plan->prediction.fn = code_pixels(c, m, plan->prediction.fn);
-	for (int i = 0; i < 5; i++)
-		counts[i] = code_u32(c, &m->count, counts[i]);
-}
-
-/* Items that `counts` has: placements, runs, gates, cuts drawn once, rules. */
-static void code_items(struct coder *c, struct models *m, struct eco_plan *plan, const uint32_t counts[5])
-{
+	const struct eco_run no_run = { .placement = ECO_NONE };
+	const struct eco_gate no_gate = { 0 };
+	const struct eco_cut no_cut = { .anchor = ECO_NONE, .scale = 1, .end = 1 };
+	struct eco_cut group = no_cut;
 	int64_t last[3] = { 0 };
-	uint32_t first_of_placement = 0;
-	for (uint32_t i = 0; i < counts[0] && !c->bad; i++)
-		code_placement(c, &m->place, last, &plan->placements[i]);
-	for (uint32_t i = 0; i < counts[1] && !c->bad; i++)
-		code_run(c, &m->run, i ? &plan->runs[i - 1] : NULL, &first_of_placement, &plan->runs[i]);
-	for (uint32_t i = 0; i < counts[2] && !c->bad; i++)
-		code_gate(c, &m->gate, i ? &plan->gates[i - 1] : NULL, &plan->gates[i]);
-	/* before the first rule the anchor is -1, so that the step to anchor 0 is 1, as to any next one */
-	struct cut_state once = { .before = { .share_end = ECO_SHARE_ONE }, .stated = 1 }, rules = once;
-	rules.before.anchor = ECO_NONE;
-	for (uint32_t i = 0; i < counts[3] && !c->bad; i++)
-		code_cut(c, &m->once, &once, true, &plan->cuts[i]);
-	for (uint32_t i = 0; i < counts[4] && !c->bad; i++)
-		code_cut(c, &m->rule, &rules, false, &plan->cuts[counts[3] + i]);
-}
-
-static uint64_t sum_of(const uint32_t counts[5])
-{
-	uint64_t sum = 0;
-	for (int i = 0; i < 5; i++)
-		sum += counts[i];
-	return sum;
-}
-
-static uint64_t items_max(size_t bytes) { return ITEMS_FREE + ITEMS_A_BYTE * (uint64_t)bytes; }
-
-static void start_models(struct models *m)
-{
-	eco_bits_start((struct eco_bit *)m, sizeof *m / sizeof(struct eco_bit));
-}
-
-static void write_sorted(struct eco_writer *w, struct eco_plan *plan)
-{
-	struct models models;
-	struct coder coder = { .bad = false };
-	uint32_t once = 0;
-	while (once < plan->cut_count && plan->cuts[once].anchor == ECO_NONE)
-		once++;
-	uint32_t counts[5] = { plan->placement_count, plan->run_count, plan->gate_count, once,
-		plan->cut_count - once };
-	size_t start = w->size;
-	start_models(&models);
-	eco_write_u8(w, 0);
-	eco_range_write(&coder.range, w);
-	code_head(&coder, &models, plan, counts);
-	code_items(&coder, &models, plan, counts);
-	uint32_t zeros = eco_range_end(&coder.range);
-	while (sum_of(counts) > items_max(w->size - start) && !w->failed)
-		eco_write_u8(w, 0);
-	if (!w->failed)
-		w->bytes[start] = (uint8_t)zeros;
+	uint32_t first = 0;
+	for (uint32_t i = 0; i < plan->placement_count && !c->bad; i++)
+		code_placement(c, last, &plan->placements[i]);
+	for (uint32_t i = 0; i < plan->run_count && !c->bad; i++)
+		code_run(c, i ? &plan->runs[i - 1] : &no_run, &first, &plan->runs[i]);
+	for (uint32_t i = 0; i < plan->gate_count && !c->bad; i++)
+		code_gate(c, i ? &plan->gates[i - 1] : &no_gate, &plan->gates[i]);
+	for (uint32_t i = 0; i < plan->cut_count && !c->bad; i++)
+		code_cut(c, i ? &plan->cuts[i - 1] : &no_cut, &group, &plan->cuts[i]);
 }
 
 static void *copy_of(const void *items, uint32_t count, size_t size)
@@ -501,20 +292,22 @@ static void *copy_of(const void *items, uint32_t count, size_t size)
 
 void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan)
 {
+	struct coder coder = { .w = w };
 	struct eco_plan sorted = *plan;
 	sorted.placements = copy_of(plan->placements, plan->placement_count, sizeof *plan->placements);
 	sorted.runs = copy_of(plan->runs, plan->run_count, sizeof *plan->runs);
 	sorted.gates = copy_of(plan->gates, plan->gate_count, sizeof *plan->gates);
 	sorted.cuts = copy_of(plan->cuts, plan->cut_count, sizeof *plan->cuts);
-	if (sorted.placements && sorted.runs && sorted.gates && sorted.cuts) {
+	bool good = sorted.placements && sorted.runs && sorted.gates && sorted.cuts;
+	if (good) {
 		eco_plan_sort(&sorted);
-		if (eco_plan_check(&sorted, NULL) == ECO_OK)
-			write_sorted(w, &sorted);
-		else
-			w->failed = true;
-	} else {
-		w->failed = true;
+		good = eco_plan_check(&sorted, NULL) == ECO_OK;
 	}
+	if (good) {
+		code_head(&coder, &sorted);
+		code_items(&coder, &sorted);
+	}
+	w->failed |= !good || coder.bad;
 	eco_plan_free(&sorted);
 }
 
@@ -527,62 +320,39 @@ uint64_t eco_wire_plan_bytes(const struct eco_plan *plan)
 	return size;
 }
 
-static bool room_for(struct eco_plan *plan, const uint32_t counts[5])
+static bool room_for(struct eco_plan *plan)
 {
-	plan->placements = calloc(counts[0] + (size_t)1, sizeof *plan->placements);
-	plan->runs = calloc(counts[1] + (size_t)1, sizeof *plan->runs);
-	plan->gates = calloc(counts[2] + (size_t)1, sizeof *plan->gates);
-	plan->cuts = calloc(counts[3] + (size_t)counts[4] + 1, sizeof *plan->cuts);
-	plan->placement_count = counts[0];
-	plan->run_count = counts[1];
-	plan->gate_count = counts[2];
-	plan->cut_count = counts[3] + counts[4];
+	plan->placements = calloc(plan->placement_count + (size_t)1, sizeof *plan->placements);
+	plan->runs = calloc(plan->run_count + (size_t)1, sizeof *plan->runs);
+	plan->gates = calloc(plan->gate_count + (size_t)1, sizeof *plan->gates);
+	plan->cuts = calloc(plan->cut_count + (size_t)1, sizeof *plan->cuts);
 	return plan->placements && plan->runs && plan->gates && plan->cuts;
 }
 
-static enum eco_code read_fields(const uint8_t *bytes, size_t size, struct eco_plan *plan,
-	struct eco_error *error)
+static enum eco_code read_fields(struct coder *c, struct eco_plan *plan, struct eco_error *error)
 {
-	struct models models;
-	struct coder coder = { .bad = false };
-	uint32_t counts[5] = { 0 };
-	start_models(&models);
-	eco_range_read(&coder.range, bytes + 1, size - 1);
-	code_head(&coder, &models, plan, counts);
-	if (coder.bad || sum_of(counts) > items_max(size) || sum_of(counts) > ECO_PLAN_ITEMS_MAX)
+	size_t size = c->r.size;
+	code_head(c, plan);
+	/* an item takes a byte at least: memory is in proportion to bytes */
+	uint64_t items = (uint64_t)plan->placement_count + plan->run_count + plan->gate_count + plan->cut_count;
+	if (c->bad || c->r.failed || items > size)
 		return eco_fail(error, ECO_DAMAGED, "the plan ends early, or a number in it is out of range: "
-			"%llu items in %zu bytes", (unsigned long long)sum_of(counts), size);
-	if (!room_for(plan, counts))
+			"%llu items in %zu bytes", (unsigned long long)items, size);
+	if (!room_for(plan))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a plan of %zu bytes", size);
-	code_items(&coder, &models, plan, counts);
-	if (coder.bad)
-		return eco_fail(error, ECO_DAMAGED, "a number in the plan is out of range, near its byte %zu",
-			coder.range.at);
-	return ECO_OK;
-}
-
-static enum eco_code check_spelling(const uint8_t *bytes, size_t size, struct eco_plan *plan,
-	struct eco_error *error)
-{
-	struct eco_writer again = { 0 };
-	write_sorted(&again, plan);
-	bool failed = again.failed, same = again.size == size && memcmp(again.bytes, bytes, size) == 0;
-	eco_writer_free(&again);
-	if (failed)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a plan of %zu bytes", size);
-	return same ? ECO_OK : eco_fail(error, ECO_DAMAGED, "the plan is not in its one encoding");
+	code_items(c, plan);
+	if (c->bad || c->r.failed || c->r.at != size)
+		return eco_fail(error, ECO_DAMAGED, "a number in the plan is out of range, or it ends early, near its "
+			"byte %zu of %zu", c->r.at, size);
+	return eco_plan_check(plan, error);
 }
 
 enum eco_code eco_wire_read_plan(struct eco_reader *r, struct eco_plan *plan, struct eco_error *error)
 {
 	size_t size = r->size - r->at;
-	const uint8_t *bytes = eco_read_bytes(r, size);
+	struct coder coder = { .r = { .bytes = eco_read_bytes(r, size), .size = size } };
 	*plan = (struct eco_plan){ 0 };
-	if (!bytes || size == 0)
-		return eco_fail(error, ECO_DAMAGED, "the plan ends early: it has %zu bytes", size);
-	enum eco_code code = read_fields(bytes, size, plan, error);
-	code = code ? code : eco_plan_check(plan, error);
-	code = code ? code : check_spelling(bytes, size, plan, error);
+	enum eco_code code = read_fields(&coder, plan, error);
 	if (code)
 		eco_plan_free(plan);
 	return code;

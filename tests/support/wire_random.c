@@ -151,7 +151,7 @@ static void wire_random_prune(struct eco_plan *plan)
 
 struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t lists, uint32_t plants)
 {
-	struct eco_plan plan = { .vertices = wire_random_bits(r) >> 1, .prediction = { 1e5 / 3, 12, 0 } };
+	struct eco_plan plan = { .vertices = wire_random_bits(r) >> 1, .prediction = { 33333.3125, 12, 0 } };
 	plan.vertices >>= wire_random_below(r, 63);
 	plan.placement_count = 1 + wire_random_below(r, most);
 	plan.run_count = wire_random_below(r, most + 1);
