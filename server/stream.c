@@ -12,6 +12,7 @@
 #define BODY_MAX_DEFAULT (1ull << 31)
 #define STEP_RATIO 1.3                       /* bytes of a step over those of the step before */
 #define STEP_BYTES_LEAST 10000u              /* no step goes before one of so few, ... */
+#define FIRST_MOST 64u                       /* times the bytes of a first picture: more seldom bind, and steps come */
 #define STEP_PRICED_LEAST 5000u              /* ground and bytes without a price may be half of it */
 #define SEARCH_PLANS_MAX 40u
 #define SEARCH_SLACK 256u                    /* the search ends within 1/256 of the budget */
@@ -586,10 +587,21 @@ static enum eco_code plan_answer(struct srv_stream *stream, struct srv_emit *dry
 	return code;
 }
 
+/* Whether bytes probably bind and nothing would be drawn before most of them have come. */
+static bool is_first_visit(const struct srv_stream *stream)
+{
+	uint64_t bytes = stream->input.request->bytes;
+	return !searches(stream) && bytes > 2 * SRV_FIRST_BYTES && bytes < FIRST_MOST * SRV_FIRST_BYTES
+		&& !(stream->input.holdings && stream->input.holdings->count);
+}
+
 static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
 {
 	const struct eco_request *request = stream->input.request;
 	struct srv_step smallest;
+	enum eco_code first = is_first_visit(stream) ? srv_plan_first(stream, dry, error) : ECO_OK;
+	if (first || stream->step_count)
+		return first;
 	enum eco_code code = make_smallest(stream, dry, &smallest, &stream->body_bytes, error);
 	if (!code && stream->body_bytes <= request->bytes) {
 		code = plan_answer(stream, dry, &smallest, &stream->body_bytes, error);

@@ -10,6 +10,10 @@
  * about the best picture for its bytes. Their ground takes at most a quarter of their bytes, and goes first,
  * coarse to fine.
  *
+ * First picture. Bytes leave no room for what coarser answers send and the answer does not use. So a client that
+ * holds nothing gets a picture within SRV_FIRST_BYTES, one window of TCP, and the answer is planned for one that
+ * holds this picture's chunks.
+ *
  * Byte budget. It bounds the whole body, END included. The ground's detail gives way first, up to an error of
  * 2 pixels; then plants, on ground that takes at most a quarter of the bytes. The planner spends bytes
  * (lod/plan/byte_price.h), and learns sizes from a dry run of the code that writes the body. Deussen's rule
@@ -36,6 +40,7 @@
 #include "server/store.h"
 
 #define SRV_STEPS_MAX 32u
+#define SRV_FIRST_BYTES 14000u
 
 struct srv_stream_input {
 	const struct srv_scene *scene;
@@ -102,6 +107,9 @@ enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco
 /* ---- Between stream.c and stream_after.c ---- */
 
 struct srv_emit;
+/* Plans a first picture and the answer behind it. No steps, and `stream` is as it was but for its work: they do not
+ * fit together. */
+enum eco_code srv_plan_first(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
 /* Plans the next view as an answer of its own to a client that holds all of this one; within its bytes. */
 enum eco_code srv_plan_next(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
 void srv_stream_drop_next(struct srv_stream *stream);

@@ -1,4 +1,5 @@
-/* Additions to an answer: chunks that the next view lacks, and more lists for bytes that are left. */
+/* Parts of an answer that are answers of their own: the first picture, and chunks that the next view lacks. And more
+ * lists for bytes that are left. */
 #include "ecofiles/base/random.h"
 #include "server/emit.h"
 #include "server/stream.h"
@@ -6,6 +7,73 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
+
+/* ---- The first picture ---- */
+
+#define FIRST_PART 4u                    /* of the work may the first picture take */
+
+/* `rest`, behind the last step of `first`. */
+static void join(struct srv_stream *stream, struct srv_stream *first, struct srv_stream *rest)
+{
+	const struct srv_stream_input input = stream->input;
+	const uint64_t work = stream->work + rest->work;
+	const struct srv_step picture = first->steps[--first->step_count];
+	rest->cut_short |= first->cut_short;
+	*stream = *rest;
+	*rest = (struct srv_stream){ .step_count = 0 };
+	stream->input = input;
+	stream->work = work;
+	for (uint32_t i = stream->step_count++; i > 0; i--)
+		stream->steps[i] = stream->steps[i - 1];
+	stream->steps[0] = picture;
+}
+
+static enum eco_code plan_rest(struct srv_stream *stream, struct srv_stream *first, struct srv_emit *dry,
+	struct eco_error *error)
+{
+	const struct srv_step *picture = &first->steps[first->step_count - 1];
+	struct eco_request request = *stream->input.request;
+	struct srv_stream_input input = stream->input;
+	struct srv_stream rest;
+	input.request = &request;
+	input.holdings = &picture->needs;
+	input.work_max = input.work_max ? srv_work_left(stream) + 1 : 0;
+	request.bytes -= picture->end_bytes;
+	enum eco_code code = srv_stream_plan(&rest, &input, error);
+	if (!code && rest.fits && rest.step_count < SRV_STEPS_MAX) {
+		join(stream, first, &rest);
+		code = srv_size_all(stream, dry, error);
+	}
+	if (!code)
+		srv_stream_free(&rest);
+	return code;
+}
+
+enum eco_code srv_plan_first(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	struct eco_request request = *stream->input.request;
+	struct srv_stream_input input = stream->input;
+	struct srv_stream first;
+	input.request = &request;
+	input.explain = false;
+	input.work_max = input.work_max ? input.work_max / FIRST_PART + 1 : 0;
+	request.bytes = SRV_FIRST_BYTES;
+	request.next.given = false;
+	enum eco_code code = srv_stream_plan(&first, &input, error);
+	if (code)
+		return code;
+	stream->work += first.work;
+	if (first.fits && first.steps[first.step_count - 1].plan.vertices)
+		code = plan_rest(stream, &first, dry, error);
+	srv_stream_free(&first);
+	if (!code && stream->body_bytes > stream->input.request->bytes) {
+		input = stream->input;
+		const uint64_t work = stream->work;
+		srv_stream_free(stream);
+		*stream = (struct srv_stream){ .input = input, .work = work };
+	}
+	return code;
+}
 
 /* ---- The next view ---- */
 

@@ -95,7 +95,7 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	const struct lod_planner_input unexplained = without_explanation(input);
 	p.input = &unexplained;          /* coarser answers have none */
 	bool many = input->coarser && (!input->size || p.bytes > input->coarser->least);
-	if (!code && many && p.search && !(p.price > 0))
+	if (!code && many && p.search)
 		code = lod_bytes_coarser(p.search, plan, error);
 	if (!code)
 		code = lod_planner_check(&p, error);

@@ -41,8 +41,7 @@ struct lod_explanation;
 
 /* Coarser answers to the same request, made after the answer by the same allocation at higher prices of a
  * byte: each, without ground, goes to `take`, which owns it. From fine to coarse, each with about 1 / ratio
- * of the bytes of plants that the one before it has. Only lod_rule_optimal makes any, and only where bytes do
- * not bind: there they would have no room. */
+ * of the bytes of plants that the one before it has. Only lod_rule_optimal makes any. */
 struct lod_planner_coarser {
 	double ratio;                /* above 1 */
 	uint64_t least;              /* bytes of the last one, about: none follows one of so few */

@@ -154,4 +154,36 @@ UNIT_TEST(answers_use_bytes_and_come_in_steps)
 	assert_true(asked > REQUESTS / 2 && 50 * worse <= asked && large > 10);
 }
 
+/* Bytes bind: a picture comes within SRV_FIRST_BYTES, and the answer is hardly worse for it. */
+UNIT_TEST(a_first_picture_comes_early_within_a_byte_budget)
+{
+	uint32_t bound = 0, early = 0;
+	double q[2] = { 0, 0 };
+	for (uint32_t i = 0; i < REQUESTS; i++) {
+		struct eco_request request;
+		const struct eco_holdings none = { .items = &(struct eco_holding){ 0, 1 }, .count = 1 };
+		struct srv_stream stream, plain;
+		if (!random_request(&request, &sample->pack->scene, 13, i))
+			continue;
+		request.bytes = 4 * SRV_FIRST_BYTES;
+		assert_good(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample,
+			.request = &request }, &cause));
+		/* who holds something has a picture */
+		assert_good(srv_stream_plan(&plain, &(struct srv_stream_input){ .scene = sample, .request = &request,
+			.holdings = &none }, &cause));
+		assert_true(stream.fits && stream.body_bytes <= request.bytes);
+		if (plain.body_bytes > request.bytes / 2 && plain.steps[plain.step_count - 1].plan.vertices > 100) {
+			q[0] += eco_predicted_q(&stream.steps[stream.step_count - 1].plan.prediction);
+			q[1] += eco_predicted_q(&plain.steps[plain.step_count - 1].plan.prediction);
+			bound++;
+			early += stream.steps[0].plan.vertices > 0 && stream.steps[0].end_bytes <= SRV_FIRST_BYTES;
+		}
+		srv_stream_free(&stream);
+		srv_stream_free(&plain);
+	}
+	print_message("          %u of %u within %u bytes; Q %.4f, without it %.4f\n", early, bound, SRV_FIRST_BYTES,
+		q[0] / bound, q[1] / bound);
+	assert_true(bound > 10 && 10 * early >= 9 * bound && q[0] > q[1] - 0.02 * bound);
+}
+
 UNIT_MAIN(serve_start, serve_stop)
