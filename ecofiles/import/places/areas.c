@@ -1,9 +1,10 @@
 /* Bands of y are the index of both questions: each lists the edges of a surface, the surfaces, or the edges
- * widened by near_m that touch it. The areas of a scatter come as rows with geometry, through the same child
- * process, columns and filters as inventories. */
+ * widened by near_m that touch it. Areas come as rows with geometry, through the same child process, columns and
+ * filters as inventories. */
 #include "ecofiles/import/places/areas.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -358,20 +359,18 @@ void eco_areas_free(struct eco_areas *areas)
 	*areas = (struct eco_areas){ .items = NULL };
 }
 
-/* ---- Input of a scatter ---- */
+/* ---- Rows as areas ---- */
 
 #define DISTANCE_MAX_M 1e7           /* as for inventories */
 
-/* ---- Areas ---- */
-
 struct row_reading {
-	struct eco_scatter_input *input;
-	const struct eco_scatter_spec *spec;
-	const char *path;
+	struct eco_areas *areas;
+	const struct eco_areas_request *request;
+	struct eco_areas_report *report;
 	struct eco_rows *rows;
 	struct eco_crs *crs;
 	struct eco_crs_span span;
-	uint32_t number_column, filter_column[ECO_FILTERS_MAX];
+	uint32_t column[ECO_AREAS_COLUMNS], filter_column[ECO_FILTERS_MAX];
 	bool converted, near;        /* of this feature, so far */
 };
 
@@ -389,132 +388,159 @@ static bool convert(void *ctx, double xy[2], struct eco_error *error)
 	return r->converted && r->near;
 }
 
-static void skip(struct row_reading *r, enum eco_scatter_why why)
+static void skip(struct row_reading *r, enum eco_area_why why)
 {
-	if (r->input->skipped[why]++ == 0)
-		r->input->first_line[why] = r->rows->line;
+	if (r->request->surfaces && r->report->skipped[why]++ == 0)
+		r->report->first_line[why] = r->rows->line;
 }
 
 static bool passes(const struct row_reading *r)
 {
-	for (uint32_t i = 0; i < r->spec->filter_count; i++)
-		if (!eco_filter_passes(&r->spec->filters[i], r->rows->fields[r->filter_column[i]], '.'))
+	for (uint32_t i = 0; i < r->request->filter_count; i++)
+		if (!eco_filter_passes(&r->request->filters[i], r->rows->fields[r->filter_column[i]], '.'))
 			return false;
 	return true;
 }
 
-/* Keeps the number of the area added last. */
-static void keep_number(struct row_reading *r, double number)
+static bool take_texts(const struct row_reading *r)
 {
-	const struct eco_areas *areas = &r->input->areas;
-	r->input->number = eco_realloc(r->input->number, areas->capacity, sizeof *r->input->number);
-	r->input->number[areas->count - 1] = number;
+	const char *texts[ECO_AREAS_COLUMNS] = { NULL };
+	for (uint32_t i = 0; i < r->request->column_count; i++)
+		texts[i] = r->column[i] == ECO_NONE ? NULL : r->rows->fields[r->column[i]];
+	return !r->request->take || r->request->take(r->request->ctx, r->areas->count, r->rows->line, texts);
 }
 
-static enum eco_code take_row(struct row_reading *r, struct eco_areas *areas, bool surfaces,
-	struct eco_error *error)
+static enum eco_code take_row(struct row_reading *r, struct eco_error *error)
 {
 	const struct eco_rows_place *place = &r->rows->place;
-	double number = 0;
+	struct eco_areas *areas = r->areas;
 	bool kept;
-	r->input->features += surfaces;
-	if (surfaces && !passes(r))
+	r->report->features += r->request->surfaces;
+	if (!passes(r))
 		return skip(r, ECO_AREA_FILTERED), ECO_OK;
 	if (place->kind != ECO_PLACE_AREA)
-		return surfaces ? skip(r, ECO_AREA_NO_GEOMETRY) : (void)0, ECO_OK;
-	if (r->number_column != ECO_NONE && (!eco_text_number(r->rows->fields[r->number_column], '.', &number)
-			|| !(number >= 0)))
+		return skip(r, ECO_AREA_NO_GEOMETRY), ECO_OK;
+	if (!take_texts(r))
 		return skip(r, ECO_AREA_NO_NUMBER), ECO_OK;
 	r->converted = r->near = true;
 	enum eco_code code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
 	if (code)
 		return code;
 	if (!kept)
-		return surfaces
-			? skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY
-			: ECO_AREA_TOO_FAR) : (void)0, ECO_OK;
-	if (surfaces && areas->items[areas->count - 1].ring_edges == 0) {
+		return skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY
+			: ECO_AREA_TOO_FAR), ECO_OK;
+	if (r->request->surfaces && areas->items[areas->count - 1].ring_edges == 0) {
 		areas->edge_count = areas->items[--areas->count].edge_first;
 		return skip(r, ECO_AREA_NOT_A_SURFACE), ECO_OK;
 	}
-	if (surfaces && r->number_column != ECO_NONE)
-		keep_number(r, number);
 	return ECO_OK;
 }
 
-static enum eco_code read_rows(struct row_reading *r, struct eco_areas *areas, bool surfaces,
-	struct eco_error *error)
+static enum eco_code read_rows(struct row_reading *r, struct eco_error *error)
 {
-	const struct eco_scatter_spec *s = r->spec;
+	const struct eco_areas_request *q = r->request;
 	enum eco_code code = ECO_OK;
 	bool more = true;
-	r->number_column = ECO_NONE;
-	if (surfaces)
-		code = eco_rows_find_column(r->rows, r->path, s->density_column ? s->density_column
-			: s->count_column, &r->number_column, error);
-	for (uint32_t i = 0; surfaces && i < s->filter_count && code == ECO_OK; i++)
-		code = eco_rows_find_column(r->rows, r->path, s->filters[i].column, &r->filter_column[i],
-			error);
+	for (uint32_t i = 0; i < q->column_count && code == ECO_OK; i++)
+		code = eco_rows_find_column(r->rows, q->path, q->columns[i], &r->column[i], error);
+	for (uint32_t i = 0; i < q->filter_count && code == ECO_OK; i++)
+		code = eco_rows_find_column(r->rows, q->path, q->filters[i].column, &r->filter_column[i], error);
 	while (code == ECO_OK && more) {
 		code = r->rows->next(r->rows, &more, error);
 		if (code == ECO_OK && more)
-			code = take_row(r, areas, surfaces, error);
+			code = take_row(r, error);
 	}
 	return code;
 }
 
-static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_areas *areas,
-	const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error)
+enum eco_code eco_areas_read(struct eco_areas *areas, const struct eco_areas_request *request,
+	const struct eco_frame *frame, struct eco_areas_report *report, struct eco_error *error)
 {
-	bool surfaces = areas == &input->areas;
-	struct row_reading r = { .input = input, .spec = spec, .path = surfaces ? spec->path
-		: spec->clear_of };
-	struct eco_rows_source source = { .path = r.path, .layer = surfaces ? spec->layer : spec->clear_layer,
-		.areas = true };
-	enum eco_code code = eco_rows_open(&r.rows, &source, error);
-	if (!code)
-		code = eco_crs_open(&r.crs, &(struct eco_crs_request){ .path = r.path, .stated = surfaces
-			? spec->crs : spec->clear_crs, .of_file = r.rows->crs, 
-			.frame = frame, .note = eco_rows_note, .ctx = r.rows }, error);
-	if (code == ECO_OK && r.rows->degrees_doubted && !(surfaces ? spec->crs : spec->clear_crs))
-		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format "
-			"says; add \"%s\": \"EPSG:...\", the CRS that they are in", r.path, surfaces ? "crs"
-			: "clear_crs");
-	if (!code)
-		code = read_rows(&r, areas, surfaces, error);
-	const char *stated = surfaces ? spec->crs : spec->clear_crs;
+	struct row_reading r = { .areas = areas, .request = request, .report = report };
+	struct eco_rows_source source = { .path = request->path, .layer = request->layer, .areas = true };
 	enum eco_crs_fit fit;
 	char area[80];
+	enum eco_code code = eco_rows_open(&r.rows, &source, error);
 	if (!code)
-		code = eco_crs_refuse_degrees(&r.span,
-			stated ? stated : r.rows->crs,
-			false, r.path, &fit, area, error);
+		code = eco_crs_open(&r.crs, &(struct eco_crs_request){ .path = request->path, .stated = request->crs,
+			.of_file = r.rows->crs, .frame = frame, .note = eco_rows_note, .ctx = r.rows }, error);
+	if (code == ECO_OK && r.rows->degrees_doubted && !request->crs)
+		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format "
+			"says; add \"%s\": \"EPSG:...\", the CRS that they are in", request->path,
+			request->surfaces ? "crs" : "clear_crs");
+	if (!code)
+		code = read_rows(&r, error);
+	if (!code)
+		code = eco_crs_refuse_degrees(&r.span, request->crs ? request->crs : r.rows->crs, false, request->path,
+			&fit, area, error);
 	if (!code && fit == ECO_CRS_SWAPPED)
 		eco_rows_note(r.rows,
 			"its corners lie outside the area of use of their CRS (%s), and inside with their coordinates "
 			"swapped: x is easting or longitude, y is northing or latitude",
 			area);
 	if (!code)
-		code = eco_areas_index(areas, surfaces ? 0 : spec->clear_m, error);
-	for (uint32_t i = 0; r.rows && i < r.rows->note_count
-		&& input->note_count < 2 * ECO_ROWS_NOTES_MAX; i++)
-		input->notes[input->note_count++] = eco_copy_text(r.rows->notes[i]);
+		code = eco_areas_index(areas, request->near_m, error);
+	for (uint32_t i = 0; r.rows && i < r.rows->note_count && report->note_count < 2 * ECO_ROWS_NOTES_MAX; i++)
+		report->notes[report->note_count++] = eco_copy_text(r.rows->notes[i]);
 	eco_crs_close(r.crs);
 	eco_rows_close(r.rows);
 	return code;
 }
 
-/* ---- Both ---- */
+void eco_areas_report_say(const struct eco_areas_report *report, void (*say)(void *ctx, const char *text), void *ctx)
+{
+	static const char *const why[ECO_AREA_WHY_COUNT] = { [ECO_AREA_NOT_A_SURFACE] = "not a polygon",
+		[ECO_AREA_NO_GEOMETRY] = "no geometry",
+		[ECO_AREA_NO_CONVERSION] = "cannot be converted to the scene's CRS",
+		[ECO_AREA_TOO_FAR] = "more than 10,000 km from the origin",
+		[ECO_AREA_NO_NUMBER] = "no usable number in its column",
+		[ECO_AREA_FILTERED] = "left out by only or skip" };
+	char line[512];
+	for (int i = 0; i < ECO_AREA_WHY_COUNT; i++)
+		if (report->skipped[i] > 0) {
+			snprintf(line, sizeof line, "  %llu feature%s left out: %s (first: feature %llu)",
+				(unsigned long long)report->skipped[i], report->skipped[i] == 1 ? "" : "s",
+				why[i], (unsigned long long)report->first_line[i]);
+			say(ctx, line);
+		}
+}
+
+void eco_areas_report_free(struct eco_areas_report *report)
+{
+	for (uint32_t i = 0; i < report->note_count; i++)
+		free(report->notes[i]);
+	*report = (struct eco_areas_report){ .features = 0 };
+}
+
+/* ---- Input of a scatter ---- */
+
+/* Keeps the number of an area. */
+static bool take_number(void *ctx, uint32_t area, uint64_t line, const char *const *texts)
+{
+	struct eco_scatter_input *input = ctx;
+	double number = 0;
+	(void)line;
+	if (texts[0] && (!eco_text_number(texts[0], '.', &number) || !(number >= 0)))
+		return false;
+	input->number = eco_realloc(input->number, area + 1u, sizeof *input->number);
+	input->number[area] = number;
+	return true;
+}
 
 enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
-	enum eco_code code = read_areas(input, &input->areas, spec, frame, &own);
+	const char *number = spec->density_column ? spec->density_column : spec->count_column;
+	const struct eco_areas_request areas = { .path = spec->path, .layer = spec->layer, .crs = spec->crs,
+		.filters = spec->filters, .filter_count = spec->filter_count, .columns = &number, .column_count = 1,
+		.take = take_number, .ctx = input, .surfaces = true },
+		clear = { .path = spec->clear_of, .layer = spec->clear_layer, .crs = spec->clear_crs, .near_m = spec->clear_m };
+	enum eco_code code = eco_areas_read(&input->areas, &areas, frame, &input->report, &own);
 	if (code)
-		return eco_fail(error, code, "%s%s", own.text, code == ECO_BAD_INPUT && input->features == 0
+		return eco_fail(error, code, "%s%s", own.text, code == ECO_BAD_INPUT && input->report.features == 0
 			? "; a raster of densities becomes polygons by gdal_polygonize.py, with \"density_column\"" : "");
-	return spec->clear_of ? read_areas(input, &input->clear, spec, frame, error) : ECO_OK;
+	return spec->clear_of ? eco_areas_read(&input->clear, &clear, frame, &input->report, error) : ECO_OK;
 }
 
 void eco_scatter_input_free(struct eco_scatter_input *input)
@@ -522,6 +548,5 @@ void eco_scatter_input_free(struct eco_scatter_input *input)
 	eco_areas_free(&input->areas);
 	eco_areas_free(&input->clear);
 	free(input->number);
-	for (uint32_t i = 0; i < input->note_count; i++)
-		free(input->notes[i]);
+	eco_areas_report_free(&input->report);
 }

@@ -1,5 +1,6 @@
 /* Polygons, lines and points in metres, and two questions about a place: is it inside, is it near?
  *
+ *   eco_areas_read(&areas, &request, &frame, &report, &error);       a file's features; or
  *   eco_areas_add_wkb(&areas, wkb, size, convert, ctx, &error);      each feature, in any order
  *   eco_areas_index(&areas, near_m, &error);
  *   eco_area_holds(&areas, i, x, y);  eco_areas_hold(&areas, x, y);  eco_areas_near(&areas, x, y);
@@ -12,6 +13,8 @@
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
+#include "ecofiles/import/places/positions.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 #define ECO_AREA_POINTS_MAX (1u << 26)   /* corners of all features */
 
@@ -55,5 +58,35 @@ bool eco_areas_hold(const struct eco_areas *areas, double x, double y);
 /* Whether a place is within near_m of any edge. */
 bool eco_areas_near(const struct eco_areas *areas, double x, double y);
 void eco_areas_free(struct eco_areas *areas);
+
+/* ---- Areas of a file ---- */
+
+enum eco_area_why { ECO_AREA_NOT_A_SURFACE, ECO_AREA_NO_GEOMETRY, ECO_AREA_NO_CONVERSION, ECO_AREA_TOO_FAR,
+	ECO_AREA_NO_NUMBER, ECO_AREA_FILTERED, ECO_AREA_WHY_COUNT };
+
+struct eco_areas_report {        /* zero-initialised is empty; owns its notes */
+	uint64_t features, skipped[ECO_AREA_WHY_COUNT], first_line[ECO_AREA_WHY_COUNT];
+	char *notes[2 * ECO_ROWS_NOTES_MAX]; uint32_t note_count;
+};
+
+#define ECO_AREAS_COLUMNS 16u
+struct eco_areas_request {
+	const char *path, *layer, *crs;      /* layer, crs: NULL: not stated */
+	const struct eco_filter *filters; uint32_t filter_count;
+	const char *const *columns; uint32_t column_count;   /* up to ECO_AREAS_COLUMNS names; NULL: not asked for */
+	/* Texts of a feature's columns, before it becomes area number `area`: if it does not, the next feature has the
+	 * same number. False: it is left out, as ECO_AREA_NO_NUMBER. May be NULL */
+	bool (*take)(void *ctx, uint32_t area, uint64_t line, const char *const *texts);
+	void *ctx;
+	bool surfaces;               /* features without a surface are left out, and what is left out is counted */
+	double near_m;
+};
+/* Reads the features of a file into metres from the frame's origin, in a child process (guard.h), and indexes them. Adds
+ * to the report. */
+enum eco_code eco_areas_read(struct eco_areas *areas, const struct eco_areas_request *request,
+	const struct eco_frame *frame, struct eco_areas_report *report, struct eco_error *error);
+/* A line for each reason why features were left out. */
+void eco_areas_report_say(const struct eco_areas_report *report, void (*say)(void *ctx, const char *text), void *ctx);
+void eco_areas_report_free(struct eco_areas_report *report);
 
 #endif

@@ -412,26 +412,14 @@ bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *pla
 
 void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, const char *text), void *ctx)
 {
-	static const char *const why[ECO_AREA_WHY_COUNT] = { [ECO_AREA_NOT_A_SURFACE] = "not a polygon",
-		[ECO_AREA_NO_GEOMETRY] = "no geometry",
-		[ECO_AREA_NO_CONVERSION] = "cannot be converted to the scene's CRS",
-		[ECO_AREA_TOO_FAR] = "more than 10,000 km from the origin",
-		[ECO_AREA_NO_NUMBER] = "no usable number in its column",
-		[ECO_AREA_FILTERED] = "left out by only or skip" };
 	char line[512];
-	for (uint32_t i = 0; i < s->input.note_count; i++)
-		say(ctx, s->input.notes[i]);
+	for (uint32_t i = 0; i < s->input.report.note_count; i++)
+		say(ctx, s->input.report.notes[i]);
 	snprintf(line, sizeof line, "%u area%s of %.4g ha: %llu plants of %llu wanted", s->input.areas.count,
 		s->input.areas.count == 1 ? "" : "s", s->hectares, (unsigned long long)s->count,
 		(unsigned long long)s->wanted);
 	say(ctx, line);
-	for (int i = 0; i < ECO_AREA_WHY_COUNT; i++)
-		if (s->input.skipped[i] > 0) {
-			snprintf(line, sizeof line, "  %llu feature%s left out: %s (first: feature %llu)",
-				(unsigned long long)s->input.skipped[i], s->input.skipped[i] == 1 ? "" : "s",
-				why[i], (unsigned long long)s->input.first_line[i]);
-			say(ctx, line);
-		}
+	eco_areas_report_say(&s->input.report, say, ctx);
 	if (s->short_areas > 0) {
 		snprintf(line, sizeof line, "  %llu area%s no room for as many plants as wanted, at %g m "
 			"from each other%s", (unsigned long long)s->short_areas, s->short_areas == 1 ? " has"

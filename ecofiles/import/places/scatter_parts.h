@@ -3,18 +3,13 @@
 #define ECO_SCATTER_PARTS_H
 
 #include "ecofiles/import/places/areas.h"
-#include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/places/scatter.h"
-
-enum eco_scatter_why { ECO_AREA_NOT_A_SURFACE, ECO_AREA_NO_GEOMETRY, ECO_AREA_NO_CONVERSION, ECO_AREA_TOO_FAR,
-	ECO_AREA_NO_NUMBER, ECO_AREA_FILTERED, ECO_AREA_WHY_COUNT };
 
 struct eco_scatter_input {       /* the files' content, in metres from the origin */
 	struct eco_areas areas;
 	double *number;              /* per area: its density or count; NULL: no such column */
 	struct eco_areas clear;
-	uint64_t features, skipped[ECO_AREA_WHY_COUNT], first_line[ECO_AREA_WHY_COUNT];
-	char *notes[2 * ECO_ROWS_NOTES_MAX]; uint32_t note_count;
+	struct eco_areas_report report;
 };
 
 /* Areas and what is to be clear (areas.c). */
