@@ -267,6 +267,7 @@ static void add_model(XXH3_state_t *hash, const struct eco_model *model)
 	add(hash, model->importance, triangles);
 	add(hash, model->importances, model->importance_count * sizeof *model->importances);
 	ADD(hash, model->dropped);
+	ADD(hash, model->object);
 	for (uint32_t i = 0; i < model->material_count; i++) {
 		const struct eco_material *m = &model->materials[i];
 		const uint8_t flags[] = { m->cutout, m->colourless };

@@ -84,6 +84,8 @@ struct eco_model {           /* owns all its arrays; zero-initialised is empty *
 	struct eco_image *images;
 	struct eco_part *parts;  uint32_t part_count;
 	double foot[3], scale;   /* position = (source's, Z up - foot) * scale */
+	/* no plant, such as a building: all of it is treated as wood, and simplified as a whole (lod/build/plant.h) */
+	bool object;
 	struct eco_model_source source;
 	uint32_t triangles_in;   /* triangles of the source; = triangle_count + sum of dropped */
 	uint32_t dropped[ECO_DROP_COUNT];

@@ -241,8 +241,8 @@ static void find_cells(struct lod_build *b)
 		triangles[count++] = 1;
 	}
 	lod_cells_make(&b->cells, &(struct lod_cells_input){ lod_v3_of(mesh->low), lod_v3_of(mesh->high),
-		count, center, triangles, b->options->cell_triangles ? b->options->cell_triangles
-		: CELL_TRIANGLES });
+		count, center, triangles, b->model->object ? UINT32_MAX : b->options->cell_triangles
+		? b->options->cell_triangles : CELL_TRIANGLES });
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const struct lod_component *c = &b->organs.components[mesh->component[t]];
 		b->cell_of_triangle[t] = lod_build_cell(b, lod_build_whole(c) ? component_center(c)
@@ -429,14 +429,17 @@ static void build(struct lod_build *b)
 	lod_plant_enter(b->options, LOD_STAGE_ELEMENTS);
 	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits
 		: lod_grid_bits_least(b->model), arena);
-	lod_elements_turn_diagonals(&b->mesh, arena);
+	if (!b->model->object)
+		lod_elements_turn_diagonals(&b->mesh, arena);
 	advance(b, 0.04);
 	lod_organs_find(&b->organs, &b->mesh, b->model, arena);
 	lod_elements_make(&b->elements, &b->mesh, &b->organs, arena);
 	advance(b, 0.06);
 	lod_plant_enter(b->options, LOD_STAGE_ORDERS);
-	lod_bones_make(&b->bones, &b->mesh, &b->organs, arena);
-	lod_bones_sort(&b->bones, b->options->seed, arena);
+	if (!b->model->object) {
+		lod_bones_make(&b->bones, &b->mesh, &b->organs, arena);
+		lod_bones_sort(&b->bones, b->options->seed, arena);
+	}
 	advance(b, 0.1);
 	count_everything(b);
 	lod_leaves_measure(b);

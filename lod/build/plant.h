@@ -5,6 +5,10 @@
  *   ... the caller packs plant.lists (eco_pack_add_list) and the tables ...
  *   lod_plant_free(&plant);
  *
+ * An object (model.h) is wood in levels and nothing else: no lines, points, splats, impostor or cells, so that whatever is
+ * drawn of it is a whole mesh. Its levels have a bound on their error in place of a number of triangles, so that no part
+ * of it goes.
+ *
  * Pure and deterministic: the same model and options give the same lists, byte for byte. References between
  * drafts are indices into this plant's own arrays; the caller shifts them when packing. */
 #ifndef LOD_PLANT_H

@@ -17,15 +17,16 @@
 
 /* Simplified levels of wood by meshoptimizer: about a sixteenth and a quarter of the triangles, then all of them.
  * Levels are exchanged as a whole, since a missing piece of branch is noticed at once. Branches of similar width
- * are simplified together, by an error in proportion to it; borders at the end of a cell or a width are kept. */
+ * are simplified together, by an error in proportion to it; borders at the end of a cell or a width are kept. All of an
+ * object is simplified together, seams between colours with it, so that its walls stay closed. */
 
 /* Triangles of the mesh that are simplified together, since they belong to branches of similar width. */
 struct part {
 	const uint32_t *triangle;
 	uint32_t count;
-	/* Metres by which the surface may move, less than a tube's radius, beyond which it would lose its
-	 * form. */
-	double reach;
+	/* Metres by which the surface may move in each level: of branches less than a tube's radius, beyond which it would
+	 * lose its form. */
+	double reach[LOD_LEVELS_SIMPLE];
 	bool keep_border;            /* neighbours of its triangles are in other parts, or in other cells */
 };
 
@@ -71,10 +72,14 @@ static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uin
 	}
 }
 
-/* Simplifies a part to 1 / divisor of its triangles and appends those with area to `out`, which has room for
- * all. */
+static const uint32_t divisors[LOD_LEVELS_SIMPLE] = { 16, 4 };
+/* Per level, as a share of an object's extent: a third of a pixel for an object of 10 and of 40 pixels. */
+static const double object_reach[LOD_LEVELS_SIMPLE] = { 1.0 / 32, 1.0 / 128 };
+
+/* Simplifies a part to a level's share of its triangles, or as far as its reach where it is an object's, and appends those
+ * with area to `out`, which has room for all. */
 static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const struct part *part,
-	uint32_t divisor, struct lod_arena *arena)
+	uint32_t level, bool object, struct lod_arena *arena)
 {
 	if (part->count == 0)
 		return 0;
@@ -84,9 +89,9 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 	make_wedges(&w, mesh, part->triangle, part->count, arena);
 	unsigned int *simple = lod_arena_take(arena, 3 * (size_t)part->count, sizeof *simple);
 	float extent = meshopt_simplifyScale(w.position, w.count, 3 * sizeof(float));
-	float error = extent > 0 ? (float)(part->reach / mesh->step / extent) : 1;
+	float error = extent > 0 ? (float)(part->reach[level] / mesh->step / extent) : 1;
 	size_t indices = meshopt_simplify(simple, w.index, 3 * (size_t)part->count, w.position, w.count,
-		3 * sizeof(float), 3 * (size_t)(part->count / divisor), error,
+		3 * sizeof(float), object ? 0 : 3 * (size_t)(part->count / divisors[level]), error,
 		part->keep_border ? meshopt_SimplifyLockBorder : 0, NULL);
 	for (size_t i = 0; i + 2 < indices; i += 3) {
 		struct lod_corner c[3] = { w.corner[simple[i]], w.corner[simple[i + 1]],
@@ -102,9 +107,8 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 
 /* Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. */
 static void make_levels(struct lod_levels *levels, const struct lod_mesh *mesh,
-	const struct part *parts, uint32_t part_count, struct lod_arena *arena)
+	const struct part *parts, uint32_t part_count, bool object, struct lod_arena *arena)
 {
-	static const uint32_t divisors[LOD_LEVELS_SIMPLE] = { 16, 4 };
 	uint32_t finer = 0;
 	struct { struct lod_corner *corner; uint32_t count; } made[LOD_LEVELS_SIMPLE] = { { NULL, 0 } };
 	bool pays[LOD_LEVELS_SIMPLE];
@@ -115,10 +119,10 @@ static void make_levels(struct lod_levels *levels, const struct lod_mesh *mesh,
 		made[i].corner = lod_arena_take(arena, 3 * (size_t)finer, sizeof *made[i].corner);
 		for (uint32_t p = 0; p < part_count; p++)
 			made[i].count += simplify(made[i].corner + 3 * (size_t)made[i].count, mesh, &parts[p],
-				divisors[i], arena);
+				i, object, arena);
 	}
 	for (uint32_t i = LOD_LEVELS_SIMPLE; i-- > 0;) {
-		pays[i] = made[i].count >= LEAST && made[i].count <= PAYS * finer;
+		pays[i] = made[i].count >= (object ? 1 : LEAST) && made[i].count <= PAYS * finer;
 		finer = pays[i] ? made[i].count : finer;
 	}
 	for (uint32_t i = 0; i < LOD_LEVELS_SIMPLE; i++) {
@@ -133,10 +137,13 @@ static void make_levels(struct lod_levels *levels, const struct lod_mesh *mesh,
 
 struct region { struct lod_line *lines; uint32_t count; double length, area, error; };
 
-/* Width of the branch that a triangle of wood belongs to, metres; of a component that is kept whole, its mean. */
+/* Width of the branch that a triangle of wood belongs to, metres; of a component that is kept whole, its mean. An object has
+ * no branches. */
 static double width_at(const struct lod_build *b, uint32_t t)
 {
 	const struct lod_component *component = &b->organs.components[b->mesh.component[t]];
+	if (b->model->object)
+		return 0;
 	return b->bones.width_at[t] > 0 && !lod_build_whole(component) ? b->bones.width_at[t]
 		: 2 * component->radius;
 }
@@ -269,6 +276,15 @@ static uint32_t take_triangles(struct lod_build *b, const struct lod_group *grou
 	return count;
 }
 
+/* The longest side of the mesh's box. */
+static double extent_of(const struct lod_mesh *mesh)
+{
+	double extent = 0;
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, (double)mesh->high[k] - mesh->low[k]);
+	return extent;
+}
+
 static void add_triangles(struct lod_build *b, const struct lod_group *group, uint32_t cell,
 	struct eco_ladder *ladder)
 {
@@ -284,13 +300,16 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 			area += b->organs.area[triangle[next]];
 			width += width_at(b, triangle[next]);
 		}
-		parts[part_count++] = (struct part){ triangle + i, next - i,
-			LEVEL_RADII * width / 2 / (next - i), b->cut[mesh->component[triangle[i]]] };
+		struct part *part = &parts[part_count++];
+		*part = (struct part){ triangle + i, next - i, .keep_border = b->cut[mesh->component[triangle[i]]] };
+		for (uint32_t l = 0; l < LOD_LEVELS_SIMPLE; l++)
+			part->reach[l] = b->model->object ? object_reach[l] * extent_of(mesh)
+				: LEVEL_RADII * width / 2 / (next - i);
 	}
 	ladder->area = (float)area;
 	if (count) {
 		struct lod_levels levels;
-		make_levels(&levels, mesh, parts, part_count, &b->arena);
+		make_levels(&levels, mesh, parts, part_count, b->model->object, &b->arena);
 		ladder->triangles = lod_draft_wood(&b->draft, &levels, triangle, count, group->image, ladder);
 	}
 	lod_arena_release(&b->arena, mark);

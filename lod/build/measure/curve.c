@@ -545,9 +545,9 @@ enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model 
 	const struct lod_plant_options *options, struct eco_error *error)
 {
 	lod_plant_enter(options, LOD_STAGE_CURVES);
-	enum eco_code code = options->grid_bits || options->draft ? ECO_OK
+	enum eco_code code = options->grid_bits || options->draft || model->object ? ECO_OK
 		: lod_grid_choose(plant, model, options, error);
-	if (!code && !options->no_splats)
+	if (!code && !options->no_splats && !model->object)
 		code = lod_plant_add_splats(plant, model, options, error);
 	if (!code)
 		lod_plant_enter(options, LOD_STAGE_CURVES);

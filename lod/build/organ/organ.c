@@ -500,8 +500,10 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 static void colour_colourless(struct lod_organs *organs, const struct lod_mesh *mesh,
 	const struct eco_model *model)
 {
-	static const uint8_t usual[ECO_ORGAN_COUNT][3] = { [ECO_ORGAN_WOOD] = { 97, 79, 62 },
-		[ECO_ORGAN_FOLIAGE] = { 86, 116, 58 }, [ECO_ORGAN_FLOWER] = { 205, 190, 196 } };
+	static const uint8_t of_plants[ECO_ORGAN_COUNT][3] = { [ECO_ORGAN_WOOD] = { 97, 79, 62 },
+		[ECO_ORGAN_FOLIAGE] = { 86, 116, 58 }, [ECO_ORGAN_FLOWER] = { 205, 190, 196 } },
+		plaster[ECO_ORGAN_COUNT][3] = { [ECO_ORGAN_WOOD] = { 200, 196, 188 } };
+	const uint8_t (*usual)[3] = model->object ? plaster : of_plants;
 	for (uint32_t i = 0; i < mesh->component_count; i++)
 		if (lod_mesh_material(model, organs->components[i].material)->colourless)
 			memcpy(organs->components[i].rgb, usual[organs->components[i].organ], 3);
@@ -510,26 +512,34 @@ static void colour_colourless(struct lod_organs *organs, const struct lod_mesh *
 			memcpy(organs->rgb[t], usual[organs->components[mesh->component[t]].organ], 3);
 }
 
+/* Components without a rule. */
+static void find_by_shape(struct finder *f, struct lod_arena *arena)
+{
+	settle_doubts(f, arena);
+	settle_things(f, arena);
+	settle_copies(f, arena);
+	apply_rules(f);
+	settle_inlays(f);
+	settle_herbs(f);
+	apply_rules(f);
+	lod_flowers_find(f->organ, f->shape, f->count, f->fixed, f->hint, f->extent);
+}
+
 void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model,
 	struct lod_arena *arena)
 {
 	organs->area = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->area);
 	organs->rgb = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->rgb);
 	colour_triangles(organs, mesh, model, arena);
-	lod_organs_split(mesh, model, (const uint8_t (*)[3])organs->rgb, arena);
+	if (!model->object)
+		lod_organs_split(mesh, model, (const uint8_t (*)[3])organs->rgb, arena);
 	organs->components = lod_arena_take(arena, mesh->component_count, sizeof *organs->components);
 	struct lod_arena_piece *mark = arena->last;
 	struct finder f = { .mesh = mesh, .model = model, .count = mesh->component_count };
 	f.shape = lod_shapes_find(mesh, (const uint8_t (*)[3])organs->rgb, organs->area, arena);
 	prepare(&f, arena);
-	settle_doubts(&f, arena);
-	settle_things(&f, arena);
-	settle_copies(&f, arena);
-	apply_rules(&f);
-	settle_inlays(&f);
-	settle_herbs(&f);
-	apply_rules(&f);
-	lod_flowers_find(f.organ, f.shape, f.count, f.fixed, f.hint, f.extent);
+	if (!model->object)
+		find_by_shape(&f, arena);
 	describe_components(organs, &f);
 	colour_colourless(organs, mesh, model);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {

@@ -11,7 +11,7 @@
  * tie (organ_name.c), then colours. A thick component is a crown or fruit modelled as a hull, or a thing (stump,
  * pot, rock): a thing stands on the ground with most of the plant above it, or is brown in a plant of solids.
  * Soil is a level sheet, not green, not one of many. Things count as wood. A plant of green tubes alone is all
- * foliage. Wrong names on clear components change nothing (lod/EXPERIMENTS.md, Organs). */
+ * foliage. Wrong names on clear components change nothing (lod/EXPERIMENTS.md, Organs). All of an object is wood. */
 #ifndef LOD_ORGAN_H
 #define LOD_ORGAN_H
 
