@@ -147,6 +147,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	main_cache_close(&m.cache);
 	main_progress_end();
 	make_places_free(&m);
+	make_buildings_free(&m);
 	make_plants_free(&m);
 	eco_sources_free(&m.sources);
 	make_tables_free(&m);

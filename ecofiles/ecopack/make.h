@@ -2,6 +2,7 @@
  *
  *   sources     eco_sources_load: the scene file and the files it nests, each once
  *   ground      eco_ground_import, rounded to the pack's grid, cut into tiles                make_ground.c
+ *   footprints  put on the ground, gathered in blocks, each a plant with one instance       make_buildings.c
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure     make_plants.c
  *               or taken from the cache of finished plants                                        cache.c
  *   textures    those that plants share, once                                                  make_plants.c
@@ -19,6 +20,7 @@
 #include <jansson.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/generate/buildings.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/format/inventory.h"
@@ -52,8 +54,17 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 
 /* ---- Inside ---- */
 
+struct make_footprints { struct eco_footprints footprints; struct eco_building *buildings; uint32_t count; };  /* of a file */
+struct make_block {              /* buildings near each other, an object */
+	uint32_t source, plant;
+	double at[3];                /* where it stands */
+	struct eco_building *buildings; uint32_t count;
+	struct eco_buildings_notes notes;
+};
+
 struct make_plant {              /* a model on its way into the pack */
 	const struct eco_source_plant *source;   /* the first source plant that names it */
+	struct make_block *block;    /* NULL: of a model, or of the library */
 	char *path;                  /* canonical paths of its files, one a line */
 	double importance;           /* of its eco file */
 	char name[64];
@@ -100,6 +111,7 @@ struct make {
 	struct eco_error *error;     /* of eco_try, which its functions fail to */
 	struct eco_sources sources;
 	struct make_plant *plants;   uint32_t plant_count;
+	struct make_array footprints, blocks;    /* make_buildings.c */
 	struct main_cache cache;
 	uint32_t **plant_of;         /* [source][plant of the source] */
 	struct eco_ground ground;
@@ -173,6 +185,12 @@ void make_ground_free(struct make *m);
 void make_image_look(struct make *m);        /* reports errors before plants are built */
 /* Packs the image of the ground, if the scene names one, once tiles and ground are there. */
 void make_image(struct make *m);
+void make_buildings_read(struct make *m);    /* fills footprints and blocks */
+void make_buildings_plant(struct make *m, uint32_t block, struct make_plant *plant);
+void make_buildings_model(struct make_plant *plant, struct eco_model *model);
+void make_buildings_place(struct make *m, uint32_t source);
+void make_buildings_say(const struct make *m);       /* what was done to footprints, once they are built */
+void make_buildings_free(struct make *m);
 void make_plants(struct make *m);            /* finds, builds and packs them */
 void make_plants_pack(struct make *m);       /* those that are built: m->plants */
 void make_plants_free(struct make *m);
@@ -181,6 +199,7 @@ void make_body(struct make_plant *plant);
 
 /* opens each inventory and takes its first plant; reads areas and masks */
 void make_places_check(struct make *m);
+void make_place_add(struct make *m, uint32_t source, const struct make_place *place);
 /* Fills m->ecos with places, by the heights and reaches of m->plants, and tiles them. */
 void make_places(struct make *m);
 void make_places_drop(struct make *m);               /* frees the parts of m->ecos that only tiles need */

@@ -22,7 +22,7 @@
 #define NESTED_PLANTS 16u
 #define NESTED_MOST 32u          /* ... up to 32: opening a tile opens everything that it places */
 
-static void add_place(struct make *m, uint32_t source, const struct make_place *place)
+void make_place_add(struct make *m, uint32_t source, const struct make_place *place)
 {
 	struct make_eco *eco = &m->ecos[source];
 	if (!(place->scale >= SCALE_LEAST && place->scale <= SCALE_MOST))
@@ -113,7 +113,7 @@ static void place_instances(struct make *m, uint32_t source)
 	for (uint32_t i = 0; i < s->instance_count; i++) {
 		const struct eco_source_instance *instance = &s->instances[i];
 		uint32_t plant = plant_of_size(m, source, instance->plant, instance->height_m);
-		add_place(m, source, &(struct make_place){ .plant = plant,
+		make_place_add(m, source, &(struct make_place){ .plant = plant,
 			.at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
 			.scale = scale_for(m, plant, instance->scale, instance->height_m),
 			.species = species_of(m, source, instance->plant, NULL),
@@ -199,7 +199,7 @@ static void read_rows(struct make *m, uint32_t source, struct eco_positions *rea
 		place.width = row_width(m, plant, &row, place.scale);
 		place.tint = eco_tints_value(&m->ecos[source].tints, &spec->tint, row.tint);
 		note_row(m, &place, reader, number + 1, &row);
-		add_place(m, source, &place);
+		make_place_add(m, source, &place);
 		if (i % 4096 == 0)
 			main_progress("reading positions", spec->path, 0);
 	}
@@ -256,7 +256,7 @@ static void place_scatters(struct make *m, uint32_t source)
 		eco_check(eco_scatter_open(&scatter, &s->scatters[i], &frame, main_scatter_progress, path, m->error));
 		while (eco_scatter_next(scatter, &row)) {
 			uint32_t plant = plant_of_size(m, source, row.plant, row.height_m);
-			add_place(m, source, &(struct make_place){ .plant = plant,
+			make_place_add(m, source, &(struct make_place){ .plant = plant,
 				.at = { row.at[0], row.at[1], on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
 				.scale = scale_for(m, plant, 1, row.height_m),
 				.species = species_of(m, source, row.plant, NULL),
@@ -410,8 +410,10 @@ static void doubt_plants(const struct make *m)
 			eco_spread_add(&doubt->heights, place->scale * (double)m->plants[place->plant].built.plant.height_m);
 		}
 	for (uint32_t i = 0; i < m->plant_count; i++) {
-		doubt_scale(&m->plants[i], &doubts[i]);
-		doubt_plant(m, i, &doubts[i].heights);
+		if (!m->plants[i].block) {
+			doubt_scale(&m->plants[i], &doubts[i]);
+			doubt_plant(m, i, &doubts[i].heights);
+		}
 		eco_spread_free(&doubts[i].heights);
 	}
 	free(doubts);
@@ -442,6 +444,7 @@ void make_places(struct make *m)
 		place_instances(m, s);
 		place_rows(m, s);
 		place_scatters(m, s);
+		make_buildings_place(m, s);
 		tile_places(m, s);
 	}
 	if (m->off_ground)

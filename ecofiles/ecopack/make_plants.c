@@ -104,6 +104,7 @@ static void find_plants(struct make *m)
 	size_t most = 0;
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		most += m->sources.items[s].plant_count;
+	most += m->blocks.count;
 	m->plants = eco_alloc(most, sizeof *m->plants);
 	m->plant_of = eco_alloc(m->sources.count, sizeof *m->plant_of);
 	for (uint32_t s = 0; s < m->sources.count; s++) {
@@ -112,6 +113,8 @@ static void find_plants(struct make *m)
 		for (uint32_t i = 0; i < source->plant_count; i++)
 			m->plant_of[s][i] = find_plant(m, &source->plants[i], source->importance);
 	}
+	for (uint32_t i = 0; i < m->blocks.count; i++, m->plant_count++)
+		make_buildings_plant(m, i, &m->plants[m->plant_count]);
 }
 
 /* ---- Building, in threads ---- */
@@ -218,6 +221,8 @@ static void build_or_recall(struct job *job, const struct eco_model *model)
 
 static enum eco_code import_model(struct make_plant *plant, struct eco_model *model, struct eco_error *error)
 {
+	if (plant->block)
+		return make_buildings_model(plant, model), ECO_OK;
 	if (plant->source->model_count == 0)
 		return eco_library_make(model, &plant->source->library, error);
 	return eco_model_import(model,
@@ -395,8 +400,10 @@ void make_plants_pack(struct make *m)
 
 void make_plants(struct make *m)
 {
+	make_buildings_read(m);
 	find_plants(m);
 	build_plants(m);
+	make_buildings_say(m);
 	make_plants_pack(m);
 }
 

@@ -58,7 +58,7 @@ static void parse_instance(struct eco_source *source, const struct eco_json *at)
 static void parse_instances(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "instances");
-	size_t count, rows = 0, scatters = 0;
+	size_t count, rows = 0, scatters = 0, footprints = 0;
 	if (!node.value)
 		return;
 	eco_scene_need(eco_json_array(&node, INSTANCES_MAX));
@@ -67,16 +67,20 @@ static void parse_instances(struct eco_source *source, const struct eco_json *to
 		const json_t *item = json_array_get(node.value, i);
 		rows += json_object_get(item, "from") != NULL;
 		scatters += json_object_get(item, "scatter") != NULL;
+		footprints += json_object_get(item, "extrude") != NULL;
 	}
 	source->instances = eco_alloc(count, sizeof *source->instances);
 	source->positions = eco_alloc(rows, sizeof *source->positions);
 	source->scatters = eco_alloc(scatters, sizeof *source->scatters);
+	source->footprints = eco_alloc(footprints, sizeof *source->footprints);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_json_item(&node, i);
 		if (json_object_get(item.value, "from"))
 			eco_scene_parse_rows(source, &item, &source->positions[source->positions_count++]);
 		else if (json_object_get(item.value, "scatter"))
 			eco_scene_parse_scatter(source, &item, &source->scatters[source->scatter_count++]);
+		else if (json_object_get(item.value, "extrude"))
+			eco_scene_parse_footprints(source, &item, &source->footprints[source->footprints_count++]);
 		else
 			parse_instance(source, &item);
 	}
@@ -171,6 +175,8 @@ void eco_source_free(struct eco_source *source)
 		eco_positions_spec_free(&source->positions[i]);
 	for (uint32_t i = 0; i < source->scatter_count; i++)
 		eco_scatter_spec_free(&source->scatters[i]);
+	for (uint32_t i = 0; i < source->footprints_count; i++)
+		eco_footprints_spec_free(&source->footprints[i]);
 	for (uint32_t i = 0; i < source->child_count; i++)
 		eco_scene_fields_free(child_fields, &source->children[i]);
 	free(source->plants);
@@ -178,6 +184,7 @@ void eco_source_free(struct eco_source *source)
 	free(source->instances);
 	free(source->positions);
 	free(source->scatters);
+	free(source->footprints);
 	free(source->children);
 	free(source->path);
 	eco_scene_fields_free(scene_fields, source);

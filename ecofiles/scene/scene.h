@@ -23,6 +23,7 @@
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/places/positions.h"
+#include "ecofiles/import/places/footprints.h"
 #include "ecofiles/import/places/scatter.h"
 #include "ecofiles/base/status.h"
 
@@ -81,6 +82,7 @@ struct eco_source {
 	struct eco_source_instance *instances;          uint32_t instance_count;
 	struct eco_positions_spec *positions;           uint32_t positions_count;
 	struct eco_scatter_spec *scatters;              uint32_t scatter_count;
+	struct eco_footprints_spec *footprints;         uint32_t footprints_count;
 	struct eco_source_child *children;              uint32_t child_count;
 };
 

@@ -91,6 +91,13 @@ void eco_scene_parse_scatter(const struct eco_source *source, const struct eco_j
 	struct eco_scatter_spec *spec);
 void eco_scatter_spec_free(struct eco_scatter_spec *spec);
 
+/* The same with "extrude". */
+void eco_scene_parse_footprints(const struct eco_source *source, const struct eco_json *at,
+	struct eco_footprints_spec *spec);
+void eco_footprints_spec_free(struct eco_footprints_spec *spec);
+/* "only" and "skip" of an entry. When it stops, they hold the part read so far. */
+void eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);
+
 /* One entry of "instances" with "from". When it stops, the spec holds the part read so far. */
 void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec);

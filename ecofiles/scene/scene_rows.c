@@ -103,8 +103,7 @@ static void parse_columns(const struct eco_json *at, const char *name, struct ec
 	}
 }
 
-/* "only" and "skip" of an entry. When it stops, they hold the part read so far. */
-static void parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
+void eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
 {
 	*filters = eco_alloc(ECO_FILTERS_MAX, sizeof **filters);
 	parse_columns(at, "only", *filters, count);
@@ -533,7 +532,7 @@ void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json
 	parse_crown(source, at, spec);
 	parse_tint(source, at, spec);
 	parse_base(source, at, spec);
-	parse_filters(at, &spec->filters, &spec->filter_count);
+	eco_scene_parse_filters(at, &spec->filters, &spec->filter_count);
 	parse_place(source, at, spec);
 }
 
@@ -632,7 +631,7 @@ void eco_scene_parse_scatter(const struct eco_source *source, const struct eco_j
 	eco_json_place(&where, &spec->line, &spec->column);
 	eco_scene_fields(source, at, scatter_fields, spec);
 	parse_numbers(source, at, spec);
-	parse_filters(at, &spec->filters, &spec->filter_count);
+	eco_scene_parse_filters(at, &spec->filters, &spec->filter_count);
 	parse_range(source, at, spec);
 }
 

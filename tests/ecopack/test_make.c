@@ -141,6 +141,64 @@ static void write_tree(const char *name, double reach, double base)
 
 /* A stand from the air: each crown covers as much as its diameter in the table says, whatever model it has; the rows that say
  * where crowns begin have the model where they do. */
+/* 120 boxes of 8 x 6 m on ground that rises by .1 to the east. */
+static void write_quarter(void)
+{
+	FILE *file = fopen(in_root("quarter.geojson"), "wb");
+	assert_non_null(file);
+	fputs("{\"type\": \"FeatureCollection\", \"crs\": {\"type\": \"name\", \"properties\": {\"name\": "
+		"\"urn:ogc:def:crs:EPSG::32617\"}}, \"features\": [", file);
+	for (int i = 0; i < 120; i++) {
+		int x = 500000 + i % 12 * 12, y = 4200000 + i / 12 * 12;
+		fprintf(file, "%s{\"type\": \"Feature\", \"properties\": {\"levels\": %d}, \"geometry\": {\"type\": \"Polygon\", "
+			"\"coordinates\": [[[%d, %d], [%d, %d], [%d, %d], [%d, %d], [%d, %d]]]}}", i ? ",\n" : "", 1 + i % 4,
+			x, y, x + 8, y, x + 8, y + 6, x, y + 6, x, y);
+	}
+	fputs("]}", file);
+	assert_int_equal(fclose(file), 0);
+	file = fopen(in_root("rise.asc"), "wb");
+	assert_non_null(file);
+	fputs("ncols 21\nnrows 21\nxllcorner 499980\nyllcorner 4199980\ncellsize 10\nNODATA_value -9999\n", file);
+	for (int i = 0; i < 441; i++)
+		fprintf(file, "%d%c", 100 + i % 21, i % 21 == 20 ? '\n' : ' ');
+	assert_int_equal(fclose(file), 0);
+	write_text("quarter.json", "{\"crs\": \"EPSG:32617\", \"origin\": [500000, 4200000, 100], \"ground\": {\"heights\": \"rise.asc\", "
+		"\"crs\": \"EPSG:32617\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [5, 5]}, "
+		"{\"extrude\": \"quarter.geojson\", \"height_m\": {\"storeys\": \"levels\"}}]}");
+}
+
+UNIT_TEST(test_buildings_are_blocks_that_stand_on_the_ground)
+{
+	double at[128][3];
+	uint32_t plant[128], triangles = 0;
+	write_quarter();
+	OWNED(eco_pack) *pack = made("quarter.json", "quarter.eco");
+	const struct eco_scene *s = &pack->scene;
+	uint32_t count = standing(s, at, plant, 128);
+	assert_int_equal(count, s->plant_count);         /* the shrub, and a place for each block */
+	assert_in_range(count - 1, 2, 8);                /* 480 corners */
+	for (uint32_t i = 0; i < count; i++) {
+		const struct eco_plant *p = &s->plants[plant[i]];
+		bool block = strncmp(p->name, "buildings-", 10) == 0;
+		assert_int_equal(block, plant[i] > 0);
+		if (!block)
+			continue;
+		triangles += p->triangles;
+		const struct eco_anchor *anchor = &s->anchors[p->anchor_first];
+		double west = at[i][0] + (double)anchor->center[0] - (double)anchor->radius;
+		assert_int_equal(p->anchor_count, 1);
+		assert_int_equal(p->ladder_count, 1);
+		/* the ground below the western wall, which is east of the sphere's end */
+		assert_true(at[i][2] >= 0.1 * (west + 20) - 0.5 - 0.01 && at[i][2] <= 0.1 * (at[i][0] + 20));
+	}
+	assert_int_equal(triangles, 120 * 10);
+	OWNED(eco_pack) *again = NULL;
+	struct eco_error error = { 0 };
+	assert_ok(make("quarter.json", "again.eco", 1, &error), error);
+	assert_ok(eco_pack_open(&again, in_root("again.eco"), &error), error);
+	assert_memory_equal(&pack->id, &again->id, sizeof pack->id);
+}
+
 UNIT_TEST(test_crowns_cover_what_the_table_says)
 {
 	static struct lod_place place[STAND];

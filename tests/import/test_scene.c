@@ -137,6 +137,29 @@ UNIT_TEST(defaults_fill_what_is_not_said)
 	eco_source_free(&s);
 }
 
+UNIT_TEST(footprints_have_sources_of_heights)
+{
+	struct eco_source s;
+	parse_good(&s, "{'crs': 'EPSG:26917', 'origin': [0, 0], 'instances': [{'extrude': 'b.gpkg', 'layer': 'l', 'crs': 'EPSG:4326', "
+		"'roof': 'r', 'only': {'k': 'house'}, 'height_m': ['h', {'column': 'f', 'unit': 'ft'}, {'storeys': 's'}, "
+		"{'storeys': 't', 'storey_m': 2.8}, 7.5]}, {'extrude': 'c.gpkg'}, {'extrude': 'd.gpkg', 'height_m': 5}]}");
+	assert_int_equal(s.footprints_count, 3);
+	const struct eco_footprints_spec *f = &s.footprints[0];
+	assert_string_equal(f->path, "dir/b.gpkg");
+	assert_string_equal(f->roof, "r");
+	assert_int_equal(f->filter_count, 1);
+	assert_int_equal(f->height_count, 5);
+	assert_string_equal(f->heights[0].column, "h");
+	assert_true(f->heights[0].unit_m == 1 && !f->heights[0].storeys);
+	assert_true(f->heights[1].unit_m == 0.3048 && !f->heights[1].storeys);
+	assert_true(f->heights[2].unit_m == ECO_STOREY_M && f->heights[2].storeys);
+	assert_true(f->heights[3].unit_m == 2.8);
+	assert_true(!f->heights[4].column && f->heights[4].value_m == 7.5);
+	assert_int_equal(f[1].height_count, 0);
+	assert_true(f[2].height_count == 1 && f[2].heights[0].value_m == 5);
+	eco_source_free(&s);
+}
+
 #define PLANTS "'plants': {'oak': {'model': 'o.obj'}}"
 #define LONG(n) "'a23456789b23456789c23456789d23456789-" #n "': {'model': 'o.obj'}"
 #define MANY_PLANTS \
@@ -241,6 +264,12 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"'d', 'whole_turn': 380}}]}", ":2:", "360 (degrees) or 400 (gon)" },
 	{ "{" PLANTS ",\n'instances': [{'from': 't.csv', 'plant': 'oak', 'quadrat': {'column': 'q', 'size_m': 20}}]}",
 		":2:", "\"x\" is missing" },
+	{ "{'instances': [{'extrude': 'b.gpkg', 'height': 3}]}", ":1:38:", "known here: extrude, layer, crs, roof" },
+	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': 0}]}", ":1:50:", "between 0.1 and 1000" },
+	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': [[]]}]}", ":1:51:", "an object such as" },
+	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': {'column': 'h', 'storeys': 's'}}]}", ":1:50:", "a height's object is" },
+	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': {'storeys': 's', 'unit': 'm'}}]}", ":1:50:", "a height's object is" },
+	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': {'storeys': 's', 'storey_m': 0}}]}", ":1:79:", "between 0.5 and 100" },
 	{ "{'children': [{'at': [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
 	{ "{'children': {}}", ":1:14:", "must be an array" },
 	{ "{'instances': [[]]}", ":1:16:", "must be an object" },
