@@ -207,7 +207,7 @@ static void row_of_cut(uint32_t row[CUT_FIELDS], const struct eco_cut *cut)
 	memcpy(row, all, sizeof all);
 }
 
-/* What is expected behind `before`, by its row and its list; `group`: the first cut of its list. */
+/* The cut that is expected behind `before`, by its row and its list; `group`: the first cut of its list. */
 static void expect_cut(uint32_t e[CUT_FIELDS], const struct eco_cut *before, const struct eco_cut *group,
 	uint32_t list, uint32_t anchor)
 {
