@@ -1,5 +1,5 @@
-/* Leaves of library plants. A leaf is a few triangles at its true size where the plant's bound allows as many as it has;
- * a large crown has fewer and larger ones, of the same area in all. */
+/* Leaves of library plants, at their true size: a few triangles for each where the plant has few, else cards, each of a
+ * spray of leaves that a texture shows. */
 #include "ecofiles/generate/generate_growth.h"
 
 #include <math.h>
@@ -8,12 +8,13 @@
 #include "build/words/leaves.table"
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
-#define TRIANGLES_MAX 16000u /* of the leaves of a plant with LARGE_M2 of them or more, */
+#define TRIANGLES_MAX 16000.0 /* of the leaves of a plant with LARGE_M2 of them or more, */
 #define LARGE_M2 200.0
 #define TRIANGLES_SMALL 0.45 /* and a share of these for a small one */
-/* A large crown is thinner before its leaves are larger than both. */
-#define LARGER_MOST 4.5
-#define LARGER_M 0.28
+#define SPRAY_LEAST 5.0      /* leaves */
+#define SPRAY_MOST 81.0
+#define CARDS 3000.0
+#define CARDS_MAX 6000.0    /* a larger crown is thinner */
 #define GOLDEN_DEG 137.50776405
 
 static const struct leaves_row *row_of(const char *shape)
@@ -32,6 +33,26 @@ static const struct outline {
 } outlines[] = { { "rhomb", GEN_LEAF_RHOMB, 0.5, 2 }, { "hexagon", GEN_LEAF_HEXAGON, 0.62, 4 },
 	{ "blade", GEN_LEAF_BLADE, 0.68, 3 }, { "spike", GEN_LEAF_SPIKE, 0.5, 1 } };
 
+/* Cards of as many leaves as the plant's triangles ask for. */
+static void plan_sprays(struct gen_foliage *f, const struct leaves_row *row, double area, double cards)
+{
+	struct gen_spray *s = &f->spray;
+	*s = (struct gen_spray){ .slim = f->width / f->length,
+		.strip = row->strip,
+		.teeth = row->teeth,
+		.lobes = row->lobes,
+		.skew = row->skew };
+	/* area of a leaf as it is painted */
+	double one = f->length * f->width * (0.69 + 0.14 * s->strip) * (1 - 0.5 * s->teeth);
+	gen_spray_layout(s, (uint32_t)gen_clamp(area / one / cards + 1, SPRAY_LEAST, SPRAY_MOST), f->pieces);
+	f->pieces = 1;
+	f->outline = GEN_LEAF_CARD;
+	f->count = (uint32_t)fmin(area / (one * s->twigs * s->leaves), CARDS_MAX);
+	f->angle_deg *= 0.75;
+	f->width = f->length * s->width;
+	f->length *= s->height;
+}
+
 void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, double area, double part_m,
 	double slim)
 {
@@ -46,22 +67,22 @@ void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, 
 	f->angle_deg = row->angle_deg;
 	f->droop = row->droop;
 	f->flowers = look->flowers;
-	double one = f->pieces * outline->area * f->length * f->width, wanted = area / one,
-	       share = gen_clamp(sqrt(area / LARGE_M2), TRIANGLES_SMALL, 1),
-	       most = share * TRIANGLES_MAX / (f->pieces * outline->triangles);
-	if (wanted > most) {
-		double larger = fmin(sqrt(wanted / most), fmax(LARGER_MOST, LARGER_M / f->length));
-		f->length *= larger;
-		f->width *= larger;
-	}
-	f->count = (uint32_t)fmax(fmin(wanted, most), area > 0 ? 24 : 0);
 	f->is_bare = look->is_bare;
+	double share = gen_clamp(sqrt(area / LARGE_M2), TRIANGLES_SMALL, 1),
+	       wanted = area / (f->pieces * outline->area * f->length * f->width);
+	f->count = (uint32_t)fmax(wanted, area > 0 ? 24 : 0);
+	if (part_m <= 0 && f->arrangement != GEN_RIBBON && wanted * f->pieces * outline->triangles > share * TRIANGLES_MAX)
+		plan_sprays(f, row, area, share * CARDS);
+}
+
+static uint32_t shade_of(const struct gen_foliage *f, double light, uint32_t shades)
+{
+	return (uint32_t)gen_clamp((light + gen_random_in(f->random, -0.25, 0.25)) * shades, 0, shades - 1);
 }
 
 uint8_t gen_foliage_shade(const struct gen_foliage *f, double light)
 {
-	return (uint8_t)gen_clamp((light + gen_random_in(f->random, -0.25, 0.25)) * GEN_SHADES, 0,
-		GEN_SHADES - 1);
+	return (uint8_t)shade_of(f, light, GEN_SHADES);
 }
 
 static void place_piece(const struct gen_foliage *f, struct gen_v3 at, struct gen_v3 along,
@@ -73,12 +94,15 @@ static void place_piece(const struct gen_foliage *f, struct gen_v3 at, struct ge
 		along.z = fabs(along.z) * 0.3;
 	if (at.z < f->lowest || (f->is_bare && !flower))
 		return;
-	gen_leaf(f->mesh, (uint8_t)((flower ? f->flower : f->leaf) + gen_foliage_shade(f, light)),
+	bool spray = f->spray.leaves > 0;
+	uint32_t shade = shade_of(f, light, spray ? GEN_CELLS : GEN_SHADES);
+	gen_leaf(f->mesh, (uint8_t)(spray ? f->cards[flower] : (flower ? f->flower : f->leaf) + shade),
 		&(struct gen_leaf){ .at = at,
+			.cell = shade,
 			.along = along,
 			.face = face,
 			.length = f->length * size * (flower ? 0.8 : 1),
-			.width = fmin(f->width, f->length) * size * (flower ? 0.9 : 1),
+			.width = f->width * size * (flower ? 0.9 : 1),
 			.bend = 0.5 * f->droop,
 			.shape = f->outline });
 }

@@ -1,6 +1,6 @@
 /* Wood of library plants: stems, boughs, twigs and shoots, each a bent path that ends at the crown's edge (after Weber
  * and Penn 1995, with lengths from a profile of the crown instead of curves for each species). All differences between
- * habits are columns of words/habits.tsv. The whole is scaled to the size asked for in the end. */
+ * habits are columns of words/habits.tsv. The wood is scaled so that its leaves end where the plant does. */
 #include "ecofiles/generate/generate_growth.h"
 
 #include <math.h>
@@ -460,15 +460,38 @@ static void measure(const struct gen_mesh *mesh, double *half, double *top)
 	}
 }
 
-static void fit(struct gen_mesh *mesh, double height_m, double crown_m)
+static void fit(struct grower *g, double half_m, double height_m)
 {
 	double half, top;
-	measure(mesh, &half, &top);
-	for (uint32_t i = 0; i < mesh->count; i++) {
-		struct gen_v3 *p = &mesh->position[i];
-		*p = gen_v3(p->x * crown_m / (2 * half), p->y * crown_m / (2 * half),
-			fmax(p->z, 0) * height_m / top);
+	measure(g->mesh, &half, &top);
+	double wide = half_m / half, high = height_m / top;
+	for (uint32_t i = 0; i < g->mesh->count; i++) {
+		struct gen_v3 *p = &g->mesh->position[i];
+		*p = gen_v3(p->x * wide, p->y * wide, fmax(p->z, 0) * high);
 	}
+	for (uint32_t i = 0; i < g->bearer_count; i++) {
+		struct gen_bearer *b = &g->bearers[i];
+		b->from = gen_v3(b->from.x * wide, b->from.y * wide, b->from.z * high);
+		b->along = gen_v3(b->along.x * wide, b->along.y * wide, b->along.z * high);
+	}
+}
+
+/* Fits the wood so that its leaves, which keep their size, end where the plant does: they are placed twice, first to see
+ * how far they reach beyond the wood. */
+static void fit_with_leaves(struct grower *g, double half_m, double height_m)
+{
+	const uint32_t vertices = g->mesh->count, faces = g->mesh->face_count;
+	const struct gen_random random = *g->random;
+	double half, top;
+	fit(g, half_m, height_m);
+	gen_foliage_place(&g->foliage, g->bearers, g->bearer_count);
+	measure(g->mesh, &half, &top);
+	g->mesh->count = vertices;
+	g->mesh->face_count = faces;
+	*g->random = random;
+	fit(g, fmax(2 * half_m - half, 0.3 * half_m), fmax(2 * height_m - top, 0.3 * height_m));
+	gen_foliage_place(&g->foliage, g->bearers, g->bearer_count);
+	fit(g, half_m, height_m);
 }
 
 static uint32_t scaled(uint32_t rgb, double factor)
@@ -479,19 +502,36 @@ static uint32_t scaled(uint32_t rgb, double factor)
 	return out;
 }
 
-static void make_materials(struct grower *g, uint8_t organ[GEN_MATERIALS_MAX],
+static void set_cells(struct gen_spray *spray, const struct gen_plant_look *look, uint32_t dark, uint32_t bright)
+{
+	for (uint32_t k = 0; k < GEN_CELLS; k++)
+		for (int c = 0; c < 3; c++) {
+			uint32_t low = dark >> (16 - 8 * c) & 255, high = bright >> (16 - 8 * c) & 255;
+			spray->rgb[k][c] = (uint8_t)(low + (high - (double)low) * k / (GEN_CELLS - 1));
+			spray->wood[c] = (uint8_t)(look->bark >> (16 - 8 * c));
+		}
+	spray->uneven = look->is_motley ? 0.24 : 0.12;
+}
+
+static void make_materials(struct grower *g, uint8_t organ[GEN_MATERIALS_MAX], struct gen_spray sprays[2],
 	const struct gen_plant_look *look)
 {
+	static const char *const names[] = { "leaf", "flower" };
+	const uint32_t colors[2][2] = { { scaled(look->leaf, look->is_motley ? 0.72 : 0.56),
+						scaled(look->leaf, look->is_motley ? 1.22 : 1.4) },
+		{ scaled(look->flower, 0.82), scaled(look->flower, 1.04) } };
+	uint8_t *first[] = { &g->foliage.leaf, &g->foliage.flower };
 	g->bark = gen_material(g->mesh, "bark", look->bark, NULL);
-	g->foliage.leaf =
-		gen_material_shades(g->mesh, "leaf", scaled(look->leaf, look->is_motley ? 0.72 : 0.56),
-			scaled(look->leaf, look->is_motley ? 1.22 : 1.4), GEN_SHADES);
-	g->foliage.flower = gen_material_shades(g->mesh, "flower", scaled(look->flower, 0.82),
-		scaled(look->flower, 1.04), GEN_SHADES);
-	for (uint32_t i = 0; i < g->mesh->material_count; i++)
-		organ[i] = i < g->foliage.leaf  ? ECO_ORGAN_WOOD
-			: i < g->foliage.flower ? ECO_ORGAN_FOLIAGE
-						: ECO_ORGAN_FLOWER;
+	organ[g->bark] = ECO_ORGAN_WOOD;
+	for (uint32_t k = 0; k < 2; k++) {
+		*first[k] = gen_material_shades(g->mesh, names[k], colors[k][0], colors[k][1], GEN_SHADES);
+		g->foliage.cards[k] = gen_material(g->mesh, names[k], 0xffffff, names[k]);
+		memset(organ + *first[k], k ? ECO_ORGAN_FLOWER : ECO_ORGAN_FOLIAGE, GEN_SHADES + 1);
+		sprays[k] = g->foliage.spray;
+		set_cells(&sprays[k], look, colors[k][0], colors[k][1]);
+	}
+	if (look->flowers == 0)
+		sprays[1].leaves = 0;
 }
 
 bool eco_library_habit(size_t i, struct eco_habit *habit)
@@ -512,7 +552,7 @@ bool eco_library_habit(size_t i, struct eco_habit *habit)
 	return true;
 }
 
-void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], size_t i,
+void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], struct gen_spray sprays[2], size_t i,
 	const struct eco_library_plant *plant, const struct gen_plant_look *look, uint64_t seed)
 {
 	static const char *const arrangements[] = { "around", "ranks", "tuft", "fan", "ribbon", NULL };
@@ -535,12 +575,11 @@ void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], siz
 		.lowest = 0.004 * g.height,
 		.arrangement = (enum gen_arrangement)one_of(h->leaf, arrangements) };
 	g.lowest = g.height * (h->hang > 0 ? 0.05 : fmax(0.85 * fmin(h->base, h->foot), 0.012));
-	make_materials(&g, organ, look);
 	gen_foliage_plan(&g.foliage, look, area * h->lai, h->part * g.half, h->slim);
+	make_materials(&g, organ, sprays, look);
 	count_branches(&g);
 	for (uint32_t k = 0; k < (uint32_t)h->stems; k++)
 		grow_stem(&g, k, (uint32_t)h->stems);
-	gen_foliage_place(&g.foliage, g.bearers, g.bearer_count);
+	fit_with_leaves(&g, 0.5 * plant->crown_m, plant->height_m);
 	free(g.bearers);
-	fit(mesh, plant->height_m, plant->crown_m);
 }

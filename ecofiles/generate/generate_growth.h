@@ -36,14 +36,18 @@ struct gen_foliage {
 	double length, width; /* of a piece, metres */
 	double angle_deg, droop, flowers;
 	uint32_t pieces;      /* of a leaf */
-	uint32_t count;       /* leaves wanted; also of a tree in winter, whose shoots bear none */
+	struct gen_spray spray; /* that a piece is; spray.leaves 0: a leaf or leaflet */
+	uint32_t count;       /* leaves or sprays wanted; also of a tree in winter, whose shoots bear none */
 	bool is_bare;         /* flowers without leaves */
 	double lowest;        /* no leaf hangs below, metres */
 	uint8_t leaf, flower; /* materials, GEN_SHADES of each */
+	uint8_t cards[2];     /* of sprays of leaves and of flowers */
 };
 #define GEN_SHADES 5u
+#define GEN_CELLS 4u
 
-/* Sets sizes and count for `area` square metres of leaves. part_m: length of a piece, 0: the genus's; slim: 0: the look's. */
+/* Sets sizes and count for `area` square metres of leaves: one by one if they are few, else as sprays. part_m: length of a
+ * piece, 0: the genus's; slim: 0: the look's. */
 void gen_foliage_plan(struct gen_foliage *foliage, const struct gen_plant_look *look, double area,
 	double part_m, double slim);
 void gen_foliage_place(const struct gen_foliage *foliage, const struct gen_bearer *bearers, uint32_t count);
@@ -52,8 +56,9 @@ struct gen_v3 gen_way_off(struct gen_v3 way, double degrees, double turn_deg);
 /* One of GEN_SHADES by the light, 0 to 1, and by chance. */
 uint8_t gen_foliage_shade(const struct gen_foliage *foliage, double light);
 
-/* Grows habit number i, `height_m` high and `crown_m` wide; writes the organ of each material. */
-void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], size_t i,
+/* Grows habit number i, `height_m` high and `crown_m` wide; writes the organ of each material, and what its textures
+ * "leaf" and "flower" show, if sprays[0].leaves is not 0. */
+void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], struct gen_spray sprays[2], size_t i,
 	const struct eco_library_plant *plant, const struct gen_plant_look *look, uint64_t seed);
 
 #endif

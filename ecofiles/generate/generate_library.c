@@ -9,6 +9,7 @@
 #include "build/words/looks.table"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
+#include "ecofiles/format/pack.h"
 #include "ecofiles/generate/generate_growth.h"
 #include "ecofiles/import/model/model_parts.h"
 
@@ -189,7 +190,8 @@ static void add_triangle(struct eco_model *model, const uint32_t corner[3], uint
 	model->triangle_count++;
 }
 
-static void take_mesh(struct eco_model *model, const struct gen_mesh *mesh, const uint8_t organ[])
+static void take_mesh(struct eco_model *model, const struct gen_mesh *mesh, const uint8_t organ[],
+	const struct gen_spray sprays[2])
 {
 	model->position = eco_alloc(mesh->count, 3 * sizeof *model->position);
 	model->index = eco_alloc(2 * (size_t)mesh->face_count, 3 * sizeof *model->index);
@@ -204,11 +206,21 @@ static void take_mesh(struct eco_model *model, const struct gen_mesh *mesh, cons
 		p[1] = tidy(mesh->position[i].y);
 		p[2] = tidy(mesh->position[i].z);
 	}
+	model->uv = sprays[0].leaves > 0 ? eco_alloc(mesh->count, 2 * sizeof *model->uv) : NULL;
+	model->images = eco_alloc(2, sizeof *model->images);
+	for (uint32_t i = 0; i < mesh->count && model->uv; i++) {
+		model->uv[2 * (size_t)i] = mesh->uv[i][0];
+		model->uv[2 * (size_t)i + 1] = 1 - mesh->uv[i][1];
+	}
 	for (uint32_t i = 0; i < mesh->material_count; i++) {
 		struct eco_material *m = &model->materials[i];
+		uint32_t is_flower = organ[i] == ECO_ORGAN_FLOWER;
 		snprintf(m->name, sizeof m->name, "%s", mesh->materials[i].name);
 		memcpy(m->rgb, mesh->materials[i].rgb, sizeof m->rgb);
-		m->image = ECO_NONE;
+		m->cutout = mesh->materials[i].texture && sprays[is_flower].leaves > 0;
+		m->image = m->cutout ? model->image_count++ : ECO_NONE;
+		if (m->cutout)
+			gen_spray_paint(&model->images[m->image], &sprays[is_flower]);
 	}
 	for (uint32_t f = 0; f < mesh->face_count; f++) {
 		const struct gen_face *face = &mesh->faces[f];
@@ -226,6 +238,7 @@ enum eco_code eco_library_make(struct eco_model *model, const struct eco_library
 	size_t number;
 	struct gen_mesh mesh = { 0 };
 	uint8_t organ[GEN_MATERIALS_MAX];
+	struct gen_spray sprays[2];
 	struct eco_library_plant sized = *plant;
 	enum eco_code code = eco_library_check(plant, error);
 	if (code)
@@ -236,7 +249,7 @@ enum eco_code eco_library_make(struct eco_model *model, const struct eco_library
 	if (sized.crown_m == 0)
 		sized.crown_m = habit.crown * sized.height_m;
 	struct gen_plant_look look = make_look(plant, &habit);
-	gen_habit_grow(&mesh, organ, number, &sized, &look, seed_of(plant));
+	gen_habit_grow(&mesh, organ, sprays, number, &sized, &look, seed_of(plant));
 	*model = (struct eco_model){ .scale = 1,
 		.source = { .up = ECO_UP_Z,
 			.up_how = ECO_HOW_GIVEN,
@@ -244,7 +257,7 @@ enum eco_code eco_library_make(struct eco_model *model, const struct eco_library
 			.unit_how = ECO_HOW_GIVEN,
 			.size = { sized.crown_m, sized.crown_m, sized.height_m } } };
 	snprintf(model->source.format, sizeof model->source.format, "library");
-	take_mesh(model, &mesh, organ);
+	take_mesh(model, &mesh, organ, sprays);
 	gen_mesh_free(&mesh);
 	return ECO_OK;
 }

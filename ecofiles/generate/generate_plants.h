@@ -127,8 +127,24 @@ struct gen_frond {
 };
 void gen_frond(struct gen_mesh *mesh, const struct gen_frond *frond, struct gen_random *random);
 
-/* ---- Textures (generate_mesh.c) ---- */
+/* ---- Textures (generate_texture.c) ---- */
 
 void gen_texture_write(const char *folder, const char *name, struct eco_error *error);
+
+/* What a card of a library plant shows: a twig of leaves, or twigs of leaves on a branch, in one plane. Lengths are in
+ * leaves. */
+#define GEN_SPRAY_SIDE 256u
+struct gen_spray {
+	uint32_t twigs, leaves;      /* leaves: of a twig; 0: no spray */
+	double width, height;        /* of the card */
+	double slim, strip;          /* a leaf's width; 0 ovate, 1 as wide at both ends */
+	double teeth, lobes, skew;   /* depth of the saw at a leaf's edge, in half widths; their number and lean */
+	double uneven;               /* of the leaves' light */
+	uint8_t rgb[4][3], wood[3];  /* of the texture's cells: from inside a crown to its top */
+};
+/* Sets twigs, leaves, width and height for so many leaves or leaflets; of_leaf: leaflets of a leaf, which is a twig. */
+void gen_spray_layout(struct gen_spray *spray, uint32_t leaves, uint32_t of_leaf);
+/* Four cells of GEN_SPRAY_SIDE / 2 texels a side. The caller frees the image. */
+void gen_spray_paint(struct eco_image *image, const struct gen_spray *spray);
 
 #endif
