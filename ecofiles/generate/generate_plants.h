@@ -131,7 +131,7 @@ void gen_frond(struct gen_mesh *mesh, const struct gen_frond *frond, struct gen_
 
 void gen_texture_write(const char *folder, const char *name, struct eco_error *error);
 
-/* What a card of a library plant shows: a twig of leaves, or twigs of leaves on a branch, in one plane. Lengths are in
+/* A spray is shown by a card of a library plant: a twig of leaves, or twigs of leaves on a branch, in one plane. Lengths are in
  * leaves. */
 #define GEN_SPRAY_SIDE 256u
 struct gen_spray {
