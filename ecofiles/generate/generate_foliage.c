@@ -12,7 +12,7 @@
 #define LARGE_M2 200.0
 #define TRIANGLES_SMALL 0.45 /* and a share of these for a small one */
 #define SPRAY_LEAST 5.0      /* leaves */
-#define SPRAY_MOST 81.0
+#define SPRAY_MOST 225.0
 #define CARDS 3000.0
 #define CARDS_MAX 6000.0    /* a larger crown is thinner */
 #define GOLDEN_DEG 137.50776405
@@ -31,7 +31,7 @@ static const struct outline {
 	enum gen_leaf_shape shape;
 	double area, triangles;
 } outlines[] = { { "rhomb", GEN_LEAF_RHOMB, 0.5, 2 }, { "hexagon", GEN_LEAF_HEXAGON, 0.62, 4 },
-	{ "blade", GEN_LEAF_BLADE, 0.68, 3 }, { "spike", GEN_LEAF_SPIKE, 0.5, 1 } };
+	{ "blade", GEN_LEAF_BLADE, 0.68, 3 }, { "card", GEN_LEAF_CARD, 1, 1e9 } };
 
 /* Cards of as many leaves as the plant's triangles ask for. */
 static void plan_sprays(struct gen_foliage *f, const struct leaves_row *row, double area, double cards)
@@ -53,8 +53,8 @@ static void plan_sprays(struct gen_foliage *f, const struct leaves_row *row, dou
 	f->length *= s->height;
 }
 
-void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, double area, double part_m,
-	double slim)
+void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, double area, double most_m,
+	double part_m, double slim)
 {
 	const struct leaves_row *row = row_of(look->shape);
 	const struct outline *outline = outlines;
@@ -62,7 +62,8 @@ void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, 
 		outline++;
 	f->outline = outline->shape;
 	f->pieces = part_m > 0 ? 1 : (uint32_t)row->pieces;
-	f->length = part_m > 0 ? part_m : fmax(look->leaf_cm * row->times, row->least_cm) / 100;
+	f->length = fmax(look->leaf_cm * row->times, row->least_cm) / 100;
+	f->length = part_m > 0 ? part_m : fmin(f->length, most_m * (f->pieces > 1 ? row->times : 1));
 	f->width = f->length * (slim > 0 ? slim : look->slim > 0 ? look->slim : row->slim);
 	f->angle_deg = row->angle_deg;
 	f->droop = row->droop;

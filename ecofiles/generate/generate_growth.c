@@ -19,6 +19,7 @@
 #define DIRECTIONS 8u
 #define TWIG_M 0.0025      /* least radius of drawn wood */
 #define SHOOTS_MOST 2400.0 /* of a plant, and boughs, twigs that it may have beside */
+#define LEAF_MOST 0.2      /* of leaves, as a share of the plant's height and width */
 #define WALL_DEPTH 0.16    /* of a plant on a wall, as a share of its width */
 #define ROWS 4u            /* of a field, in one plant */
 
@@ -548,6 +549,7 @@ bool eco_library_habit(size_t i, struct eco_habit *habit)
 		.least_m = h->least_m,
 		.most_m = h->most_m,
 		.crown = h->crown,
+		.widest_m = h->widest_m,
 		.grown = strcmp(h->grown, "-") != 0 ? h->grown : NULL };
 	return true;
 }
@@ -575,7 +577,8 @@ void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], str
 		.lowest = 0.004 * g.height,
 		.arrangement = (enum gen_arrangement)one_of(h->leaf, arrangements) };
 	g.lowest = g.height * (h->hang > 0 ? 0.05 : fmax(0.85 * fmin(h->base, h->foot), 0.012));
-	gen_foliage_plan(&g.foliage, look, area * h->lai, h->part * g.half, h->slim);
+	gen_foliage_plan(&g.foliage, look, area * h->lai, LEAF_MOST * fmin(plant->height_m, plant->crown_m),
+		h->part * g.half, h->slim);
 	make_materials(&g, organ, sprays, look);
 	count_branches(&g);
 	for (uint32_t k = 0; k < (uint32_t)h->stems; k++)

@@ -46,9 +46,9 @@ struct gen_foliage {
 #define GEN_SHADES 5u
 #define GEN_CELLS 4u
 
-/* Sets sizes and count for `area` square metres of leaves: one by one if they are few, else as sprays. part_m: length of a
- * piece, 0: the genus's; slim: 0: the look's. */
-void gen_foliage_plan(struct gen_foliage *foliage, const struct gen_plant_look *look, double area,
+/* Sets sizes and count for `area` square metres of leaves: one by one if they are few, else as sprays. most_m:
+ * greatest length of a leaf; part_m: length of a piece, 0: the genus's; slim: 0: the look's. */
+void gen_foliage_plan(struct gen_foliage *foliage, const struct gen_plant_look *look, double area, double most_m,
 	double part_m, double slim);
 void gen_foliage_place(const struct gen_foliage *foliage, const struct gen_bearer *bearers, uint32_t count);
 /* The way of a leaf or branch that leaves `way` under an angle, turned around it. */

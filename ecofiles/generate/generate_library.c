@@ -247,7 +247,7 @@ enum eco_code eco_library_make(struct eco_model *model, const struct eco_library
 	while (habit.grown && plant->height_m > habit.most_m)
 		find_habit(habit.grown, &number, &habit);
 	if (sized.crown_m == 0)
-		sized.crown_m = habit.crown * sized.height_m;
+		sized.crown_m = fmin(habit.crown * sized.height_m, habit.widest_m);
 	struct gen_plant_look look = make_look(plant, &habit);
 	gen_habit_grow(&mesh, organ, sprays, number, &sized, &look, seed_of(plant));
 	*model = (struct eco_model){ .scale = 1,

@@ -252,14 +252,6 @@ static void leaf_blade(struct gen_mesh *mesh, uint8_t material, const struct gen
 	add_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[2], corner[4] });
 }
 
-static void leaf_spike(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf, struct gen_v3 side)
-{
-	uint32_t first = gen_vertex(mesh, gen_mad(leaf->at, side, -0.5 * leaf->width));
-	gen_vertex(mesh, gen_mad(leaf->at, side, 0.5 * leaf->width));
-	gen_vertex(mesh, gen_mad(leaf->at, leaf->along, leaf->length));
-	gen_triangle(mesh, material, (uint32_t[]){ first, first + 1, first + 2 });
-}
-
 void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf)
 {
 	struct gen_leaf l = *leaf;
@@ -269,8 +261,6 @@ void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *le
 	struct gen_v3 side = gen_cross(l.along, l.face);
 	if (l.shape == GEN_LEAF_HEXAGON)
 		leaf_hexagon(mesh, material, &l, side);
-	else if (l.shape == GEN_LEAF_SPIKE)
-		leaf_spike(mesh, material, &l, side);
 	else if (l.shape == GEN_LEAF_BLADE)
 		leaf_blade(mesh, material, &l, side);
 	else

@@ -72,8 +72,8 @@ struct gen_tube { const struct gen_v3 *points; const double *radius; uint32_t co
 void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tube);
 
 /* A leaf from `at` along `along`, facing `face`: a card (one textured rectangle), a rhomb, an arched
- * hexagon, a pointed blade or a spike, one triangle. */
-enum gen_leaf_shape { GEN_LEAF_CARD, GEN_LEAF_RHOMB, GEN_LEAF_HEXAGON, GEN_LEAF_BLADE, GEN_LEAF_SPIKE };
+ * hexagon or a pointed blade. */
+enum gen_leaf_shape { GEN_LEAF_CARD, GEN_LEAF_RHOMB, GEN_LEAF_HEXAGON, GEN_LEAF_BLADE };
 struct gen_leaf {
 	struct gen_v3 at, along, face;
 	double length, width;

@@ -40,7 +40,7 @@ struct eco_habit {
 	const char *name;
 	enum eco_form like;
 	double height_m, least_m, most_m; /* usual, least and greatest height */
-	double crown;                     /* usual width as a share of the height */
+	double crown, widest_m;           /* usual width as a share of the height, up to so much */
 	const char *grown;                /* the habit that is grown above most_m; NULL: the same */
 };
 /* The habit number i; false: there are no more. */
