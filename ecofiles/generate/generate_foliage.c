@@ -15,6 +15,7 @@
 #define SPRAY_MOST 225.0
 #define CARDS 3000.0
 #define CARDS_MAX 6000.0    /* a larger crown is thinner */
+#define SHADE_SPREAD 0.25
 #define GOLDEN_DEG 137.50776405
 
 static const struct leaves_row *row_of(const char *shape)
@@ -76,14 +77,9 @@ void gen_foliage_plan(struct gen_foliage *f, const struct gen_plant_look *look, 
 		plan_sprays(f, row, area, share * CARDS);
 }
 
-static uint32_t shade_of(const struct gen_foliage *f, double light, uint32_t shades)
-{
-	return (uint32_t)gen_clamp((light + gen_random_in(f->random, -0.25, 0.25)) * shades, 0, shades - 1);
-}
-
 uint8_t gen_foliage_shade(const struct gen_foliage *f, double light)
 {
-	return (uint8_t)shade_of(f, light, GEN_SHADES);
+	return (uint8_t)gen_random_shade(f->random, light, SHADE_SPREAD, GEN_SHADES);
 }
 
 static void place_piece(const struct gen_foliage *f, struct gen_v3 at, struct gen_v3 along,
@@ -96,7 +92,7 @@ static void place_piece(const struct gen_foliage *f, struct gen_v3 at, struct ge
 	if (at.z < f->lowest || (f->is_bare && !flower))
 		return;
 	bool spray = f->spray.leaves > 0;
-	uint32_t shade = shade_of(f, light, spray ? GEN_CELLS : GEN_SHADES);
+	uint32_t shade = gen_random_shade(f->random, light, SHADE_SPREAD, spray ? GEN_CELLS : GEN_SHADES);
 	gen_leaf(f->mesh, (uint8_t)(spray ? f->cards[flower] : (flower ? f->flower : f->leaf) + shade),
 		&(struct gen_leaf){ .at = at,
 			.cell = shade,

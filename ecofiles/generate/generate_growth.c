@@ -165,10 +165,8 @@ static struct gen_v3 point_on(const struct branch *b, double t, struct gen_v3 *w
 {
 	double at = gen_clamp(t, 0, 0.99999) * (b->count - 1);
 	uint32_t k = (uint32_t)at;
-	struct gen_v3 step = gen_sub(b->at[k + 1], b->at[k]);
-	*way = gen_unit(step);
 	*radius = b->radius[k] + (b->radius[k + 1] - b->radius[k]) * (at - k);
-	return gen_mad(b->at[k], step, at - k);
+	return gen_along(b->at, b->count, at, way);
 }
 
 /* Leaves grow on the branch from the share `from` on. */

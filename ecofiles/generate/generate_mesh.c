@@ -31,6 +31,11 @@ double gen_random_in(struct gen_random *random, double low, double high)
 	return low + (high - low) * gen_random_unit(random);
 }
 
+uint32_t gen_random_shade(struct gen_random *random, double light, double spread, uint32_t shades)
+{
+	return (uint32_t)gen_clamp((light + gen_random_in(random, -spread, spread)) * shades, 0, shades - 1);
+}
+
 /* ---- Vectors ---- */
 
 struct gen_v3 gen_v3(double x, double y, double z) { return (struct gen_v3){ x, y, z }; }
@@ -55,6 +60,14 @@ struct gen_v3 gen_unit(struct gen_v3 a)
 struct gen_v3 gen_across(struct gen_v3 a)
 {
 	return gen_unit(gen_cross(a, fabs(a.z) < 0.9 ? gen_v3(0, 0, 1) : gen_v3(1, 0, 0)));
+}
+
+struct gen_v3 gen_along(const struct gen_v3 *path, uint32_t count, double at, struct gen_v3 *way)
+{
+	uint32_t k = at < count - 1 ? (uint32_t)at : count - 2;
+	struct gen_v3 step = gen_sub(path[k + 1], path[k]);
+	*way = gen_unit(step);
+	return gen_mad(path[k], step, at - k);
 }
 
 struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees)

@@ -10,7 +10,7 @@
 
 static uint32_t shade_of(double light, uint32_t shades, struct gen_random *random)
 {
-	return (uint32_t)gen_clamp((light + gen_random_in(random, -0.22, 0.22)) * shades, 0, shades - 1);
+	return gen_random_shade(random, light, 0.22, shades);
 }
 
 static double detail_of(const struct gen_mesh *mesh) { return mesh->detail > 0 ? mesh->detail : 1; }
@@ -182,10 +182,8 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, uint8_t ba
 	double detail = detail_of(mesh);
 	uint32_t sprays = 2 * (uint32_t)(length / 0.16 * detail) + 3;
 	for (uint32_t i = 0; i < sprays; i++) {
-		double t = i + 1 == sprays ? 1 : 0.16 + 0.82 * (i / 2 * 2 + 1.0) / sprays, along = t * 4;
-		int k = along < 3.999 ? (int)along : 3;
-		struct gen_v3 way = gen_unit(gen_sub(points[k + 1], points[k])),
-			foot = gen_mad(points[k], gen_sub(points[k + 1], points[k]), along - k);
+		double t = i + 1 == sprays ? 1 : 0.16 + 0.82 * (i / 2 * 2 + 1.0) / sprays;
+		struct gen_v3 way, foot = gen_along(points, 5, 4 * t, &way);
 		struct gen_v3 side = gen_unit(gen_cross(way, gen_v3(0, 0, 1)));
 		struct gen_v3 out = i + 1 == sprays ? way
 			: gen_add(gen_mul(side, i % 2 ? 1 : -1),
@@ -327,11 +325,9 @@ static void grow_stem(struct gen_mesh *mesh, const struct bush *b, uint32_t stem
 	}
 	gen_tube(mesh, b->bark, &(struct gen_tube){ points, radius, 6, 3 });
 	for (uint32_t i = 0; i < b->leaves; i++) {
-		double t = 0.18 + 0.82 * sqrt((i + gen_random_unit(random)) / b->leaves), at = t * 4.999;
-		int k = (int)at;
-		struct gen_v3 way = gen_unit(gen_sub(points[k + 1], points[k])), out = gen_random_way(random);
-		struct gen_v3 spot = gen_add(gen_mad(points[k], gen_sub(points[k + 1], points[k]), at - k),
-			gen_mul(out, 0.13 * b->radius));
+		double t = 0.18 + 0.82 * sqrt((i + gen_random_unit(random)) / b->leaves);
+		struct gen_v3 way, at = gen_along(points, 6, t * 4.999, &way), out = gen_random_way(random),
+			spot = gen_add(at, gen_mul(out, 0.13 * b->radius));
 		double light = 0.15 + 0.5 * spot.z / b->height + 0.35 * gen_length(gen_v3(spot.x, spot.y, 0))
 			/ b->radius;
 		uint32_t shade = shade_of(light, b->shades, random);
@@ -494,11 +490,9 @@ static void sunflower(struct gen_mesh *mesh, const void *kind, struct gen_random
 	}
 	gen_tube(mesh, stem, &(struct gen_tube){ points, radius, RINGS, 6 });
 	for (uint32_t i = 0; i < LEAVES; i++) {
-		double t = 0.12 + 0.78 * (i + 0.5) / LEAVES, at = t * (RINGS - 1),
-			size = 0.12 + 0.30 * t * (1.25 - t);
-		int k = (int)at;
-		struct gen_v3 out = gen_heading(137.5 * i + gen_random_in(random, -15, 15), 0);
-		struct gen_v3 foot = gen_mad(points[k], gen_sub(points[k + 1], points[k]), at - k),
+		double t = 0.12 + 0.78 * (i + 0.5) / LEAVES, size = 0.12 + 0.30 * t * (1.25 - t);
+		struct gen_v3 way, out = gen_heading(137.5 * i + gen_random_in(random, -15, 15), 0);
+		struct gen_v3 foot = gen_along(points, RINGS, t * (RINGS - 1), &way),
 			tip = gen_mad(foot, out, 0.45 * size);
 		gen_tube(mesh, stem,
 			&(struct gen_tube){ (struct gen_v3[]){ foot, gen_mad(tip, gen_v3(0, 0, 1), 0.04) },

@@ -18,6 +18,8 @@ struct gen_random { uint64_t state; };
 uint64_t gen_random_bits(struct gen_random *random);
 double gen_random_unit(struct gen_random *random);                             /* [0, 1) */
 double gen_random_in(struct gen_random *random, double low, double high);
+/* A shade below `shades` by the light, 0 to 1, give or take `spread`. */
+uint32_t gen_random_shade(struct gen_random *random, double light, double spread, uint32_t shades);
 
 /* ---- Vectors ---- */
 
@@ -37,6 +39,8 @@ struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees); /
 struct gen_v3 gen_heading(double azimuth_deg, double elevation_deg);           /* unit vector */
 /* unit vector, any direction */
 struct gen_v3 gen_random_way(struct gen_random *random);
+/* The point of a path `at` steps from its first of `count`, and the path's unit direction there. */
+struct gen_v3 gen_along(const struct gen_v3 *path, uint32_t count, double at, struct gen_v3 *way);
 double gen_clamp(double v, double low, double high);
 double gen_smooth(double from, double to, double v);                           /* 0..1, cubic */
 

@@ -220,18 +220,14 @@ void gen_frond(struct gen_mesh *mesh, const struct gen_frond *frond, struct gen_
 	}
 	gen_tube(mesh, frond->rib, &(struct gen_tube){ rib, radius, RIB_POINTS, 3 });
 	for (uint32_t i = 0; i < 2 * frond->pairs; i++) {
-		double t = 0.10 + 0.88 * ((i / 2) + 0.5) / frond->pairs, at = t * (RIB_POINTS - 1);
-		int k = (int)at;
-		struct gen_v3 way = gen_unit(gen_sub(rib[k + 1], rib[k])),
-			foot = gen_mad(rib[k], gen_sub(rib[k + 1], rib[k]), at - k);
+		double t = 0.10 + 0.88 * ((i / 2) + 0.5) / frond->pairs;
+		struct gen_v3 way, foot = gen_along(rib, RIB_POINTS, t * (RIB_POINTS - 1), &way);
 		struct gen_v3 side = gen_unit(gen_cross(way, gen_v3(0, 0, 1))), up = gen_cross(side, way);
 		double length = frond->leaflet * (0.35 + 0.65 * sqrt(gen_clamp(3.2 * t * (1.02 - t), 0, 1)))
 			* gen_random_in(random, 0.9, 1.08);
 		struct gen_v3 along = gen_add(gen_mul(side, i % 2 ? 1 : -1),
 			gen_mad(gen_mul(up, 0.18), way, 0.55 + 0.5 * t));
-		uint32_t shade =
-			(uint32_t)gen_clamp((0.35 + 0.4 * up.z + gen_random_in(random, -0.3, 0.3))
-			* frond->shades, 0, frond->shades - 1);
+		uint32_t shade = gen_random_shade(random, 0.35 + 0.4 * up.z, 0.3, frond->shades);
 		gen_leaf(mesh, (uint8_t)(frond->leaf + shade),
 			&(struct gen_leaf){ .at = foot, .along = along, .face = gen_mad(up, side, 0.25),
 			.length = length, .width = frond->width, .bend = 0.22, .shape = frond->shape });
