@@ -5,6 +5,7 @@
 #                        takes and a browser for its test
 #   demo                 a generated park, from models to scored pictures
 #   forest DATA=DIR      the SCBI plot; DIR has inventories/, terrain/ and models/
+#   sheet                all habits of the library of plants, at three sizes, beside their ranges of height, crown and base
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
 #   cluster-demo         three ecoserve behind nginx under load: one killed, others drained, the pack replaced; two minutes
 #   test [ONLY=NAME]     tests, counted; ALL=1: also those that take long, as .ci/run does; or a room of tests/ (ONLY=plan), or one (ONLY=test_angle16)
@@ -143,7 +144,7 @@ LIBS_VIEW := -lcurl -lEGL -lepoxy -ljpeg -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
 LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread
 
-.PHONY: all help deps told demo cluster-demo test check determinism bench forest survey soak layers headers lines coverage clean fuzz
+.PHONY: all help deps told demo cluster-demo test check determinism bench forest sheet survey soak layers headers lines coverage clean fuzz
 .DELETE_ON_ERROR:
 
 all: $(PROGRAMS) $(MODULES) | told
@@ -375,6 +376,10 @@ forest: deps
 	@test -n "$(DATA)" || { echo "make forest needs DATA=DIR, a folder with inventories/, terrain/ and models/" >&2; exit 2; }
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/forest.sh "$(DATA)"
+
+sheet: deps
+	@$(MAKE) --no-print-directory -j$$(nproc) all
+	BUILD=$(B) sh tests/demo/sheet.sh
 
 survey: deps
 	@test -n "$(DATA)" || { echo "make survey needs DATA=DIR, a folder with models/ and inventories/" >&2; exit 2; }
