@@ -409,6 +409,30 @@ order 'MODELS, .*/table.csv, a table: .*the second a folder or a model .\.glb' "
 printf 'glTF' >"$DIR/forest.glb"
 order 'forest.glb, is a model' "$DIR/forest.glb" "$DIR/models"
 
+# ---- Footprints of buildings: polygons beside the trees, at any place among the arguments ----
+square() { printf '{"type":"Feature","properties":{%s},"geometry":{"type":"Polygon","coordinates":[[[%d,5334700],[%d,5334700],[%d,5334709],[%d,5334700]]]}}' \
+	"$1" "$2" $(($2 + 9)) $(($2 + 9)) "$2"; }
+{
+	printf '{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::25832"}},"features":['
+	square '"roof:levels":"1","min_height":"0","height":"12.5","building:levels":"4","roof:shape":"gabled"' 691600; printf ,
+	square '"roof:levels":"1","min_height":"2","height":null,"building:levels":"2","roof:shape":null' 691620; printf ']}'
+} >"$DIR/houses.geojson"
+awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 30; i++) printf "oak,%d,%d,12\n", 691600 + i, 5334700 + 2 * i }' >"$DIR/trees.csv"
+for order in "trees.csv models houses.geojson" "houses.geojson trees.csv models"; do
+	rm -rf "$DIR/my"; table="buildings: $order"
+	(cd "$DIR" && "$OLDPWD/$PACK" start $order --crs EPSG:25832 -o my) >"$DIR/out" 2>&1 || complain "$table: $(cat "$DIR/out")"
+	grep -q '2 of the first 2' "$DIR/out" || complain "$table: not said: $(cat "$DIR/out")"
+	is '.instances | length' 2
+	is '.instances[1]' '{"height_m":[{"column":"height","unit":"m"},{"storeys":"building:levels","storey_m":3},6],"roof":"roof:shape","extrude":"../houses.geojson"}'
+done
+# a lone table is that of the trees
+{
+	printf '{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::25832"}},"features":['
+	square '"species":"Quercus robur"' 691600; printf ,; square '"species":"Tilia cordata"' 691640; printf ']}'
+} >"$DIR/crowns.geojson"
+start 0 'polygon' crowns.geojson
+is '.instances | length' 1
+
 # ---- Nothing is replaced by mistake, and nothing half written ----
 start 0 '' zone.csv --crs EPSG:25832
 cp "$DIR/my/scene.json" "$DIR/kept.json"

@@ -83,6 +83,7 @@ static void start_free(struct start *s)
 	json_decref(s->skip);
 	json_decref(s->tint);
 	json_decref(s->other);
+	json_decref(s->buildings);
 }
 
 /* ---- The folder ---- */
@@ -112,9 +113,10 @@ static struct start_options asked;
 static bool made;                        /* the folder */
 static struct { struct eco_inputs inputs; struct start_options options; char folder[4096]; } given;
 
-static void read_options(struct start_options *o)
+static void read_options(struct start *s, struct start_options *o)
 {
 	*o = given.options;
+	given.inputs.count = start_buildings(s, given.inputs.names, given.inputs.count);
 	uint32_t rasters = start_check_order(given.inputs.names, given.inputs.count) ? 2 : 1;
 	o->table = given.inputs.names[0];
 	o->models = rasters > 1 ? given.inputs.names[1] : NULL;
@@ -165,7 +167,7 @@ static void print_next(const char *folder)
 static void run_steps(void *start)
 {
 	struct start *s = start;
-	read_options(&asked);
+	read_options(s, &asked);
 	start_same_place(s);
 	make_folder(&asked, &made, s->error);
 	start_rasters(s);
@@ -198,7 +200,7 @@ static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the table", 0, ECO_OPTION_INPUTS, "TREES [MODELS] [RASTER...]", &given.inputs,
+	{ "the table", 0, ECO_OPTION_INPUTS, "TREES [MODELS] [RASTER...] [BUILDINGS...]", &given.inputs,
 		.high = 1026, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
 		.help = "the folder for scene.json, map.png and camera.json, which appear together or not "
@@ -241,10 +243,10 @@ static const struct eco_option options[] = {
 		.help = "decimal sign: . or ," }, { 0 } };
 
 const struct main_command main_command_start = { { "ecopack start",
-	"TREES [MODELS] [RASTER...] -o DIR [--force] "
+	"TREES [MODELS] [RASTER...] [BUILDINGS...] -o DIR [--force] "
 	"[--crs CRS] [--x COLUMN --y COLUMN] [--height-unit U] ...",
-	"Makes a scene from an inventory of plants, a folder of models and optional rasters (terrain, "
-	"picture of the ground, in any order). The library grows what the models lack, or all plants if there are "
+	"Makes a scene from an inventory of plants, a folder of models, optional rasters (terrain, "
+	"picture of the ground, in any order) and footprints of buildings (polygons, at any place among these). The library grows what the models lack, or all plants if there are "
 	"none. It finds columns, units, CRS, origin, a model for each "
 	"species and a camera, and prints each guess with its reason and the option that changes it.",
 	options, main_common,

@@ -1,6 +1,7 @@
 /* Inside `ecopack start`: from a table of trees and a folder of models to a scene that can be packed.
  *
- *   start_check_order(...)        which argument is which
+ *   start_buildings(...)          footprints among the arguments                      start_buildings.c
+ *   start_check_order(...)        which other argument is which
  *   start_rasters(&start)         terrain and picture                                 start_look.c
  *   start_look(&start)            the table: columns, units, CRS                      start_look.c
  *   start_models_find(&start)     the folder: which files are models                  start_models.c
@@ -99,6 +100,7 @@ struct start {
 	uint32_t fallback;                   /* the model of all other species */
 	double height_m;                     /* of plants of which no size is known */
 	json_t *other;                       /* the scene of --same-place-as; NULL: none */
+	json_t *buildings;                   /* entries of files of footprints; "crs": null: the table's */
 	struct start_guess *guesses; uint32_t guess_count, guess_capacity;
 	char *scene;                         /* the text */
 };
@@ -108,6 +110,11 @@ struct start {
 /* The arguments without options, one or more; whether the second is models. ECO_BAD_INPUT: the first is no table, or the
  * second neither models nor a raster. */
 bool start_check_order(char **names, uint32_t count);
+/* Takes files of footprints out of the arguments, whose number is returned. A lone table is that of the trees, whatever its
+ * features are. */
+uint32_t start_buildings(struct start *s, char **names, uint32_t count);
+void start_buildings_add(const struct start *s, json_t *instances);  /* adds their entries */
+bool start_is_table(const char *path);       /* by its ending, if it is there */
 #define START_FORMATS ".glb, .gltf, .obj, .fbx, .dae, .ply, .3ds, .3mf or .stl"
 bool start_is_model(const char *path); /* by its ending */
 /* Reads the scene of --same-place-as, if there is one. */

@@ -315,6 +315,8 @@ static enum kind kind_of(const char *path)
 	return TABLE;
 }
 
+bool start_is_table(const char *path) { return kind_of(path) == TABLE; }
+
 bool start_check_order(char **names, uint32_t count)
 {
 	static const char *const says[] = { "absent", "a folder", "a model", "a raster", "a table" };

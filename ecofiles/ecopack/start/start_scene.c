@@ -382,7 +382,9 @@ void start_scene_text(struct start *s)
 	if (s->dem.path || s->image.path)
 		json_object_set_new(scene, "ground", ground_json(s));
 	json_object_set_new(scene, "plants", plants_json(s));
-	json_object_set_new(scene, "instances", json_pack("[o]", entry_json(s)));
+	json_t *instances = json_pack("[o]", entry_json(s));
+	start_buildings_add(s, instances);
+	json_object_set_new(scene, "instances", instances);
 	free(s->scene);
 	s->scene = json_dumps(scene, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
 	json_decref(scene);
