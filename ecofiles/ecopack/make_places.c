@@ -410,7 +410,7 @@ static void doubt_plants(const struct make *m)
 			eco_spread_add(&doubt->heights, place->scale * (double)m->plants[place->plant].built.plant.height_m);
 		}
 	for (uint32_t i = 0; i < m->plant_count; i++) {
-		if (!m->plants[i].block) {
+		if (!m->plants[i].block && !m->plants[i].source->object) {
 			doubt_scale(&m->plants[i], &doubts[i]);
 			doubt_plant(m, i, &doubts[i].heights);
 		}

@@ -45,6 +45,7 @@ struct eco_source_plant {
 	enum eco_up up;
 	bool keep_origin;                    /* the file's zero is the plant's foot */
 	bool grade;                          /* foliage is darkened to what leaves reflect */
+	bool object;                         /* no plant, such as a building (ecofiles/format/model.h) */
 	struct eco_part_rule *parts; uint32_t part_count;    /* owned by the first variant, shared by all */
 	float importance[ECO_ORGAN_COUNT];   /* organs not given: 1; all 0: none given, chosen by colours */
 	uint32_t variant, variant_count;     /* 0..variant_count-1 */

@@ -21,7 +21,8 @@
 static const struct eco_field plant_fields[] = {
 	ECO_OTHER("model"), ECO_OTHER("variants"), ECO_OTHER("height_m"),
 	ECO_FIELD("unit", UNIT, 0, 0, source_plant, unit_m),
-	ECO_OTHER("up"), ECO_OTHER("grade"), ECO_OTHER("foot"), ECO_OTHER("parts"), ECO_OTHER("importance"), ECO_FIELDS_END
+	ECO_OTHER("up"), ECO_OTHER("grade"), ECO_OTHER("foot"), ECO_OTHER("object"), ECO_OTHER("parts"), ECO_OTHER("importance"),
+	ECO_FIELDS_END
 };
 static const struct eco_field library_fields[] = {
 	ECO_OTHER("library"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("genus"), ECO_OTHER("season"),
@@ -131,12 +132,12 @@ static void parse_up(const struct eco_json *at, enum eco_up *up)
 	*up = axis == ECO_NONE ? ECO_UP_FOUND : ECO_UP_Y + axis;
 }
 
-static void parse_grade(const struct eco_json *at, bool *grade)
+static bool parse_flag(const struct eco_json *at, const char *key, const char *says)
 {
-	struct eco_json node = eco_json_member(at, "grade");
+	struct eco_json node = eco_json_member(at, key);
 	if (node.value && !json_is_boolean(node.value))
-		eco_scene_fail(&node, "\"grade\" is true or false: whether foliage is darkened to what leaves reflect");
-	*grade = json_is_true(node.value);
+		eco_scene_fail(&node, "\"%s\" is true or false: whether %s", key, says);
+	return json_is_true(node.value);
 }
 
 /* Buildings and groups stand where they were drawn. */
@@ -270,7 +271,8 @@ static void parse_plant(struct eco_source *source, const struct eco_json *at)
 	}
 	eco_scene_need(eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant->height_m));
 	parse_up(at, &plant->up);
-	parse_grade(at, &plant->grade);
+	plant->grade = parse_flag(at, "grade", "foliage is darkened to what leaves reflect");
+	plant->object = parse_flag(at, "object", "it is no plant, such as a building");
 	parse_foot(at, &plant->keep_origin);
 	parse_importance(source, at, plant);
 	parse_rules(source, at, plant);

@@ -139,3 +139,27 @@ UNIT_TEST(twigs_that_hang_lower_than_the_stem_end_in_the_ground)
 	assert_true(close_to(m.scale, 20 / (eco_model_height(&m) / m.scale), 1e-6)
 		&& close_to(eco_model_height(&m), 20, 1e-4));
 }
+
+/* A tower of 90 by 5 units that lies along x, on a level sheet, with a coarser level: 90 m, y up, nothing left out. */
+UNIT_TEST(objects_stand_as_their_files_say)
+{
+	used = 0;
+	vertices = 0;
+	put("o ground\nv -50 0 -50\nv 150 0 -50\nv 150 0 50\nv -50 0 50\n");
+	put_face(4);
+	put("o tower_LOD0\nv 10 0 0\nv 100 0 0\nv 100 5 0\nv 10 5 0\n");
+	put_face(4);
+	put("o tower_LOD1\nv 10 0 2\nv 100 0 2\nv 100 5 2\n");
+	put_face(3);
+	const char *path = input_text("stand", "tower.obj", text);
+	import_file(path, &(struct eco_model_options){ .object = true });
+	assert_true(m.object);
+	assert_int_equal(m.triangle_count, 5);
+	assert_true(m.scale == 1 && m.source.up == ECO_UP_Y);
+	assert_true(has_place(100, 0, 5) && has_place(10, -2, 0) && has_place(150, -50, 0));
+	import_file(path, &(struct eco_model_options){ .object = true, .unit_m = 0.3048, .up = ECO_UP_Z });
+	assert_true(has_place(30.48, 1.524, 0));
+	import_file(path, &(struct eco_model_options){ .up = ECO_UP_Z });
+	assert_false(m.object);
+	assert_true(m.triangle_count < 5);
+}

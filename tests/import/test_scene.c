@@ -47,7 +47,7 @@ UNIT_TEST(everything_that_may_be_said_is_read)
 	parse_good(&s, "{ 'name': 'n', 'crs': 'EPSG:26917', 'origin': [747375, 4308510, 2], 'tile': "
 		"{'instances': 7},\n'ground': {'heights': 'dem.tif', 'crs': 'EPSG:26917'},\n'plants': "
 		"{'oak': {'variants': ['a.glb', '/b.obj'], 'height_m': 18, 'importance': {'flower': 3}}, "
-		"'ash': {'model': 'c.obj', 'grade': true}},\n'instances': [{'plant': 'ash', 'at': [1, 2, 3], 'yaw_deg': 30, "
+		"'ash': {'model': 'c.obj', 'grade': true, 'object': true}},\n'instances': [{'plant': 'ash', 'at': [1, 2, 3], 'yaw_deg': 30, "
 		"'scale': 1.5}, {'plant': 'ash', 'at': [1, 2]},\n  {'from': 't.csv', 'x': 'e', 'y': 'n', "
 		"'z': 'h', 'crs': 'EPSG:4326', 'species': 'sp', 'separator': ';',\n   'map': {'q': 'oak', "
 		"'stump': null, '*': 'ash'}, 'seed': 9, 'yaw_deg': 'y',\n   'height_m': {'from_dbh_mm': 'd', "
@@ -58,7 +58,7 @@ UNIT_TEST(everything_that_may_be_said_is_read)
 	assert_true(s.origin[0] == 747375 && s.origin[1] == 4308510 && s.origin[2] == 2);
 	assert_int_equal(s.tile_instances, 7);
 	assert_false(s.plants[0].grade);
-	assert_true(s.plants[s.plant_count - 1].grade);
+	assert_true(s.plants[s.plant_count - 1].grade && s.plants[s.plant_count - 1].object && !s.plants[0].object);
 	assert_string_equal(s.ground.heights[0], "dir/dem.tif");
 	assert_int_equal(s.plant_count, 3);
 	assert_string_equal(s.plants[0].models[0], "dir/a.glb");
@@ -195,7 +195,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{'ground': {'heights': 'a', 'pixel': 3}}", ":1:12:", "go together" },
 	{ "{'ground': {'heights': ['a', 'b'], 'pixel': 3, 'north_west': [1, 2]}}", ":1:62:", "a world file" },
 	{ "{'plants': {'oak': {'model': 'o', 'height': 3}}}", ":1:35:",
-		"known here: model, variants, height_m, unit, up, grade, foot, parts, importance" },
+		"known here: model, variants, height_m, unit, up, grade, foot, object, parts, importance" },
 	{ "{'plants': {'oak': {'library': 'oak'}}}", ":1:32:", "in the library: round, oval, conical" },
 	{ "{'plants': {'oak': {'library': 'round', 'model': 'o'}}}", ":1:41:", "known here: library, height_m, crown_m" },
 	{ "{'plants': {'oak': {'library': 'round', 'genus': 'Xyzzy'}}}", ":1:32:", "no genus of \"Xyzzy\" is known" },
@@ -210,6 +210,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{'plants': {'oak': {'library': 'round', 'season': 'monsoon'}}}", ":1:51:", "\"winter\"" },
 	{ "{'season': 'wet'}", ":1:12:", "\"winter\"" },
 	{ "{'plants': {'oak': {'model': 'o', 'grade': 1}}}", ":1:44:", "is true or false" },
+	{ "{'plants': {'hut': {'model': 'o', 'object': 'yes'}}}", ":1:45:", "is true or false" },
 	{ "{'plants': {'oak': {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{'plants': {'oak': {'model': []}}}", ":1:30:", "names no file" },
 	{ "{'plants': {'oak': {'model': ['a', 3]}}}", ":1:36:", "must be a text" },

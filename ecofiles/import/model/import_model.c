@@ -395,9 +395,10 @@ static enum eco_code join(struct eco_model *model, struct eco_model_frame *frame
 	snprintf(model->source.format, sizeof model->source.format, "%s", frame->format);
 	model->source.up_how = how;
 	if (up == ECO_UP_FOUND) {
-		up = find_up(model, frame->convention, notes);
+		model->source.up_how = ECO_HOW_CONVENTION;
+		up = options->object ? frame->convention : find_up(model, frame->convention, notes);
 		turn_frame(model, frame, up);
-	} else if (how == ECO_HOW_FORMAT) {
+	} else if (how == ECO_HOW_FORMAT && !options->object) {
 		doubt_up(model, frame, notes);
 	}
 	model->source.up = options->up != ECO_UP_FOUND ? options->up : frame->up;
@@ -509,9 +510,12 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 		eco_model_bake_tints(model, notes);
 		eco_model_take_palettes(model);
 		drop_unused_uv(model);
-		eco_model_see_colourless(model, notes);
-		note_colourless(model, notes);
-		note_size(model, options->paths[0], notes);
+		model->object = options->object;
+		if (!options->object) {
+			eco_model_see_colourless(model, notes);
+			note_colourless(model, notes);
+			note_size(model, options->paths[0], notes);
+		}
 	}
 	eco_notes_tell(notes, options->warn, options->ctx);
 	for (uint32_t i = 0; i < options->path_count && i < FILES_MAX; i++)

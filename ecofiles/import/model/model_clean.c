@@ -290,8 +290,10 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 	eco_model_places(model, c.place);
 	enum eco_code code = drop_triangles(&c);
 	if (!code) {
-		drop_spare(&c);
-		drop_sheet(&c);
+		if (!options->object) {
+			drop_spare(&c);
+			drop_sheet(&c);
+		}
 		code = model_apply_rules(&c);
 	}
 	if (!code)

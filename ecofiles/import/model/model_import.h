@@ -28,6 +28,9 @@ struct eco_model_options {
 	double unit_m;           /* metres per unit of the files; 0: the format's, else guessed */
 	enum eco_up up;
 	bool keep_origin;        /* the file's zero stays, on the ground: no foot is looked for */
+	/* No plant (model.h): its file's axes and units, or the format's usual ones, are believed, its zero stays, and all parts
+	 * that no rule leaves out */
+	bool object;
 	const struct eco_part_rule *rules; uint32_t rule_count;
 	uint32_t triangles_max;  /* of all files; 0: 20,000,000 */
 	/* may be NULL; one sentence: a missing texture, a guess, ... */

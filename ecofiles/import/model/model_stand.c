@@ -248,7 +248,8 @@ static enum eco_code find_scale(struct model_clean *c, double top)
 	const struct eco_model_options *options = c->options;
 	const struct known_unit *guess = guess_unit(top);
 	struct eco_model_source *source = &c->model->source;
-	const double stated_m = options->unit_m > 0 ? options->unit_m : c->frame->unit_m;
+	const double stated_m = options->unit_m > 0 ? options->unit_m
+		: c->frame->unit_m > 0 || !options->object || options->height_m > 0 ? c->frame->unit_m : 1;
 	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : stated_m > 0 ? ECO_HOW_FORMAT
 		: options->height_m > 0 ? ECO_HOW_HEIGHT : ECO_HOW_GUESSED;
 	if (options->height_m > 0 && !(top > 0))
@@ -264,7 +265,7 @@ static enum eco_code find_scale(struct model_clean *c, double top)
 		eco_note(c->notes,
 			"%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not", top,
 			guess->name, top * guess->metres);
-	else if (!(options->height_m > 0) && (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M
+	else if (!options->object && !(options->height_m > 0) && (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M
 			|| top * source->unit_m < ECO_PLANT_HEIGHT_LEAST_M))
 		eco_note(c->notes, "%.3g m high by %s unit (%.4g units of %.4g m), which no plant is; add "
 			"\"height_m\" or another \"unit\"", top * source->unit_m,
@@ -281,7 +282,7 @@ static enum eco_code stand(struct stance *s, struct model_clean *c)
 	find_wood(s);
 	find_foot(s);
 	find_ground(s, c->frame);
-	for (int k = 0; k < 3 && c->options->keep_origin; k++)
+	for (int k = 0; k < 3 && (c->options->keep_origin || c->options->object); k++)
 		s->foot[k] = -c->frame->base[k];
 	enum eco_code code = find_scale(c, s->high - s->foot[2]);
 	if (code)
