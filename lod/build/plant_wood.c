@@ -301,7 +301,9 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 			width += width_at(b, triangle[next]);
 		}
 		struct part *part = &parts[part_count++];
-		*part = (struct part){ triangle + i, next - i, .keep_border = b->cut[mesh->component[triangle[i]]] };
+		/* an object's pictures have levels of their own, which meet at borders */
+		*part = (struct part){ triangle + i, next - i, .keep_border = b->cut[mesh->component[triangle[i]]]
+			|| (b->model->object && b->group_count > 1) };
 		for (uint32_t l = 0; l < LOD_LEVELS_SIMPLE; l++)
 			part->reach[l] = b->model->object ? object_reach[l] * extent_of(mesh)
 				: LEVEL_RADII * width / 2 / (next - i);
@@ -311,6 +313,10 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 		struct lod_levels levels;
 		make_levels(&levels, mesh, parts, part_count, b->model->object, &b->arena);
 		ladder->triangles = lod_draft_wood(&b->draft, &levels, triangle, count, group->image, ladder);
+		if (b->model->object && ladder->level_count == 0) {      /* one level, of which no part is drawn */
+			ladder->level_count = 1;
+			ladder->level_end[0] = count;
+		}
 	}
 	lod_arena_release(&b->arena, mark);
 }
