@@ -54,7 +54,8 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 
 /* ---- Inside ---- */
 
-struct make_footprints { struct eco_footprints footprints; struct eco_building *buildings; uint32_t count; };  /* of a file */
+/* Of a file; lost: footprints that are no buildings. */
+struct make_footprints { struct eco_footprints footprints; struct eco_building *buildings; uint32_t count, lost; };
 struct make_block {              /* buildings near each other, an object */
 	uint32_t source, plant;
 	double at[3];                /* where it stands */

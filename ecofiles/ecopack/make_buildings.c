@@ -86,7 +86,12 @@ static void take(struct make *m, uint32_t source, const struct eco_footprints *f
 			.height_m = f->items[i].height_m,
 			.to_eaves = f->items[i].to_eaves,
 			.roof = f->items[i].roof };
-		b->base_m = least_ground(m, source, b);
+		if (eco_building_stands(b))
+			b->base_m = least_ground(m, source, b);
+		else {
+			own->count--;
+			own->lost++;
+		}
 	}
 }
 
@@ -151,6 +156,8 @@ void make_buildings_say(const struct make *m)
 		all.nothing += own->nothing;
 		all.flat += own->flat;
 	}
+	for (uint64_t i = 0; i < m->footprints.count; i++)
+		all.nothing += ((const struct make_footprints *)m->footprints.items)[i].lost;
 	if (all.crossed)
 		main_note("%s footprints cross or touch themselves, and were cut there",
 			eco_phrase_count(all.crossed, count));

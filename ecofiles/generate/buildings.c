@@ -327,15 +327,27 @@ static void add_surface(struct builder *b, uint32_t outer)
 static void add_building(struct builder *b, struct eco_buildings_notes *notes)
 {
 	bool good = gen_rings_take(&b->rings, b->building->edges, b->building->edge_count), holes = false;
+	uint32_t before = b->model->triangle_count;
 	for (uint32_t k = 0; k < b->rings.count && good; k++) {
 		holes = holes || b->rings.items[k].hole;
 		if (!b->rings.items[k].hole)
 			add_surface(b, k);
 	}
-	notes->nothing += !good || b->rings.count == 0;
+	notes->nothing += b->model->triangle_count == before;
 	notes->crossed += good && b->rings.crossed;
 	notes->flat += good && holes && b->building->roof != ECO_ROOF_FLAT;
 	gen_rings_free(&b->rings);
+}
+
+bool eco_building_stands(const struct eco_building *building)
+{
+	struct gen_rings *rings = eco_alloc(1, sizeof *rings);
+	bool good = gen_rings_take(rings, building->edges, building->edge_count), stands = false;
+	for (uint32_t k = 0; k < rings->count && good; k++)
+		stands = stands || !rings->items[k].hole;
+	gen_rings_free(rings);
+	free(rings);
+	return stands;
 }
 
 static void add_material(struct eco_model *model, const char *name, const uint8_t rgb[3])

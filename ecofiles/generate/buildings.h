@@ -26,6 +26,9 @@ struct eco_building {
 	enum eco_roof roof;
 };
 
+/* Whether anything of it is left to draw: it has a surface, within the limits above. */
+bool eco_building_stands(const struct eco_building *building);
+
 /* Buildings by what was done to them. */
 struct eco_buildings_notes {
 	uint32_t crossed; /* their rings cross or touch themselves, and were cut there */

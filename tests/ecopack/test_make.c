@@ -154,7 +154,9 @@ static void write_quarter(void)
 			"\"coordinates\": [[[%d, %d], [%d, %d], [%d, %d], [%d, %d], [%d, %d]]]}}", i ? ",\n" : "", 1 + i % 4,
 			x, y, x + 8, y, x + 8, y + 6, x, y + 6, x, y);
 	}
-	fputs("]}", file);
+	/* without a surface, and far away */
+	fputs(",{\"type\": \"Feature\", \"properties\": {\"levels\": 1}, \"geometry\": {\"type\": \"Polygon\", \"coordinates\": "
+		"[[[501000, 4201000], [501005, 4201005], [501010, 4201010], [501000, 4201000]]]}}]}", file);
 	assert_int_equal(fclose(file), 0);
 	file = fopen(in_root("rise.asc"), "wb");
 	assert_non_null(file);

@@ -253,6 +253,30 @@ UNIT_TEST(odd_footprints_are_closed_under_all_roofs)
 	}
 }
 
+UNIT_TEST(rings_that_cross_themselves_and_each_other_leave_finite_meshes)
+{
+	uint64_t state = 11;
+	uint32_t crossed = 0, triangles = 0;
+	for (int i = 0; i < 600; i++) {
+		uint32_t rings = 1 + (uint32_t)(eco_random_next(&state) % 4);
+		for (uint32_t r = 0; r < rings; r++) {
+			double corners[20][2], cell = i % 3 ? 0.001 : 4; /* on a grid they touch and repeat, too */
+			uint32_t count = 3 + (uint32_t)(eco_random_next(&state) % 18);
+			for (uint32_t k = 0; k < 2 * count; k++)
+				corners[k / 2][k % 2] = floor(eco_random_unit(eco_random_next(&state)) * 20 / cell) * cell;
+			ring((const double(*)[2])corners, count);
+		}
+		build((enum eco_roof)(i % ECO_ROOF_COUNT), 5, i % 2);
+		for (size_t k = 0; k < 3 * (size_t)model.vertex_count; k++)
+			assert_true(model.position[k] >= -0.51f && model.position[k] <= 30);
+		assert_int_equal(notes.nothing, model.triangle_count == 0);
+		crossed += notes.crossed;
+		triangles += model.triangle_count;
+		eco_model_free(&model);
+	}
+	assert_true(crossed > 500 && triangles > 600 * 20);
+}
+
 UNIT_TEST(forms_of_roofs_are_told_by_words)
 {
 	const struct {
