@@ -133,8 +133,7 @@ FUZZERS := $(patsubst tests/fuzz/corpus/%,$(B)/fuzz/fuzz_%,$(wildcard tests/fuzz
 
 # Libraries of each program, and no others: the daemon knows neither Draco, OpenImageIO, assimp nor GDAL.
 LIBS_CORE := -lxxhash -ljansson -lm
-# --wrap: see draco_shim.cpp
-LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
+LIBS_DRACO := -l:libdraco.a -lstdc++
 LIBS_IMPORT := -lmeshoptimizer -lseccomp -ljpeg -lpng -lwebp
 # what programs that test or measure call themselves
 LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd

@@ -58,7 +58,7 @@ static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count)
 		.column_count = COLUMNS };
 	for (uint32_t i = 0; i < COLUMNS; i++)
 		rows.columns[i] =
-			(struct eco_draco_column){ .values = values + (size_t)i * count, .components = 1 };
+			(struct eco_column){ .values = values + (size_t)i * count, .components = 1 };
 	return rows;
 }
 

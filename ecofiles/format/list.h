@@ -41,18 +41,16 @@ enum eco_list_kind {
 	ECO_LIST_INVENTORY
 };
 
-/* Coders: the ways from a payload to elements. All integers inside come from Draco's lossless integer
- * attributes.
- *   ELEMENTS  sequential point clouds, one per corner count ascending, Morton order inside; then the seeded
- *             permutation eco_chunk_permutation(ordinal, element count) puts a chunk's elements into draw
- *             order.
+/* Coders: the ways from a payload to elements (chunk.h), all lossless.
+ *   ELEMENTS  rows, one run per corner count ascending, Morton order inside; then the seeded permutation
+ *             eco_chunk_permutation(ordinal, element count) puts a chunk's elements into draw order.
  *   FORM      another form of the elements of list `partner`: one element for each, all with the same number
  *             of corners (1: a point, 2: a line, 3, or 4: a quad), never with more vertices. Chunks match by
  *             ordinal and have the partner's stored order and permutation: element i is element i of the
  *             partner, drawn in another way.
  *   KD        points in a kd-tree (order is lost, attributes stay with their point), then permuted as
  *             ELEMENTS.
- *   ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
+ *   ROWS      rows, order kept, no permutation (instances, ground).
  *   MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
  *   BYTES     the payload is a part of a texture, a level of an impostor, or a block of an inventory.
  *   SHAPES    a coder of chunks, not of lists: in a chunk of an ELEMENTS list of triangles, elements of one

@@ -41,7 +41,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define ECO_PACK_VERSION 23u
+#define ECO_PACK_VERSION 24u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 

@@ -13,7 +13,7 @@
 #include "ecofiles/base/random.h"
 
 #define PAYLOAD_VERSION 1u
-#define PAYLOAD_PACKED 3u
+#define PAYLOAD_ALONE 3u
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 
@@ -120,13 +120,12 @@ const char *eco_list_coding_fault(const struct eco_list *list)
 		? "its kind cannot have its attributes" : NULL;
 }
 
-/* The byte after the version in PAYLOAD_PACKED. */
-static enum eco_code read_packed(struct eco_payload *payload, struct eco_reader *r, struct eco_error *error)
+/* The rest behind the version of PAYLOAD_ALONE. */
+static enum eco_code read_alone(struct eco_payload *payload, struct eco_reader *r, struct eco_error *error)
 {
 	struct eco_stream *s = &payload->streams[0];
 	payload->coder = eco_read_u8(r);
 	payload->stream_count = 1;
-	s->packed = true;
 	s->corners = eco_read_u8(r);
 	s->zeros = eco_read_u8(r);
 	uint8_t flags = eco_read_u8(r);
@@ -136,8 +135,7 @@ static enum eco_code read_packed(struct eco_payload *payload, struct eco_reader 
 	bool known = payload->coder == ECO_CODER_ELEMENTS || payload->coder == ECO_CODER_FORM
 		|| payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS;
 	if (r->failed || !known || (flags & 1) || s->corners < 1 || s->corners > ECO_CORNERS_MAX)
-		return BAD("chunk: packed rows of coder %u with %u corners are impossible", payload->coder,
-			s->corners);
+		return BAD("chunk: rows of coder %u with %u corners are impossible", payload->coder, s->corners);
 	s->bytes = r->bytes + r->at;
 	s->size = r->size - r->at;
 	return ECO_OK;
@@ -149,8 +147,8 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	struct eco_reader r = { .bytes = bytes, .size = size };
 	uint8_t version = eco_read_u8(&r), last_corners = 0, reserved;
 	memset(payload, 0, sizeof *payload);
-	if (!r.failed && version == PAYLOAD_PACKED)
-		return read_packed(payload, &r, error);
+	if (!r.failed && version == PAYLOAD_ALONE)
+		return read_alone(payload, &r, error);
 	payload->coder = eco_read_u8(&r);
 	payload->stream_count = eco_read_u8(&r);
 	reserved = eco_read_u8(&r);
@@ -162,20 +160,20 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 			.size = size - r.at };
 		return ECO_OK;
 	}
-	if (payload->coder == ECO_CODER_SHAPES || payload->stream_count < 1
+	if (payload->coder == ECO_CODER_SHAPES || payload->stream_count < (payload->coder == ECO_CODER_MESH ? 1 : 2)
 			|| payload->stream_count > ECO_PAYLOAD_STREAMS_MAX)
 		return BAD("chunk: %u streams", payload->stream_count);
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		struct eco_stream *s = &payload->streams[i];
 		s->corners = eco_read_u8(&r);
 		uint8_t flags = eco_read_u8(&r);
+		s->zeros = eco_read_u8(&r);
 		s->predictors = eco_read_u16(&r);
 		s->elements = eco_read_u32(&r);
 		s->size = eco_read_u32(&r);
-		if (r.failed || s->corners <= last_corners || s->corners > ECO_CORNERS_MAX || s->elements == 0
+		if (r.failed || (flags & 1) || s->corners <= last_corners || s->corners > ECO_CORNERS_MAX || s->elements == 0
 				|| s->elements > ECO_CHUNK_ELEMENTS_MAX || s->size == 0)
 			return BAD("chunk: record of stream %u is impossible", i);
-		s->wide = flags & 1;
 		s->shift = flags >> 1 & 7;
 		s->uv_shift = flags >> 4;
 		last_corners = s->corners;
@@ -187,10 +185,10 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	return ECO_OK;
 }
 
-static void write_packed(struct eco_writer *w, const struct eco_payload *payload)
+static void write_alone(struct eco_writer *w, const struct eco_payload *payload)
 {
 	const struct eco_stream *s = &payload->streams[0];
-	eco_write_u8(w, PAYLOAD_PACKED);
+	eco_write_u8(w, PAYLOAD_ALONE);
 	eco_write_u8(w, payload->coder);
 	eco_write_u8(w, s->corners);
 	eco_write_u8(w, s->zeros);
@@ -208,7 +206,8 @@ static void write_records(struct eco_writer *w, const struct eco_payload *payloa
 	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
 		const struct eco_stream *s = &payload->streams[i];
 		eco_write_u8(w, s->corners);
-		eco_write_u8(w, (uint8_t)(s->wide | s->shift << 1 | s->uv_shift << 4));
+		eco_write_u8(w, (uint8_t)(s->shift << 1 | s->uv_shift << 4));
+		eco_write_u8(w, s->zeros);
 		eco_write_u16(w, s->predictors);
 		eco_write_u32(w, s->elements);
 		eco_write_u32(w, (uint32_t)s->size);
@@ -218,9 +217,8 @@ static void write_records(struct eco_writer *w, const struct eco_payload *payloa
 void eco_payload_write(const struct eco_payload *payload, struct eco_writer *w)
 {
 	assert(payload->stream_count >= 1 && payload->stream_count <= ECO_PAYLOAD_STREAMS_MAX);
-	assert(payload->stream_count == 1 || !payload->streams[0].packed);
-	if (payload->streams[0].packed)
-		write_packed(w, payload);
+	if (eco_payload_alone(payload))
+		write_alone(w, payload);
 	else
 		write_records(w, payload);
 	for (uint32_t i = 0; i < payload->stream_count; i++)

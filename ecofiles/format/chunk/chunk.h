@@ -1,22 +1,28 @@
-/* A chunk's payload: elements <-> bytes, through Draco.
+/* A chunk's payload: elements <-> bytes. One coder for each kind of list: rows of columns, leaves as placed shapes,
+ * connected wood by Draco's edgebreaker.
  *
  * Payload (all little-endian). BYTES: the file itself. Everything else:
- *   0   u8   1 (version); 3: packed rows, below
+ *   0   u8   1; 3: rows of one stream, below
  *   1   u8   coder (enum eco_coder)
- *   2   u8   stream count s, 1..4, or 0 (SHAPES)
+ *   2   u8   stream count s: 2..4; MESH 1 or 2; SHAPES 0
  *   3   u8   0, or the bytes left off at the end (SHAPES)
- *   4   s *  { u8 corners, u8 flags, u16 predictors, u32 elements, u32 bytes }    corners ascending
- *   .   s Draco bitstreams, in that order, nothing after them
+ *   4   s *  { u8 corners, u8 flags, u8 the bytes left off at the end, u16 predictors, u32 elements, u32 bytes }
+ *            corners ascending
+ *   .   s streams, in that order, nothing after them
+ * Rows of one stream, all of a chunk of FORM, KD or ROWS, and of ELEMENTS with one number of corners:
+ *   0   u8   3      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
+ *   4   u8   flags; then u16 predictors if corners > 2; then the stream
  *
- * Contents of a stream (flags: bit 0 `wide`, bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`):
+ * A stream is range-coded: its columns (chunk_columns.h), or of ground its samples, with flags 0. Flags: bit 0 is 0,
+ * bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`.
  *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
- *   FORM      one stream; as ELEMENTS, but the rows are in the stored order of the partner's chunk
- *   ROWS      one stream, corners = 1; predictors 0; split columns. KD is always packed
+ *   FORM      as ELEMENTS, but the rows are in the stored order of the partner's chunk
+ *   ROWS      corners = 1; predictors 0; split columns
+ *   KD        corners = 1; predictors 0
  *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, a stream
  *             of corners = 1 comes before it: one row a triangle in the order that the mesh decodes to;
  *             columns: uv of each corner (2 values, less the last uv of the corner's vertex, or else the last
- *             uv of all), then the extra values (1 each, difference to the row before); flags and predictors
- *             0.
+ *             uv of all), then the extra values (1 each); flags and predictors 0
  *   SHAPES    no stream records (s = 0). The rest, followed by as many zeros as byte 3 says, is one
  *             range-coded stream of all elements in the stored order of ELEMENTS, read by
  *             eco_shapes_code_head and eco_shapes_code_leaf (chunk_shapes.c). It begins with a table of
@@ -24,16 +30,10 @@
  *             corner along the curve, and its extra values. Any other element has its corners, each one
  *             either a corner that was there before or the miss of a prediction, and texture coordinates.
  *             shape.h and chunk_shapes.h define the values.
- * Packed rows, the only stream of a payload: chunks of KD have this form, and those of few rows of ELEMENTS,
- * FORM or ROWS where it is smaller (leaves as ELEMENTS do not):
- *   0   u8   3      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
- *   4   u8   flags, never `wide`; then u16 predictors if corners > 2
- *   .   one range-coded stream of the columns that a Draco stream of the chunk would have (chunk_columns.h);
- *       ground, which is always packed: of its samples (chunk_columns.h), flags 0
  *
  * A chunk of an ELEMENTS list of triangles has coder SHAPES where that is smaller. A chunk of a MESH list
- * has coder ELEMENTS (one stream of corners = 3, drawn in stored order) where edgebreaker would lose or
- * alter a triangle, or is larger.
+ * has coder ELEMENTS (corners = 3, drawn in stored order) where edgebreaker would lose or alter a triangle, or is
+ * larger.
  *
  * A small payload can claim to be huge. So before Draco sees a byte, sizes and counts must match the
  * caller's (from the hashed list and chunk records), each Draco header must have the version, method and

@@ -1,5 +1,5 @@
-/* Columns of rows in one adaptively coded stream (ecofiles/base/range.h), for chunks of few rows: Draco
- * stores a table of symbols for each column, which takes more bytes than the rows of a small chunk.
+/* Columns of rows in one adaptively coded stream (ecofiles/base/range.h): in chunks of few rows tables of symbols
+ * would take more bytes than the rows.
  *
  * Component by component, columns in the order of chunk_rows.h (of a kd-tree without positions, which come
  * first, as said below), each with a head:
@@ -23,17 +23,13 @@
 #include "ecofiles/base/range.h"
 #include "ecofiles/format/chunk/chunk_rows.h"
 
-/* Rows of a chunk that is coded so, but for points of a KD list, which all are; larger ones are decoded faster by Draco, and
- * hardly larger. */
-#define ECO_COLUMNS_ROWS_MAX 4096u
-
 /* Encodes the columns as they stand in rows->columns; sets the stream's bytes, size and zeros. Rows of a
  * kd-tree are put into the order in which they are decoded. Without memory it ends the program (memory.h). */
 void eco_columns_encode(struct eco_chunk_rows *rows, struct eco_stream *stream);
 /* Fills rows->columns from rows->stream. ECO_DAMAGED where bytes are not as written. */
 enum eco_code eco_columns_decode(struct eco_chunk_rows *rows, struct eco_error *error);
 
-/* Samples of ground in one adaptively coded stream (ecofiles/base/range.h): the packed rows of a chunk of
+/* Samples of ground in one adaptively coded stream (ecofiles/base/range.h): the rows of a chunk of
  * ground, whose samples stand in rows and columns.
  *
  *   s  x of the first row, then y of the first column: each the difference to the step before

@@ -60,11 +60,10 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		const struct eco_stream *s = &payload->streams[i];
 		bool side = mesh && s->corners == 1;
 		bool allowed = side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
-		if (!allowed || (mesh && (s->wide || s->predictors != 0))
-		    || (s->shift != 0
-		&& (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
-		|| (s->uv_shift != 0 && (mesh || !(list->attributes & ECO_ATTR_UV)))
-		|| ((list->kind == ECO_LIST_GROUND || list->coder == ECO_CODER_KD) && !s->packed))
+		if (!allowed || (mesh && (s->predictors != 0 || (s->zeros != 0 && !side)))
+				|| (s->shift != 0
+				&& (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
+				|| (s->uv_shift != 0 && (mesh || !(list->attributes & ECO_ATTR_UV))))
 			return BAD("chunk: stream %u of %u corners does not belong "
 				"to the list", i, s->corners);
 		if (side)
@@ -225,7 +224,7 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 	memset(elements, 0, sizeof *elements);
 	enum eco_code code = check_expected(list, chunk, size_bytes, error);
 	code = code ? code : eco_payload_read(&payload, bytes, size_bytes, error);
-	if (!code && payload.streams[0].packed)
+	if (!code && eco_payload_alone(&payload))
 		payload.streams[0].elements = chunk->element_count;
 	code = code ? code : check_payload(list, chunk, &payload, &corner_count, error);
 	code = code ? code : allocate(list, chunk, corner_count, elements, error);

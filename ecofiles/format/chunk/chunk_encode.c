@@ -138,39 +138,9 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct e
 	return ECO_OK;
 }
 
-/* Packs the rows where that is smaller than the stream that is there, which must be the only one. */
-static void try_packed(struct eco_chunk_rows *rows)
-{
-	const size_t record = 11;    /* bytes that the streams' records take more */
-	struct eco_stream *stream = &rows->stream, packed = *stream;
-	if (stream->elements > ECO_COLUMNS_ROWS_MAX)
-		return;
-	packed.packed = true;
-	packed.wide = false;
-	eco_columns_encode(rows, &packed);
-	bool smaller = packed.size < stream->size + record;
-	free((void *)(smaller ? stream : &packed)->bytes);
-	if (smaller)
-		*stream = packed;
-}
-
-/* As Draco's rows, or as packed ones; alone: the only stream. */
-static void encode_rows(struct eco_chunk_rows *rows, uint8_t coder, bool alone)
-{
-	/* leaves have SHAPES, which finds more in them */
-	bool leaves = rows->stream.corners >= 3 && coder != ECO_CODER_FORM;
-	if (rows->ground_columns) {
-		eco_ground_encode(rows);
-		return;
-	}
-	eco_rows_encode(rows);
-	if (alone && !leaves && !rows->stream.packed)
-		try_packed(rows);
-}
-
-/* Encodes stored elements of one corner count as the payload's next stream; alone: the only one. */
+/* Encodes stored elements of one corner count as the payload's next stream. */
 static void add_stream(struct eco_payload *payload, const struct eco_chunk_input *source,
-	const struct eco_stored *stored, uint32_t count, bool alone)
+	const struct eco_stored *stored, uint32_t count)
 {
 	const struct eco_elements *e = source->elements;
 	struct eco_stream stream = { .corners = stored->corners, .elements = count,
@@ -188,7 +158,7 @@ static void add_stream(struct eco_payload *payload, const struct eco_chunk_input
 
 		eco_rows_put(&rows, i, &row);
 	}
-	encode_rows(&rows, payload->coder, alone);
+	(rows.ground_columns ? eco_ground_encode : eco_rows_encode)(&rows);
 	payload->streams[payload->stream_count++] = rows.stream;
 	eco_rows_free(&rows);
 }
@@ -201,7 +171,7 @@ static void add_streams(struct eco_payload *payload, const struct eco_chunk_inpu
 	for (uint32_t first = 0, end; first < count; first = end) {
 		for (end = first + 1; end < count && stored[end].corners == stored[first].corners; end++)
 			;
-		add_stream(payload, source, stored + first, end - first, end - first == count);
+		add_stream(payload, source, stored + first, end - first);
 	}
 }
 
@@ -304,7 +274,7 @@ enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const
 			stored[i] = form[stored[i].element];
 			assert(stored[i].corners == stored[0].corners);
 		}
-		add_stream(&payload, &own, stored, partner->end - partner->first, true);
+		add_stream(&payload, &own, stored, partner->end - partner->first);
 		keep_smaller(&w, &payload);
 	}
 	free(stored);

@@ -223,7 +223,6 @@ void eco_ground_encode(struct eco_chunk_rows *rows)
 	if (!has_memory || w.failed)
 		eco_end("no memory");
 	free(g.samples);
-	rows->stream.packed = true;
 	rows->stream.bytes = w.bytes;
 	rows->stream.size = w.size;
 }

@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/format/chunk/chunk_columns.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
+#include "ecofiles/format/chunk/draco_shim.h"
 
 /* A triangle with its corners rotated so that the least position comes first: three rotations become one. */
 struct turned {
@@ -148,74 +150,70 @@ static struct match *encode_positions(const int32_t *position, uint32_t triangle
 /* ---- The stream beside a mesh: uv of three corners, then the extra values, in decoded order ---- */
 
 struct side {
-	struct eco_draco_column columns[3 + ECO_ROWS_EXTRA_MAX];
-	uint32_t column_count, uv_columns;
-	int32_t *storage;
+	struct eco_chunk_rows rows;
+	uint32_t uv_columns;
 	int32_t (*uv)[2];            /* by vertex: its last one, which predicts the next; or else ... */
 	bool *seen;
 	int32_t last[2];             /* ... the last of all */
 };
 
-static bool side_make(struct side *s, const struct eco_list *list, uint32_t triangles)
+static bool side_make(struct side *s, const struct eco_list *list, const struct eco_stream *stream)
 {
-	*s = (struct side){ .column_count = 0 };
+	struct eco_chunk_rows *rows = &s->rows;
+	*s = (struct side){ .rows.stream = *stream };
 	for (uint32_t c = 0; c < 3 && (list->attributes & ECO_ATTR_UV); c++)
-		s->columns[s->column_count++] = (struct eco_draco_column){ .components = 2 };
-	s->uv_columns = s->column_count;
+		rows->columns[rows->column_count++] = (struct eco_column){ .components = 2 };
+	s->uv_columns = rows->column_count;
 	for (uint32_t i = 0; i < eco_list_extra_count(list); i++)
-		s->columns[s->column_count++] = (struct eco_draco_column){ .components = 1, .difference = true };
-	s->storage = eco_rows_storage(s->columns, s->column_count, triangles);
-	s->uv = calloc(3 * (size_t)triangles, sizeof *s->uv);
-	s->seen = calloc(3 * (size_t)triangles, 1);
-	return s->storage && s->uv && s->seen;
+		rows->columns[rows->column_count++] = (struct eco_column){ .components = 1 };
+	rows->storage = eco_rows_storage(rows->columns, rows->column_count, stream->elements);
+	s->uv = calloc(3 * (size_t)stream->elements, sizeof *s->uv);
+	s->seen = calloc(3 * (size_t)stream->elements, 1);
+	return rows->storage && s->uv && s->seen;
 }
 
 static void side_free(struct side *s)
 {
-	free(s->storage);
+	eco_rows_free(&s->rows);
 	free(s->uv);
 	free(s->seen);
 }
 
 /* Writes the column's value, or reads it into `value`. False: it is out of bounds. */
-static bool code_value(int32_t *column, int32_t known, int32_t *value, int32_t most, bool writing)
+static bool code_value(int32_t *column, int32_t known, int32_t *value, bool writing)
 {
-	int64_t v = writing ? (int64_t)*value - known : (int64_t)*column + known;
-	bool good = v >= -most && v <= most;
+	int64_t v = (int64_t)*column + known;
+	bool good = writing || (v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX);
 	if (writing)
-		*column = (int32_t)v;
+		*column = *value - known;
 	else
 		*value = good ? (int32_t)v : 0;
 	return good;
 }
 
-/* Values of e->uv and e->extra to columns, if `writing`, or back. False: some are out of bounds: too far apart
- * for Draco, or beyond those of other coders. */
+/* Values of e->uv and e->extra to columns, if `writing`, or back. False: some are out of bounds. */
 static bool code_side(struct side *s, const struct eco_elements *e, const uint32_t *vertex, bool writing)
 {
-	int32_t uv_most = writing ? ECO_DRACO_VALUE_MAX : ECO_ROWS_VALUE_MAX,
-		extra_most = writing ? ECO_DRACO_VALUE_MAX / 2 : ECO_ROWS_VALUE_MAX;
+	const struct eco_column *columns = s->rows.columns;
 	bool good = true;
 	for (size_t i = 0; i < e->element_count; i++) {
 		for (uint32_t c = 0; c < s->uv_columns; c++) {
 			uint32_t v = vertex[3 * i + c];
 			int32_t *uv = e->uv + 2 * (3 * i + c), *known = s->seen[v] ? s->uv[v] : s->last;
 			for (int k = 0; k < 2; k++)
-				good &= code_value(&s->columns[c].values[2 * i + (size_t)k], known[k], &uv[k],
-					uv_most, writing);
+				good &= code_value(&columns[c].values[2 * i + (size_t)k], known[k], &uv[k], writing);
 			s->seen[v] = true;
 			memcpy(s->uv[v], uv, sizeof s->last);
 			memcpy(s->last, uv, sizeof s->last);
 		}
 		for (uint32_t k = 0; k < e->extra_count; k++)
-			good &= code_value(&s->columns[s->uv_columns + k].values[i], 0,
-				&e->extra[e->extra_count * i + k], extra_most, writing);
+			good &= code_value(&columns[s->uv_columns + k].values[i], 0, &e->extra[e->extra_count * i + k],
+				writing);
 	}
 	return good;
 }
 
-/* False: values are too far apart for Draco. */
-static bool encode_side(const struct eco_chunk_input *input, const struct match *matches, const uint32_t *vertex,
+static void encode_side(const struct eco_chunk_input *input, const struct match *matches, const uint32_t *vertex,
 	struct eco_stream *stream)
 {
 	const struct eco_elements *e = input->elements;
@@ -224,7 +222,6 @@ static bool encode_side(const struct eco_chunk_input *input, const struct match 
 		.uv = eco_alloc(triangles, 6 * sizeof *e->uv),
 		.extra = eco_alloc((size_t)triangles * e->extra_count, sizeof *e->extra) };
 	struct side side;
-	uint8_t *bytes = NULL;
 	for (size_t i = 0; i < triangles; i++) {
 		size_t triangle = input->first + (size_t)matches[i].triangle;
 		for (uint32_t c = 0; c < 3 && e->uv; c++)
@@ -233,15 +230,12 @@ static bool encode_side(const struct eco_chunk_input *input, const struct match 
 		for (uint32_t k = 0; k < e->extra_count; k++)
 			ordered.extra[e->extra_count * i + k] = e->extra[e->extra_count * triangle + k];
 	}
-	if (!side_make(&side, input->list, triangles))
+	if (!side_make(&side, input->list, stream))
 		eco_end("no memory");
-	bool fits = code_side(&side, &ordered, vertex, true)
-		&& !eco_draco_encode_rows(side.columns, side.column_count, triangles, &bytes,
-		&stream->size, NULL);
-	stream->bytes = bytes;
+	code_side(&side, &ordered, vertex, true);
+	eco_columns_encode(&side.rows, stream);
 	side_free(&side);
 	eco_elements_free(&ordered);
-	return fits;
 }
 
 bool eco_mesh_encode(const struct eco_chunk_input *input, struct eco_payload *payload)
@@ -255,22 +249,22 @@ bool eco_mesh_encode(const struct eco_chunk_input *input, struct eco_payload *pa
 	side->elements = mesh->elements = triangles;
 	struct match *matches = encode_positions(input->elements->position + 9 * (size_t)input->first, triangles, mesh,
 		vertex);
-	bool fits = matches && (!sided || encode_side(input, matches, vertex, side));
-	free(matches);
+	if (matches && sided)
+		encode_side(input, matches, vertex, side);
 	free(vertex);
-	return fits;
+	free(matches);
+	return matches != NULL;
 }
 
 static enum eco_code decode_side(const struct eco_list *list, const struct eco_stream *stream,
 	const uint32_t *vertex, struct eco_elements *e, struct eco_error *error)
 {
 	struct side side;
-	enum eco_code code = side_make(&side, list, e->element_count) ? ECO_OK
+	enum eco_code code = side_make(&side, list, stream) ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for attributes of %u triangles",
 		e->element_count);
 	if (!code)
-		code = eco_draco_decode_rows(stream->bytes, stream->size, side.columns,
-			side.column_count, e->element_count, error);
+		code = eco_columns_decode(&side.rows, error);
 	if (!code && !code_side(&side, e, vertex, false))
 		code = eco_fail(error, ECO_DAMAGED, "chunk: an attribute of the mesh is out of bounds");
 	side_free(&side);

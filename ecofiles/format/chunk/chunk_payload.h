@@ -15,6 +15,11 @@ struct eco_payload {
 	struct eco_stream streams[ECO_PAYLOAD_STREAMS_MAX];
 };
 
+/* Whether rows are the only stream, which has no record. */
+static inline bool eco_payload_alone(const struct eco_payload *payload)
+{
+	return payload->stream_count == 1 && payload->coder != ECO_CODER_SHAPES && payload->coder != ECO_CODER_MESH;
+}
 /* Parses and bounds everything except the streams' own bytes. */
 enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size,
 	struct eco_error *error);

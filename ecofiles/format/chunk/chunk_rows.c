@@ -1,5 +1,5 @@
-/* Elements as rows of small integers. Draco's sequential coder has one model of symbol frequencies per
- * column, so the values of a column should be small and alike. Most of a leaf follows from its first
+/* Elements as rows of small integers. Columns are coded one by one, so the values of a column should be small and
+ * alike. Most of a leaf follows from its first
  * corners: a quad's fourth corner is near the parallelogram of the others, a hexagon continues as its
  * first three corners began. The best rule depends on the model, so each is tried and the cheapest is
  * stored, four bits a corner. The same goes for differences from row to row, which cost nothing where all
@@ -64,7 +64,7 @@ static bool in_bounds(int32_t v)
 	return v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
 }
 
-int32_t *eco_rows_storage(struct eco_draco_column *columns, uint32_t count, uint32_t rows)
+int32_t *eco_rows_storage(struct eco_column *columns, uint32_t count, uint32_t rows)
 {
 	size_t per_row = 0;
 	for (uint32_t i = 0; i < count; i++)
@@ -80,7 +80,7 @@ int32_t *eco_rows_storage(struct eco_draco_column *columns, uint32_t count, uint
 static void add_columns(struct eco_chunk_rows *rows, uint32_t count, uint8_t components)
 {
 	while (count-- > 0)
-		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = components };
+		rows->columns[rows->column_count++] = (struct eco_column){ .components = components };
 }
 
 static enum eco_code no_memory(const struct eco_chunk_rows *rows, struct eco_error *error)
@@ -113,7 +113,7 @@ void eco_rows_free(struct eco_chunk_rows *rows)
 void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element)
 {
 	const struct eco_stream *s = &rows->stream;
-	const struct eco_draco_column *column = rows->columns;
+	const struct eco_column *column = rows->columns;
 	assert(row < s->elements);
 	for (unsigned axis = 0; rows->split && axis < 3; axis++, column++)
 		column->values[row] = element->position[axis];
@@ -132,7 +132,7 @@ void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_ro
 bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element)
 {
 	const struct eco_stream *s = &rows->stream;
-	const struct eco_draco_column *column = rows->columns;
+	const struct eco_column *column = rows->columns;
 	bool good = true;
 	assert(row < s->elements);
 	for (unsigned axis = 0; rows->split && axis < 3; axis++, column++) {
@@ -244,121 +244,12 @@ static void take_uv_shift(struct eco_chunk_rows *rows)
 		values[i] /= 1 << rows->stream.uv_shift;
 }
 
-/* Whether Draco can code a column's values, or their differences, without allocating too much. */
-static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bool *values_fit,
-	bool *differences_fit)
-{
-	size_t count = (size_t)column->components * rows;
-	int32_t low = column->values[0], high = column->values[0];
-	for (size_t k = 1; k < count; k++) {
-		low = column->values[k] < low ? column->values[k] : low;
-		high = column->values[k] > high ? column->values[k] : high;
-	}
-	*values_fit = high <= ECO_DRACO_VALUE_MAX && low >= -ECO_DRACO_VALUE_MAX;
-	*differences_fit = (int64_t)high - low <= ECO_DRACO_VALUE_MAX;
-}
-
-/* Draco fails where memory lacks, or by a bug. */
-static void must(enum eco_code code, const struct eco_error *why)
-{
-	if (code)
-		eco_end(why->text);
-}
-
-/* SIZE_MAX where a column does not fit. */
-static size_t size_of(const struct eco_draco_column *column, uint32_t rows, bool fits, bool difference)
-{
-	struct eco_draco_column asked = *column;
-	struct eco_error error = { 0 };
-	size_t size = SIZE_MAX;
-	asked.difference = difference;
-	if (fits)
-		must(eco_draco_column_size(&asked, rows, &size, &error), &error);
-	return size;
-}
-
-/* Asks the coder which is smaller, each column's values or its differences. Sets `wide` where neither fits. */
-static void choose_differences(struct eco_chunk_rows *rows)
-{
-	for (uint32_t i = 0; i < rows->column_count; i++) {
-		struct eco_draco_column *column = &rows->columns[i];
-		uint32_t count = rows->stream.elements;
-		bool values_fit, differences_fit;
-		find_bounds(column, count, &values_fit, &differences_fit);
-		column->difference = size_of(column, count, differences_fit, true)
-			< size_of(column, count, values_fit, false);
-		rows->stream.wide |= !values_fit && !differences_fit;
-	}
-}
-
-/* The columns of a wide stream for Draco: high halves, then low halves. The result is malloc'ed; NULL: no
- * memory. */
-static int32_t *wide_columns(const struct eco_chunk_rows *rows, struct eco_draco_column *columns)
-{
-	for (uint32_t half = 0; half < 2; half++)
-		memcpy(columns + half * rows->column_count, rows->columns,
-			rows->column_count * sizeof *columns);
-	return eco_rows_storage(columns, 2 * rows->column_count, rows->stream.elements);
-}
-
-static void encode_columns(struct eco_chunk_rows *rows, const struct eco_draco_column *columns, uint32_t count)
-{
-	struct eco_error error = { 0 };
-	uint8_t *bytes;
-	must(eco_draco_encode_rows(columns, count, rows->stream.elements, &bytes,
-		&rows->stream.size, &error), &error);
-	rows->stream.bytes = bytes;
-}
-
 void eco_rows_encode(struct eco_chunk_rows *rows)
 {
-	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	rows->stream.predictors = choose_predictors(rows);
 	take_predictions(rows);
 	take_uv_shift(rows);
-	if (rows->cloud) {
-		rows->stream.packed = true;
-		eco_columns_encode(rows, &rows->stream);
-		return;
-	}
-	choose_differences(rows);
-	if (!rows->stream.wide) {
-		encode_columns(rows, rows->columns, rows->column_count);
-		return;
-	}
-	int32_t *storage = wide_columns(rows, wide);
-	if (!storage)
-		eco_end("no memory");
-	for (uint32_t i = 0; i < rows->column_count; i++)
-		for (size_t k = 0; k < (size_t)wide[i].components * rows->stream.elements; k++) {
-			uint32_t v = (uint32_t)rows->columns[i].values[k];
-			uint32_t high = v >> 16;
-			wide[i].values[k] = high < 0x8000 ? (int32_t)high : (int32_t)high - 0x10000;
-			wide[rows->column_count + i].values[k] = (int32_t)(v & 0xffff);
-		}
-	encode_columns(rows, wide, 2 * rows->column_count);
-	free(storage);
-}
-
-static enum eco_code decode_columns(const struct eco_chunk_rows *rows, const struct eco_draco_column *columns,
-	uint32_t count, struct eco_error *error)
-{
-	return eco_draco_decode_rows(rows->stream.bytes, rows->stream.size, columns, count,
-		rows->stream.elements, error);
-}
-
-static enum eco_code decode_wide(struct eco_chunk_rows *rows, struct eco_error *error)
-{
-	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
-	int32_t *storage = wide_columns(rows, wide);
-	enum eco_code code = storage ? decode_columns(rows, wide, 2 * rows->column_count, error)
-		: no_memory(rows, error);
-	for (uint32_t i = 0; code == ECO_OK && i < rows->column_count; i++)
-		for (size_t k = 0; k < (size_t)wide[i].components * rows->stream.elements; k++)
-			rows->columns[i].values[k] = (int32_t)(((uint32_t)wide[i].values[k] << 16)
-				+ (uint32_t)wide[rows->column_count + i].values[k]);
-	free(storage);
-	return code;
+	eco_columns_encode(rows, &rows->stream);
 }
 
 enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, struct eco_error *error)
@@ -370,8 +261,5 @@ enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, struct eco_error *err
 				predictor_of(s->predictors, k), k);
 	if (rows->ground_columns)
 		return eco_ground_decode(rows, error);
-	if (s->packed)
-		return eco_columns_decode(rows, error);
-	return s->wide ? decode_wide(rows, error)
-		: decode_columns(rows, rows->columns, rows->column_count, error);
+	return eco_columns_decode(rows, error);
 }

@@ -1,8 +1,8 @@
-/* Elements in Draco's rows: one row an element, corner by corner as differences that are small and alike.
+/* Elements in rows: one row an element, corner by corner as differences that are small and alike.
  *
  *   eco_rows_make(&rows, &list, ...);            columns for so many elements of one corner count
  *   eco_rows_put(&rows, row, &element);          encoder: element -> row
- *   eco_rows_encode(&rows)                       -> a Draco stream          (eco_rows_decode the other way)
+ *   eco_rows_encode(&rows)                       -> a stream                (eco_rows_decode the other way)
  *   eco_rows_get(&rows, row, &element);          decoder: row -> element; false if a value is out of bounds
  *   eco_rows_free(&rows);
  *
@@ -14,17 +14,14 @@
  *                                      zero
  *   extra (1 each)
  *
- * Draco codes each column as values or as differences to the row before, whichever is smaller (the stream
- * says which). Points of KD lists are always packed (chunk_columns.h).
- *
- * Split positions suit rows whose order is given. Samples of ground are always packed (chunk_columns.h).
- *
- * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and
- * value & 65535. */
+ * Split positions suit rows whose order is given. How columns are coded, and samples of ground, says
+ * chunk_columns.h.
+ */
 #ifndef ECO_CHUNK_ROWS_H
 #define ECO_CHUNK_ROWS_H
 
-#include "ecofiles/format/chunk/draco_shim.h"
+#include <stddef.h>
+
 #include "ecofiles/format/list.h"
 
 #define ECO_ROWS_CORNERS_MAX ECO_CORNERS_MAX
@@ -32,16 +29,19 @@
 #define ECO_ROWS_COLUMNS_MAX (3 + 2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX)
 #define ECO_ROWS_PREDICTORS 8u
 
+struct eco_column {
+	int32_t *values;             /* components per row, row by row */
+	uint8_t components;
+};
+
 /* A stream of rows and how it is coded; a SHAPES payload's stream has only zeros, bytes and size. */
 struct eco_stream {
 	uint8_t corners;             /* of an element: 1..ECO_ROWS_CORNERS_MAX */
-	bool wide;
 	uint8_t uv_shift;            /* 0..15 */
 	uint8_t shift;               /* of positions, 0..7: eco_rows_get gives 2^shift times the value; not split */
 	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end */
-	bool packed;                 /* as chunk_columns.h says, not by Draco; then it is the only stream */
-	uint8_t zeros;               /* SHAPES, packed: bytes at the end that are zero and not stored */
-	uint32_t elements;           /* packed: eco_payload_read leaves it 0, the chunk's record says it */
+	uint8_t zeros;               /* bytes at the end that are zero and not stored */
+	uint32_t elements;           /* of an only stream of rows eco_payload_read leaves it 0: the chunk's record says it */
 	const uint8_t *bytes;        /* reading: within the payload; writing: malloc'ed */
 	size_t size;
 };
@@ -52,7 +52,7 @@ struct eco_chunk_rows {
 	bool uv, split;              /* split: one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
 	struct eco_stream stream;
-	struct eco_draco_column columns[ECO_ROWS_COLUMNS_MAX];
+	struct eco_column columns[ECO_ROWS_COLUMNS_MAX];
 	uint32_t column_count;
 	int32_t *storage;
 };
@@ -70,7 +70,7 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_list *
 void eco_rows_free(struct eco_chunk_rows *rows);
 
 /* Values of `count` columns with so many rows, all 0, in one array, which is malloc'ed; NULL: no memory. */
-int32_t *eco_rows_storage(struct eco_draco_column *columns, uint32_t count, uint32_t rows);
+int32_t *eco_rows_storage(struct eco_column *columns, uint32_t count, uint32_t rows);
 
 /* `row` is below stream.elements. _get returns false where a value is beyond ECO_ROWS_VALUE_MAX. */
 void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);

@@ -1,11 +1,8 @@
 // The only C++ of ecofiles that knows Draco. Draco's decoders allocate what a stream declares: so many
 // attributes of so many components. So the decoders are subclassed at the two points where Draco has read
 // these declarations and not yet acted on them; there anything but the expected columns is refused.
-// Longer than 600 lines: one shim is the only door to C++.
 #include "ecofiles/format/chunk/draco_shim.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -14,18 +11,12 @@
 #include <unistd.h>
 #include <vector>
 
-#include <draco/compression/attributes/prediction_schemes/prediction_scheme_delta_encoder.h>
-#include <draco/compression/attributes/prediction_schemes/prediction_scheme_wrap_encoding_transform.h>
 #include <draco/compression/decode.h>
-#include <draco/compression/entropy/symbol_encoding.h>
 #include <draco/compression/expert_encode.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
-#include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
 
 namespace {
-
-constexpr uint32_t kColumnsMax = 128;
 
 enum eco_code refuse(struct eco_error *error, enum eco_code code, const char *what, const char *detail)
 {
@@ -64,19 +55,9 @@ void (*note_no_memory)(void);
 	std::abort();
 }
 
-struct Expected {
-	const struct eco_draco_column *columns;
-	uint32_t column_count;
-	uint32_t rows;               // 0: meshes, whose point count is known only after the connectivity
-};
-
-// A decoder that stops before the first attribute is decoded unless the declared attributes are the expected
-// columns.
+// A decoder that stops before the first attribute is decoded unless that is all: positions of three integers.
 template <class Base>
 class Guarded : public Base {
- public:
-	explicit Guarded(const Expected &expected) : expected_(expected) {}
-
  protected:
 	bool CreateAttributesDecoder(int32_t id) override
 	{
@@ -87,37 +68,23 @@ class Guarded : public Base {
 	{
 		const draco::PointCloud *cloud = this->point_cloud();
 
-		if (this->num_attributes_decoders() != 1 || cloud->num_attributes()
-				!= static_cast<int32_t>(expected_.column_count))
+		if (this->num_attributes_decoders() != 1 || cloud->num_attributes() != 1)
 			return false;
-		if (expected_.rows != 0 && cloud->num_points() != expected_.rows)
-			return false;
-		for (uint32_t i = 0; i < expected_.column_count; i++) {
-			const draco::PointAttribute *a = cloud->attribute(i);
-
-			if (a->data_type() != draco::DT_INT32
-					|| a->num_components() != expected_.columns[i].components)
-				return false;
-		}
-		return Base::DecodeAllAttributes();
+		const draco::PointAttribute *a = cloud->attribute(0);
+		return a->data_type() == draco::DT_INT32 && a->num_components() == 3 && Base::DecodeAllAttributes();
 	}
-
- private:
-	const Expected expected_;
 };
 
-int add_column(draco::PointCloud *cloud, draco::GeometryAttribute::Type type, const int32_t *values,
-	uint8_t components, uint32_t rows)
+void add_positions(draco::PointCloud *cloud, const int32_t *values, uint32_t rows)
 {
+	const size_t size = 3 * sizeof(int32_t) * static_cast<size_t>(rows);
 	draco::GeometryAttribute attribute;
 
-	attribute.Init(type, nullptr, components, draco::DT_INT32, false, sizeof(int32_t) * components, 0);
-	const int id = cloud->AddAttribute(attribute, true, rows);
-	draco::PointAttribute *stored = cloud->attribute(id);
-	if (stored->buffer()->data_size() < sizeof(int32_t) * components * static_cast<size_t>(rows))
+	attribute.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_INT32, false, 3 * sizeof(int32_t), 0);
+	draco::PointAttribute *stored = cloud->attribute(cloud->AddAttribute(attribute, true, rows));
+	if (stored->buffer()->data_size() < size)
 		throw std::bad_alloc();
-	stored->buffer()->Write(0, values, sizeof(int32_t) * components * static_cast<size_t>(rows));
-	return id;
+	stored->buffer()->Write(0, values, size);
 }
 
 enum eco_code give(const draco::EncoderBuffer &buffer, uint8_t **bytes, size_t *size)
@@ -143,25 +110,6 @@ enum eco_code decode(Decoder &&decoder, const uint8_t *bytes, size_t size, bool 
 		return refuse(error, ECO_DAMAGED, "cannot decode", status.error_msg());
 	return buffer.remaining_size() == 0 || !whole ? ECO_OK
 		: refuse(error, ECO_DAMAGED, "bytes follow the stream", "");
-}
-
-enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &expected, struct eco_error *error)
-{
-	draco::PointCloud cloud;
-	const enum eco_code code = decode(Guarded<draco::PointCloudSequentialDecoder>(expected), bytes, size, true,
-		&cloud, error);
-
-	if (code != ECO_OK)
-		return code;
-	for (uint32_t i = 0; i < expected.column_count; i++) {
-		const draco::PointAttribute *a = cloud.attribute(i);
-		const size_t want = sizeof(int32_t) * expected.columns[i].components
-			* static_cast<size_t>(expected.rows);
-		if (!a->is_mapping_identity() || a->size() < expected.rows || a->buffer()->data_size() < want)
-			return refuse(error, ECO_DAMAGED, "rows are missing", "");
-		a->buffer()->Read(0, expected.columns[i].values, want);
-	}
-	return ECO_OK;
 }
 
 // The content of a decoded mesh stream, checked before it is used: Draco does not bound face indices
@@ -212,16 +160,6 @@ bool varint(const uint8_t *bytes, size_t size, size_t *at, uint32_t *value)
 }
 
 // Whether a stream starts as Draco 1.5 writes it: our encoder could not have written another.
-bool rows_start(const uint8_t *bytes, size_t size, uint32_t rows)
-{
-	// magic, bitstream version 2.3, a point cloud, sequential, no flags, the count, one attribute decoder
-	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0, 0, 0, 0,
-		static_cast<uint8_t>(rows), static_cast<uint8_t>(rows >> 8), static_cast<uint8_t>(rows >> 16),
-		static_cast<uint8_t>(rows >> 24), 1 };
-
-	return size > sizeof head && std::memcmp(bytes, head, sizeof head) == 0;
-}
-
 bool mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
 {
 	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; the traversal: 0 standard, 2 valence
@@ -380,107 +318,6 @@ enum eco_code decode_foreign(const uint8_t *bytes, size_t size, Bounds *bounds,
 
 }  // namespace
 
-// Draco counts symbols in an array with one place for each integer up to the largest. For a dozen plants in a
-// tile it clears and scans megabytes for a dozen numbers, which was most of the time of packing large
-// forests. The linker sends its calls here (--wrap): sparse symbols are sorted instead and the same terms
-// added in the same order, so that the streams are the same to the bit.
-#define COMPUTE_SHANNON_ENTROPY(prefix) prefix##_ZN5draco21ComputeShannonEntropyEPKjiiPi
-extern "C" {
-int64_t COMPUTE_SHANNON_ENTROPY(__real_)(const uint32_t *symbols, int count, int largest, int *unique);
-int64_t COMPUTE_SHANNON_ENTROPY(__wrap_)(const uint32_t *symbols, int count, int largest, int *unique);
-}
-
-int64_t COMPUTE_SHANNON_ENTROPY(__wrap_)(const uint32_t *symbols, int count, int largest, int *unique)
-{
-	if (largest / 32 < count)
-		return COMPUTE_SHANNON_ENTROPY(__real_)(symbols, count, largest, unique);
-	std::vector<uint32_t> sorted(symbols, symbols + count);
-	double bits = 0;
-	int kinds = 0;
-
-	std::sort(sorted.begin(), sorted.end());
-	for (size_t first = 0, end; first < sorted.size(); first = end, kinds++) {
-		for (end = first + 1; end < sorted.size() && sorted[end] == sorted[first];)
-			end++;
-		const double times = static_cast<double>(end - first);
-		bits += times * std::log2(times / static_cast<double>(count));
-	}
-	if (unique != nullptr)
-		*unique = kinds;
-	return static_cast<int64_t>(-bits);
-}
-
-enum eco_code eco_draco_encode_rows(const struct eco_draco_column *columns, uint32_t column_count,
-	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error)
-{
-	*bytes = nullptr;
-	*size = 0;
-	if (rows == 0 || column_count == 0 || column_count > kColumnsMax)
-		return refuse(error, ECO_BAD_INPUT, "no rows, or no or too many columns", "");
-	return contained(error, ECO_BAD_INPUT, [&]() -> enum eco_code {
-		draco::PointCloud cloud;
-		draco::EncoderBuffer buffer;
-
-		cloud.set_num_points(rows);
-		for (uint32_t i = 0; i < column_count; i++)
-			add_column(&cloud, i == 0 ? draco::GeometryAttribute::POSITION
-				: draco::GeometryAttribute::GENERIC, columns[i].values, columns[i].components,
-				rows);
-
-		draco::ExpertEncoder encoder(cloud);
-		encoder.SetSpeedOptions(0, 0);
-		encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
-		for (uint32_t i = 0; i < column_count; i++)
-			encoder.SetAttributePredictionScheme(i, columns[i].difference
-				? draco::PREDICTION_DIFFERENCE : draco::PREDICTION_NONE);
-		const draco::Status status = encoder.EncodeToBuffer(&buffer);
-		if (!status.ok())
-			return refuse(error, ECO_BAD_INPUT, "cannot encode rows", status.error_msg());
-		return give(buffer, bytes, size);
-	});
-}
-
-// Asks the coder of symbols alone which way is smaller: for a dozen values a whole encoder, with its options
-// and a copy of the values, takes several times as long.
-enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size,
-struct eco_error *error)
-{
-	return contained(error, ECO_BAD_INPUT, [&]() -> enum eco_code {
-		draco::PredictionSchemeDeltaEncoder<int32_t,
-			draco::PredictionSchemeWrapEncodingTransform<int32_t>> scheme(nullptr);
-		const int count = static_cast<int>(rows * column->components);
-		std::vector<int32_t> values(column->values, column->values + count);
-		std::vector<uint32_t> symbols(values.size());
-		draco::EncoderBuffer buffer;
-		draco::Options options;
-
-		if (column->difference) {
-			scheme.ComputeCorrectionValues(column->values, values.data(), count,
-				column->components, nullptr);
-			scheme.EncodePredictionData(&buffer);
-			buffer.Encode(static_cast<int8_t>(scheme.GetTransformType()));
-		}
-		draco::ConvertSignedIntsToSymbols(values.data(), count, symbols.data());
-		draco::SetSymbolEncodingCompressionLevel(&options, 10);
-		if (!draco::EncodeSymbols(symbols.data(), count, column->components, &options, &buffer))
-			return refuse(error, ECO_BAD_INPUT, "cannot encode rows", "");
-		*size = buffer.size();
-		return ECO_OK;
-	});
-}
-
-enum eco_code eco_draco_decode_rows(const uint8_t *bytes, size_t size, const struct eco_draco_column *columns,
-	uint32_t column_count, uint32_t rows, struct eco_error *error)
-{
-	const Expected expected = { columns, column_count, rows };
-
-	if (!rows_start(bytes, size, rows) || column_count > kColumnsMax)
-		return refuse(error, ECO_DAMAGED, "not a stream of that many rows", "");
-	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
-		return decode_cloud(bytes, size, expected, error);
-	});
-}
-
 enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index,
 	uint32_t faces, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
@@ -501,7 +338,7 @@ enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, 
 			mesh.SetFace(draco::FaceIndex(f), face);
 		}
 		mesh.set_num_points(vertices);
-		add_column(&mesh, draco::GeometryAttribute::POSITION, position, 3, vertices);
+		add_positions(&mesh, position, vertices);
 
 		draco::ExpertEncoder encoder(mesh);
 		encoder.SetSpeedOptions(0, 0);
@@ -516,14 +353,11 @@ enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, 
 enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position,
 	uint32_t *vertex, struct eco_error *error)
 {
-	const struct eco_draco_column column = { nullptr, 3, false };
-	const Expected expected = { &column, 1, 0 };
-
 	if (!mesh_start(bytes, size, faces))
 		return refuse(error, ECO_DAMAGED, "not a mesh of that many faces", "");
 	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
 		draco::Mesh mesh;
-		const enum eco_code code = decode(Guarded<draco::MeshEdgebreakerDecoder>(expected), bytes, size,
+		const enum eco_code code = decode(Guarded<draco::MeshEdgebreakerDecoder>(), bytes, size,
 			true, &mesh, error);
 
 		return code != ECO_OK ? code : read_faces(mesh, faces, position, vertex, error);

@@ -1,9 +1,8 @@
-/* Draco behind a few C functions: integers in, bytes out, and back; and meshes of glTF files. Nothing else
+/* Draco behind a few C functions: meshes of integers to bytes and back; and meshes of glTF files. Nothing else
  * of Draco is visible; exceptions end here.
  *
- * Rows are Draco's point cloud: each row has the same columns, each column 1 to 3 int32. Coding is
- * lossless. Decoding refuses a stream whose header is not as Draco 1.5 writes it or has other counts than were
- * asked for, before it allocates anything for it. */
+ * Coding is lossless. Decoding refuses a stream whose header is not as Draco 1.5 writes it or has other counts than
+ * were asked for, before it allocates anything for it. */
 #ifndef ECO_DRACO_SHIM_H
 #define ECO_DRACO_SHIM_H
 
@@ -17,36 +16,17 @@ extern "C" {
 
 #include "ecofiles/base/status.h"
 
-struct eco_draco_column {
-	int32_t *values;             /* components per row, row by row */
-	uint8_t components;
-	bool difference;             /* code the difference to the row before */
-};
-
 /* From now on a C++ library that finds no memory where it can tell nobody ends the program with a message
  * and status 1, not by a signal: Draco in a destructor, meshoptimizer called from C. `note`, unless NULL, is
  * called before. */
 void eco_draco_end_without_memory(void (*note)(void));
 
-/* Encodes `rows` >= 1 rows. Columns must satisfy |value| <= ECO_DRACO_VALUE_MAX or, with
- * `difference`, be within ECO_DRACO_VALUE_MAX of each other: Draco allocates four bytes for each integer
- * up to the largest symbol. *bytes is malloc'ed. */
+/* Draco allocates four bytes for each integer up to the largest difference. */
 #define ECO_DRACO_VALUE_MAX (1 << 20)
-enum eco_code eco_draco_encode_rows(const struct eco_draco_column *columns, uint32_t column_count,
-	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error);
-
-/* Bytes of a column in a stream, up to a constant. */
-enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size,
-	struct eco_error *error);
-
-/* Decodes exactly those rows and columns into columns[].values, or fails with ECO_DAMAGED. */
-enum eco_code eco_draco_decode_rows(const uint8_t *bytes, size_t size, const struct eco_draco_column *columns,
-	uint32_t column_count, uint32_t rows, struct eco_error *error);
-
 /* Edgebreaker at its slowest speed. `position` 3 per vertex, within ECO_DRACO_VALUE_MAX of each other;
  * `index` 3 per face. Draco reorders faces and vertices and may drop faces: decode to see what was kept. */
 enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index,
-	uint32_t faces, uint8_t **bytes, size_t *size, struct eco_error *error);
+	uint32_t faces, uint8_t **bytes, size_t *size, struct eco_error *error);   /* *bytes is malloc'ed */
 
 /* Decodes exactly `faces` faces: position 9 per face, `vertex` 3 per face (in [0, 3 * faces)); the same
  * vertex number means the same position. ECO_DAMAGED otherwise. */
