@@ -351,19 +351,19 @@ static void parse_height(const struct eco_source *source, const struct eco_json 
 static void parse_crown(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
-	static const char *const kinds[] = { "radius", "diameter", "polygon", NULL }, *const others[] = { "species", NULL };
+	static const char *const kinds[] = { "radius", "diameter", "polygon", "area", NULL }, *const others[] = { "species", NULL };
 	struct eco_json crown = eco_json_member(at, "crown_m"), column = eco_json_member(&crown, "column");
 	unsigned is = ECO_NONE, otherwise = ECO_NONE;
 	if (!crown.value)
 		return;
 	spec->crown.unit_m = 1;
 	eco_scene_fields(source, &crown, crown_fields, spec);
-	eco_scene_choice(&crown, "is", kinds, "\"radius\", \"diameter\" or \"polygon\"", &is);
+	eco_scene_choice(&crown, "is", kinds, "\"radius\", \"diameter\", \"area\" or \"polygon\"", &is);
 	eco_scene_choice(&crown, "otherwise", others, "\"species\"", &otherwise);
 	eco_scene_need(!column.value || !json_is_array(column.value) || eco_json_array(&column, ECO_CROWN_COLUMNS));
 	size_t count = column.value ? eco_scene_several(&column) : 0;
-	if ((count > 0) != (is == 0 || is == 1) || (is == ECO_NONE && otherwise == ECO_NONE))
-		eco_scene_fail(&crown, "a crown is {\"column\": NAME, \"is\": \"radius\" or \"diameter\"}, {\"is\": "
+	if ((count > 0) != (is == 0 || is == 1 || is == 3) || (is == ECO_NONE && otherwise == ECO_NONE))
+		eco_scene_fail(&crown, "a crown is {\"column\": NAME, \"is\": \"radius\", \"diameter\" or \"area\"}, {\"is\": "
 			"\"polygon\"} or {\"otherwise\": \"species\"}");
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_scene_one(&column, i);
@@ -371,6 +371,7 @@ static void parse_crown(const struct eco_source *source, const struct eco_json *
 	}
 	spec->crown.factor = is == 1 ? 0.5 : 1;
 	spec->crown.of_geometry = is == 2;
+	spec->crown.is_area = is == 3;
 	spec->crown.by_species = otherwise == 0;
 }
 

@@ -167,13 +167,13 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 		"line 3: \"0\")" },
 	{ "decimal_commas_are_asked_for_and_read", "", commas_csv, "", NULL,
 		":2: \"1,5\" has a decimal comma; add \"decimal\": \",\"" },
-	{ NULL, "", "x;y;h\n1;2;\n1;2;12,5 m\n", "'height_m':{'column':'h'}", NULL,
-		":3: \"12,5 m\" has a comma; add \"decimal\": \",\"" },
+	{ NULL, "", "x;y;h\n1;2;\n1;2;12,500 m\n", "'height_m':{'column':'h'}", NULL,
+		":3: \"12,500 m\" has a comma; add \"decimal\": \",\"" },
 	{ NULL, UTM32, "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\","
-		"\"geometry\":{\"type\":\"Point\",\"coordinates\":[11.5,48.1]},\"properties\":{\"h\":\"7,5 "
-		"m\"}}]}", "'height_m':{'column':'h'}", NULL, ".geojson, feature 1: \"7,5 m\" has a comma" },
-	{ NULL, "", "x;y;h\n1;2;3\n1;3;12,5\n", "'height_m':{'column':'h'}", "oak 1 2 h3 / oak 1 3",
-		"(first in line 3: \"12,5\")" },
+		"\"geometry\":{\"type\":\"Point\",\"coordinates\":[11.5,48.1]},\"properties\":{\"h\":\"7,500 "
+		"m\"}}]}", "'height_m':{'column':'h'}", NULL, ".geojson, feature 1: \"7,500 m\" has a comma" },
+	{ NULL, "", "x;y;h\n1;2;3\n1;3;12,500\n", "'height_m':{'column':'h'}", "oak 1 2 h3 / oak 1 3",
+		"(first in line 3: \"12,500\")" },
 	{ NULL, "", commas_csv, "'decimal':',','height_m':{'column':'h'}",
 		"oak 1.5 2.25 h12.5 / oak 1234.5 3 h4", "separated by \";\"" },
 	{ "thousands_are_parted_where_the_entry_says_so", "", "x;y\n691,234;334,000\n", "", NULL,

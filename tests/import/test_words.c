@@ -219,7 +219,7 @@ UNIT_TEST(names_become_words)
 		{ "decimalLatitude", "decimal latitude" },
 		{ "utm17n_e", "utm 17 n e" },
 		{ "\u00c9pic\u00e9a", "epicea" }, { "sapling_oak_s7.obj", "sapling oak s 7 obj" },
-		{ "CommonTree_1", "common tree 1" }, { "Stra\u00dfe", "strase" },
+		{ "CommonTree_1", "common tree 1" }, { "Stra\u00dfe", "strasse" },
 		{ "\u0160\u0164\u0158\u0142\u0153", "strlo" }, { "\u4e2d x", "\u4e2d x" }, { "  ", "" },
 		{ "H\u00f6HE", "hohe" }, { "HH\u00f6he", "hhohe" }, { "H\u00c3\u00b6he", "hohe" },
 		{ "\u3051\u3084\u304d\uff08\u6b05\uff09", "\u30b1\u30e4\u30ad \u6b05" },
@@ -279,7 +279,7 @@ UNIT_TEST(numbers_have_one_meaning_or_none)
 		{ "-0\u00b030'", '.', -0.5 }, { "12\u00b0", '.', 12 }, { "40\u00b060'", '.', NAN },
 		{ "40\u00b0 24", '.', NAN }, { "40\u00b024'36\"X", '.', NAN }, { "N 40\u00b0 S", '.', NAN },
 		{ "-40\u00b0S", '.', NAN },
-		{ "40\u00b0-5'", '.', NAN }, { "N40", '.', NAN }, { "5'", '.', NAN },
+		{ "40\u00b0-5'", '.', NAN }, { "N40", '.', NAN }, { "E8.65", '.', 8.65 }, { "33.5 S", '.', -33.5 }, { "-33.5 S", '.', NAN }, { "5'", '.', NAN },
 		{ "12345678901234567890123456789012345678901234567890123456789012345", '.', NAN } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -339,7 +339,8 @@ UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
 		{ "5 kg", '.', ECO_FORM_NONE, 0, 0 },
 		{ "10 m - 20 ft", '.', ECO_FORM_NONE, 0, 0 }, { "tall", '.', ECO_FORM_NONE, 0, 0 },
 		{ "", '.', ECO_FORM_NONE, 0, 0 },
-		{ "12 12", '.', ECO_FORM_NONE, 0, 0 }, { "1,5", '.', ECO_FORM_NONE, 0, 0 },
+		{ "12 05 2019", '.', ECO_FORM_NONE, 0, 0 }, { "1,5", '.', ECO_FORM_EXACT, 1.5, 0 }, { "1,500", '.', ECO_FORM_NONE, 0, 0 },
+		{ "12,5 m", '.', ECO_FORM_EXACT, 12.5, 1 }, { "(10,15]", '.', ECO_FORM_RANGE, 12.5, 0 },
 		{ "2021-05-03", '.', ECO_FORM_NONE, 0, 0 },
 		{ "3 meter", '.', ECO_FORM_EXACT, 3, 1 }, { "10 Fuß", '.', ECO_FORM_EXACT, 10, 0.3048 },
 		{ "3 metros", '.', ECO_FORM_EXACT, 3, 1 },
@@ -352,13 +353,18 @@ UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
 		{ "Large (over 60')", '.', ECO_FORM_OPEN, 60, 0.3048 },
 		{ "30' - 40'", '.', ECO_FORM_RANGE, 35, 0.3048 },
 		{ "q. niet van toepassing", '.', ECO_FORM_NONE, 0, 0 }, { "Small", '.', ECO_FORM_NONE, 0, 0 },
-		{ "12 (estimated)", '.', ECO_FORM_NONE, 0, 0 },
+		{ "12 (estimated)", '.', ECO_FORM_EXACT, 12, 0 }, { "12 m (39 ft)", '.', ECO_FORM_EXACT, 12, 1 },
+		{ "h=12 m", '.', ECO_FORM_EXACT, 12, 1 }, { "12 m hoch", '.', ECO_FORM_EXACT, 12, 1 },
 		{ "2) 10 - 16m", '.', ECO_FORM_RANGE, 13, 1 }, { "2) 20cm< & <=50cm", '.', ECO_FORM_RANGE, 35, 0.01 },
 		{ "10m以上", '.', ECO_FORM_OPEN, 10, 1 }, { "3m未満", '.', ECO_FORM_RANGE, 1.5, 1 },
 		{ "１２．５ｍ", '.', ECO_FORM_EXACT, 12.5, 1 }, { "od 10 do 15 m", ',', ECO_FORM_RANGE, 12.5, 1 },
 		{ "30\n40", '.', ECO_FORM_STEMS, 50, 0 }, { "20-20-10", '.', ECO_FORM_STEMS, 30, 0 },
 		{ "20,20,10", '.', ECO_FORM_STEMS, 30, 0 }, { "2\u00d710", '.', ECO_FORM_STEMS, sqrt(200), 0 },
-		{ "3x10", '.', ECO_FORM_STEMS, sqrt(300), 0 }, { "30 cm + 40 cm", '.', ECO_FORM_STEMS, 50, 0.01 } };
+		{ "3x10", '.', ECO_FORM_STEMS, sqrt(300), 0 }, { "30 cm + 40 cm", '.', ECO_FORM_STEMS, 50, 0.01 },
+		{ "30 40", '.', ECO_FORM_STEMS, 50, 0 }, { "20 20 10", '.', ECO_FORM_STEMS, 30, 0 }, { "30 et 40", '.', ECO_FORM_STEMS, 50, 0 },
+		{ "[20, 20, 10]", '.', ECO_FORM_STEMS, 30, 0 }, { "30;40;", '.', ECO_FORM_STEMS, 50, 0 },
+		{ "30、40", '.', ECO_FORM_STEMS, 50, 0 }, { "30,0;40,0", ',', ECO_FORM_STEMS, 50, 0 },
+		{ "entre 5 et 10 m", '.', ECO_FORM_RANGE, 7.5, 1 } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double number = 0, unit_m = 0;
@@ -369,6 +375,21 @@ UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
 				> 1e-12)))
 			fail_msg("\"%s\" is of form %d, %g in units of %g m", cases[i].text, form, number,
 				unit_m);
+	}
+}
+
+UNIT_TEST(widths_are_means_and_years_stand_in_dates)
+{
+	static const struct { const char *text; double width, year; } cases[] = { { "6 x 8 m", 7, NAN }, { "6×8", 7, NAN },
+		{ "6/8", 7, NAN }, { "7", 7, NAN }, { "1987", 1987, 1987 }, { "12.04.1987", NAN, 1987 }, { "19870412", 19870412, 1987 },
+		{ "1987-04-12T00:00:00Z", NAN, 1987 }, { "545184000000", 545184000000, 1987 }, { "昭和62年", NAN, 1987 },
+		{ "S62", NAN, 1987 }, { "12", 12, NAN }, { "Spring", NAN, NAN } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double width, unit_m, year = eco_text_year(cases[i].text);
+		bool good = eco_text_width(cases[i].text, '.', &width, &unit_m) != ECO_FORM_NONE;
+		if (good == isnan(cases[i].width) || (good && width != cases[i].width)
+				|| isnan(year) != isnan(cases[i].year) || (!isnan(year) && year != cases[i].year))
+			fail_msg("\"%s\" is a width of %g, the year %g", cases[i].text, good ? width : NAN, year);
 	}
 }
 

@@ -79,6 +79,9 @@ static void start_free(struct start *s)
 	free(s->guesses);
 	start_raster_free(&s->dem);
 	start_raster_free(&s->image);
+	for (uint32_t i = 0; i < s->raster_path_count; i++)
+		free(s->raster_paths[i]);
+	free(s->raster_paths);
 	free(s->scene);
 	json_decref(s->skip);
 	json_decref(s->tint);

@@ -79,12 +79,13 @@ struct start {
 	struct eco_table table;
 	struct eco_columns columns;
 	struct start_raster dem, image;
+	char **raster_paths; uint32_t raster_path_count, raster_path_capacity;       /* in folders that were given; owned */
 	struct eco_place_guess place;
 	/* column ECO_NONE: none; `trunk` is a diameter, or a girth */
 	struct start_size height, trunk;
 	bool trunk_is_girth, height_is_z;
 	struct start_size crown;             /* a diameter, or a radius */
-	bool crown_is_radius;
+	bool crown_is_radius, crown_is_area;
 	uint32_t crowns[ECO_CROWN_COLUMNS], crown_columns;   /* radii to the north, east, south, west; two widths; or none */
 	uint32_t crown_base;                 /* a column */
 	bool base_is_ratio;

@@ -1,6 +1,7 @@
 /* The table: what its columns mean, in which units and in which CRS. */
 #include "ecofiles/ecopack/start/start.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,6 +166,22 @@ void start_look(void *start)
 
 /* ---- Rasters ---- */
 
+/* By the ending. */
+static bool is_raster(const char *path)
+{
+	static const char *const endings[] = { "tif", "tiff", "vrt", "asc", "img", "hgt", "bil", "jp2", "png", "jpg", "jpeg" };
+	bool raster = false;
+	for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+		raster |= eco_path_ends_with(path, endings[i]);
+	return raster;
+}
+
+static bool is_folder(const char *path)
+{
+	struct stat status;
+	return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
 /* The rasters: which holds the heights of the ground, and which its picture. */
 
 static struct eco_raster_extent *read_extent(const struct start *s, const char *path)
@@ -239,6 +256,25 @@ static void sort_raster(struct start *s, const char *path)
 		raster->tile_count > 1 ? ", and lies beside the others: one ground" : "");
 }
 
+static int is_raster_entry(const struct dirent *entry) { return is_raster(entry->d_name); }
+
+/* A raster, or those in a folder, as terrain comes in tiles. */
+static void sort_rasters(struct start *s, char *path)
+{
+	struct dirent **entries = NULL;
+	int count = is_folder(path) ? scandir(path, &entries, is_raster_entry, alphasort) : 0;
+	for (int i = 0; i < count; i++) {
+		char *file = start_text("%s/%s", path, entries[i]->d_name);
+		eco_grow(&s->raster_paths, &s->raster_path_capacity, s->raster_path_count, sizeof *s->raster_paths);
+		s->raster_paths[s->raster_path_count++] = file;
+		free(entries[i]);
+		sort_raster(s, file);
+	}
+	free(entries);
+	if (count == 0)
+		sort_raster(s, path);
+}
+
 void start_rasters(struct start *s)
 {
 	const struct start_options *o = s->options;
@@ -247,7 +283,7 @@ void start_rasters(struct start *s)
 	if (o->image)
 		add_tile(&s->image, o->image, read_extent(s, o->image));
 	for (uint32_t i = 0; i < o->raster_count; i++)
-		sort_raster(s, o->rasters[i]);
+		sort_rasters(s, o->rasters[i]);
 }
 
 /* CSV may be read as a grid of points. */
@@ -297,22 +333,31 @@ void start_image_crs(struct start *s)
 
 enum kind { ABSENT, FOLDER, MODEL, RASTER, TABLE };
 
+static int is_model_entry(const struct dirent *entry) { return start_is_model(entry->d_name); }
+
+static bool has_rasters_alone(const char *folder)
+{
+	int (*const kinds[])(const struct dirent *) = { is_raster_entry, is_model_entry };
+	int counts[2];
+	for (int k = 0; k < 2; k++) {
+		struct dirent **entries = NULL;
+		counts[k] = scandir(folder, &entries, kinds[k], NULL);
+		for (int i = 0; i < counts[k]; i++)
+			free(entries[i]);
+		free(entries);
+	}
+	return counts[0] > 0 && counts[1] <= 0;
+}
+
 /* By the ending, as each is told before it is read. */
 static enum kind kind_of(const char *path)
 {
-	static const char *const rasters[] = { "tif", "tiff", "vrt", "asc", "img", "hgt", "bil", "jp2", "png",
-		"jpg", "jpeg" };
 	struct stat status;
 	if (stat(path, &status) != 0)
 		return ABSENT;
 	if (S_ISDIR(status.st_mode))
-		return eco_path_ends_with(path, "gdb") ? TABLE : FOLDER;
-	if (start_is_model(path))
-		return MODEL;
-	for (size_t i = 0; i < sizeof rasters / sizeof *rasters; i++)
-		if (eco_path_ends_with(path, rasters[i]))
-			return RASTER;
-	return TABLE;
+		return eco_path_ends_with(path, "gdb") ? TABLE : has_rasters_alone(path) ? RASTER : FOLDER;
+	return start_is_model(path) ? MODEL : is_raster(path) ? RASTER : TABLE;
 }
 
 bool start_is_table(const char *path) { return kind_of(path) == TABLE; }

@@ -237,7 +237,7 @@ static json_t *crown_json(const struct start *s)
 		set_text(crown, "is", "polygon");
 	else if (json_array_size(columns) > 0) {
 		json_object_set(crown, "column", s->crown_columns > 0 ? columns : json_array_get(columns, 0));
-		set_text(crown, "is", s->crown_is_radius ? "radius" : "diameter");
+		set_text(crown, "is", s->crown_is_area ? "area" : s->crown_is_radius ? "radius" : "diameter");
 		set_text(crown, "unit", s->crown.unit.unit);
 	}
 	if (sized) {

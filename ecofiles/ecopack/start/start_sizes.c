@@ -134,6 +134,7 @@ static void pass_codes(struct start *s, enum eco_role role)
 
 #define ALIKE 0.2                /* a girth is pi times the diameter within this share, but for the unit */
 #define ALIKE_ROWS 0.7           /* in so many rows */
+#define ALIKE_LEAST 5u           /* rows that have both */
 
 /* A diameter that does not follow from the girth beside it is no trunk's, but the crown's: "DIAMETRE_C". */
 static void check_diameter(struct start *s)
@@ -153,7 +154,7 @@ static void check_diameter(struct start *s)
 		alike += ratio > 1 - ALIKE && ratio < 1 + ALIKE;
 		both++;
 	}
-	if (both == 0 || alike >= ALIKE_ROWS * both)
+	if (both < ALIKE_LEAST || alike >= ALIKE_ROWS * both)
 		return;
 	snprintf(took, sizeof took, "\"%.60s\" is none of the trunk's", start_column(s, *diameter));
 	start_guess(s, eco_role_names[ECO_ROLE_DBH], took, "--dbh-column", "it does not follow from the girth in \"%.60s\"",
@@ -172,7 +173,7 @@ static bool is_treetop(const char *name)
 {
 	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
 	eco_words_of(name, words, sizeof words);
-	bool all = words[0] != 0;
+	bool all = words[0] != 0 && strcmp(name, ECO_COLUMN_GEOMETRY) != 0;
 	for (const char *at = words; all && eco_words_next(&at, word);)
 		all = eco_words_have(eco_words_set("treetop"), word);
 	return all;
@@ -187,15 +188,18 @@ static void take_treetops(struct start *s)
 	double own_unit;
 	while (z < s->table.column_count && !is_treetop(s->table.columns[z]))
 		z++;
+	if (z == s->table.column_count)          /* then that of the points, the last column */
+		z -= s->table.has_z;
 	if (others != ECO_NONE || z == s->table.column_count)
 		return;
 	eco_table_spread(&s->table, z, &s->columns, &spread, &own_unit);
 	double low = eco_spread_quantile(&spread, 0.02), high = eco_spread_quantile(&spread, 0.98);
 	bool any = spread.count > 0;
 	eco_spread_free(&spread);
-	if (!any)
+	bool elevations = !(low >= TREETOP_LEAST_M && high <= TREETOP_MOST_M);
+	if (!any || (elevations && strcmp(s->table.columns[z], ECO_COLUMN_GEOMETRY) == 0))
 		return;
-	if (!(low >= TREETOP_LEAST_M && high <= TREETOP_MOST_M))
+	if (elevations)
 		eco_stop(ECO_BAD_INPUT, "%.150s: \"%.20s\" is between %.4g and %.4g: heights of trees, or elevations of "
 			"treetops above the sea? Give --height-column %.20s and --height-unit if they are heights; else "
 			"normalise the cloud, or remove the column", s->options->table, s->table.columns[z], low, high,
@@ -224,8 +228,9 @@ static uint32_t twin_of(const struct start *s, const char *words, const char *at
 /* Radii in four directions, "crown_n", "crown_e", "crown_s", "crown_w", or widths in two, "crown_1_m", "crown_2_m". */
 static void find_several(struct start *s)
 {
-	static const char *const sets[][ECO_CROWN_COLUMNS] = { { "n north nord norte noord", "e o east ost est este oost",
-		"s south sud sur zuid", "w o west ouest oeste ovest" }, { "ns nordsud norte 1 a max", "ew ow we ostwest 2 b min" } };
+	static const char *const sets[][ECO_CROWN_COLUMNS] = { { "n north nord norte noord", "e east ost est este oost",
+		"s south sud sur zuid", "w west ouest oeste ovest" }, { "ns nordsud norte 1 a max long longest major gross",
+		"ew ow we ostwest 2 b min short shortest minor klein" } };
 	for (uint32_t i = 0; i < 2 * s->table.column_count && s->crown_columns == 0; i++) {
 		const char *const *set = sets[i % 2];
 		char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES], stem[ECO_WORDS_BYTES];
@@ -237,8 +242,9 @@ static void find_several(struct start *s)
 					|| eco_words_any(stem, "r cr"))) || eco_column_points(ECO_ROLE_CROWN, stem) >= ECO_COLUMN_ENOUGH))
 				continue;
 			for (; count < ECO_CROWN_COLUMNS && set[count]; count++)
-				if ((s->crowns[count] = twin_of(s, words, at, set[count])) == ECO_NONE)
-					break;
+				if ((s->crowns[count] = twin_of(s, words, at, set[count])) == ECO_NONE
+						&& (s->crowns[count] = set[2] ? twin_of(s, words, at, "o") : ECO_NONE) == ECO_NONE)
+					break;           /* "o" is the east in German, the west in French */
 			bool all = count == ECO_CROWN_COLUMNS ? s->crowns[1] != s->crowns[3] : count == 2 && !set[2];
 			s->crown_columns = all ? count : 0;
 		}
@@ -254,6 +260,10 @@ static void find_crowns(struct start *s)
 	char took[160];
 	find_several(s);
 	s->crown.column = s->crown_columns > 0 ? s->crowns[0] : s->columns.of[ECO_ROLE_CROWN];
+	for (uint32_t i = 0; i < s->table.column_count && s->crown.column == ECO_NONE; i++) {
+		s->crown_is_area = eco_column_says(s->table.columns[i], "area") && eco_column_says(s->table.columns[i], "crown");
+		s->crown.column = s->crown_is_area ? i : ECO_NONE;
+	}
 	if (s->table.crown_m > CROWN_AREA_M)
 		eco_stop(ECO_BAD_INPUT, "%.150s: its rows are areas, half of them more than %.0f m wide: no crowns. A "
 			"\"scatter\" of a scene fills areas with plants", s->options->table, s->table.crown_m);
@@ -266,14 +276,18 @@ static void find_crowns(struct start *s)
 		return;
 	const char *name = start_column(s, s->crown.column);
 	s->crown_is_radius = s->crown_columns == ECO_CROWN_COLUMNS || eco_column_says(name, "radius");
-	measure(s, &s->crown, ECO_QUANTITY_CROWN, NULL, beside);
+	const char *unit = eco_unit_of_name(name);
+	measure(s, &s->crown, ECO_QUANTITY_CROWN, !s->crown_is_area ? NULL : unit ? unit : beside && strcmp(beside, "ft") == 0
+		? "ft" : "m", beside);
 	if (s->crown.column == ECO_NONE)
 		return;
+	if (s->crown_is_area)
+		snprintf(s->crown.unit.why, sizeof s->crown.unit.why, "a disc of the area is taken");
 	if (!s->crown.unit.unit)         /* a crown is no reason to stop */
 		s->crown.unit = (struct eco_unit_guess){ .unit = beside && strcmp(beside, "in") != 0
 			&& strcmp(beside, "ft") != 0 ? "m" : beside ? "ft" : "m", .why = "as other sizes" };
 	snprintf(took, sizeof took, "\"%.60s\"%s, %s in %s", name, s->crown_columns > 0 ? " and other directions" : "",
-		s->crown_is_radius ? "a radius" : "a diameter", s->crown.unit.unit);
+		s->crown_is_area ? "an area, in squares" : s->crown_is_radius ? "a radius" : "a diameter", s->crown.unit.unit);
 	start_guess(s, "crown", took, "\"crown_m\" in the scene", "%s", s->crown.unit.why);
 }
 
@@ -340,16 +354,16 @@ static bool says(const char *text, const char *set, const char *number)
 	return words[0] != 0 && (eco_words_have(eco_words_set(set), words) || strcmp(words, number) == 0);
 }
 
-/* A date, or a year alone. */
+/* A date, a year alone, or the number of a day in a workbook. */
 static bool is_date(const char *text)
 {
 	size_t digits = strspn(text, "0123456789");
-	bool year = strncmp(text, "19", 2) == 0 || strncmp(text, "20", 2) == 0;
-	return (year && (digits == 4 || digits == 8)) || (digits >= 1 && digits <= 2 && text[digits] != 0
+	bool day = digits == 5 && text[5] == 0 && text[0] >= '2' && text[0] <= '6';
+	return !isnan(eco_text_year(text)) || day || (digits >= 1 && digits <= 2 && text[digits] != 0
 		&& strchr("-./", text[digits]) && strpbrk(text + digits + 1, "-./"));
 }
 
-enum gone { STAYS, BY_STATUS, BY_PRESENCE, BY_DATE };
+enum gone { STAYS, BY_STATUS, BY_PRESENCE, BY_DATE, BY_REMARK };
 
 /* "Type", "tree type", "site type": words of plants, places and kinds alone. */
 static bool is_type(const char *name)
@@ -365,7 +379,8 @@ static bool is_type(const char *name)
 static enum gone kind_of(const char *name)
 {
 	return eco_column_says(name, "removal") ? BY_DATE : eco_words_any(name, eco_words_set("present"))
-		? BY_PRESENCE : eco_column_says(name, "status") || is_type(name) ? BY_STATUS : STAYS;
+		? BY_PRESENCE : eco_column_says(name, "status") || is_type(name) ? BY_STATUS
+		: eco_words_any(name, eco_words_set("remark")) ? BY_REMARK : STAYS;
 }
 
 static bool is_gone(enum gone kind, const char *text)
@@ -376,7 +391,16 @@ static bool is_gone(enum gone kind, const char *text)
 		return says(text, "no", "0");
 	if (kind == BY_DATE)
 		return is_date(text) || says(text, "yes", "1");
-	return word_count(text) <= GONE_WORDS && eco_flora_is_no_plant(text);
+	if (kind == BY_REMARK)                   /* a stump nearby is none of this row */
+		return eco_flora_is_no_plant(text, true);
+	return word_count(text) <= GONE_WORDS && eco_flora_is_no_plant(text, false);
+}
+
+/* "Dead" beside a species: the plant stands. */
+static bool is_dead(enum gone kind, const char *text)
+{
+	return kind == BY_STATUS && !eco_text_is_missing(text) && word_count(text) <= GONE_WORDS
+		&& !eco_flora_is_no_plant(text, false) && eco_flora_of(text, NULL).form == ECO_FORM_NOTHING;
 }
 
 /* Whether a row of the table's selection is gone, or one of the others may be. A type's rare values are not searched
@@ -384,7 +408,7 @@ static bool is_gone(enum gone kind, const char *text)
 static bool may_leave_out(const struct start *s, uint32_t column, enum gone kind)
 {
 	for (uint32_t row = 0; row < s->table.row_count; row++)
-		if (is_gone(kind, eco_table_field(&s->table, row, column)))
+		if (is_gone(kind, eco_table_field(&s->table, row, column)) || is_dead(kind, eco_table_field(&s->table, row, column)))
 			return true;
 	return s->table.rows > s->table.row_count && !is_type(s->table.columns[column]);
 }
@@ -394,12 +418,16 @@ static void add_gone(struct start *s, uint32_t column, enum gone kind)
 {
 	struct eco_table_values values;
 	const char *name = s->table.columns[column];
-	char names[160] = "", took[200], number[32];
-	uint64_t rows = 0, all = 0;
+	char names[160] = "", dead[100] = "", took[200], number[32];
+	uint64_t rows = 0, all = 0, dead_rows = 0;
 	eco_check(eco_table_values_read(&values, &s->source, &name, 1, s->error));
 	json_t *gone = json_array();
 	for (uint32_t i = 0; i < values.count; i++) {
 		all += values.items[i].rows;
+		if (is_dead(kind, values.items[i].text)) {
+			eco_phrase_add(dead, sizeof dead, values.items[i].text);
+			dead_rows += values.items[i].rows;
+		}
 		if (!is_gone(kind, values.items[i].text))
 			continue;
 		rows += values.items[i].rows;
@@ -413,13 +441,69 @@ static void add_gone(struct start *s, uint32_t column, enum gone kind)
 			rows == 1 ? "" : "s", name, kind == BY_DATE ? "a date" : names);
 		start_guess(s, "left out", took, "\"skip\" in the scene", "no plant stands there");
 	}
+	if (dead_rows > 0) {
+		snprintf(took, sizeof took, "%s row%s where \"%.60s\" is %.60s", eco_phrase_count(dead_rows, number),
+			dead_rows == 1 ? "" : "s", name, dead);
+		start_guess(s, "dead", took, "\"skip\" in the scene", "they stand, drawn as the living; \"skip\" leaves them out");
+	}
 	json_decref(gone);
+	eco_table_values_free(&values);
+}
+
+static bool says_plant(const char *text)
+{
+	struct eco_flora flora = eco_flora_of(text, NULL);
+	return flora.genus || (flora.form != ECO_FORM_UNKNOWN && flora.form != ECO_FORM_NOTHING);
+}
+
+static uint32_t column_of(const struct start *s, const char *name)
+{
+	uint32_t i = 0;
+	while (i < s->table.column_count && strcmp(s->table.columns[i], name) != 0)
+		i++;
+	return i < s->table.column_count ? i : ECO_NONE;
+}
+
+/* Whether a layer, or a block on it, names plants. */
+static bool is_layer_of_plants(const struct start *s, uint32_t layers, const char *layer)
+{
+	bool plants = says_plant(layer);
+	for (uint32_t row = 0; row < s->table.row_count && !plants; row++)
+		plants = strcmp(eco_table_field(&s->table, row, layers), layer) == 0
+			&& says_plant(eco_table_field(&s->table, row, s->columns.of[ECO_ROLE_SPECIES]));
+	return plants;
+}
+
+/* Benches and lamps of a plan: blocks on layers that name no plant, where others do. */
+static void find_things(struct start *s)
+{
+	uint32_t layers = column_of(s, "Layer"), species = s->columns.of[ECO_ROLE_SPECIES];
+	struct eco_table_values values;
+	const char *name = "Layer";
+	char took[200], names[160] = "";
+	if (layers == ECO_NONE || layers == species || species == ECO_NONE || column_of(s, "BlockName") == ECO_NONE)
+		return;
+	eco_check(eco_table_values_read(&values, &s->source, &name, 1, s->error));
+	json_t *things = json_array();
+	for (uint32_t i = 0; i < values.count && i < 4096; i++) {
+		if (is_layer_of_plants(s, layers, values.items[i].text))
+			continue;
+		json_array_append_new(things, json_string(values.items[i].text));
+		eco_phrase_add(names, sizeof names, values.items[i].text);
+	}
+	if (json_array_size(things) > 0 && json_array_size(things) < values.count) {
+		json_object_set(s->skip, name, things);
+		snprintf(took, sizeof took, "what is on %.150s", names);
+		start_guess(s, "left out", took, "\"skip\" in the scene", "neither these layers nor blocks on them name plants");
+	}
+	json_decref(things);
 	eco_table_values_free(&values);
 }
 
 static void find_gone(struct start *s)
 {
 	s->skip = json_object();
+	find_things(s);
 	for (uint32_t i = 0; i < s->table.column_count; i++) {
 		enum gone kind = kind_of(s->table.columns[i]);
 		if (kind != STAYS && i != s->tint_column && i != s->columns.of[ECO_ROLE_SPECIES] && may_leave_out(s, i, kind))

@@ -1,4 +1,5 @@
 /* A column's role by the words of its name, in points (words/columns.tsv). */
+#include <stdio.h>
 #include <string.h>
 
 #include "build/words/columns.table"
@@ -49,7 +50,7 @@ static bool nearly_means(const char *word, const char *list, bool cut)
 /* The best of the words that speak for a role, and all that speak against it. */
 static int points_by_name(enum eco_role role, const char *name)
 {
-	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES], pair[2 * ECO_WORD_BYTES];
 	int best = 0, against = 0;
 	eco_words_of(name, words, sizeof words);
 	for (size_t i = 0; i < sizeof columns_rows / sizeof *columns_rows; i++) {
@@ -58,7 +59,9 @@ static int points_by_name(enum eco_role role, const char *name)
 			continue;
 		for (const char *at = words; eco_words_next(&at, word);) {
 			bool last = *at == 0 && strlen(name) == CUT_BYTES;
-			if (!means(word, columns_rows[i].words)) {
+			snprintf(pair, sizeof pair, "%s%.*s", word, *at ? (int)strcspn(at + 1, " ") : 0, *at ? at + 1 : "");
+			/* "BlockName" is a word, too */
+			if (!means(word, columns_rows[i].words) && !eco_words_have(columns_rows[i].words, pair)) {
 				if (points < 0 || !nearly_means(word, columns_rows[i].words, last))
 					continue;
 				points -= NEARLY;

@@ -594,14 +594,15 @@ static void find_misspelt(const struct name *n, enum eco_region region, struct e
 
 /* Whether a list of phrases has one that words hold, or a long word of it that begins or ends one of theirs:
  * "trauerweide". */
-static bool says_form(const char *words, const char *phrases, const char *except)
+static bool says_form(const char *words, const char *phrases, const char *except, size_t least)
 {
 	char word[ECO_WORD_BYTES];
 	for (const char *at = phrases; *at != 0;) {
 		size_t bytes = strcspn(at, "|");
 		if (!(strlen(except) == bytes && strncmp(at, except, bytes) == 0) && has_phrase(words, at, bytes))
 			return true;
-		for (const char *next = words; bytes >= 5 && eco_words_next(&next, word);) {
+		size_t enough = (unsigned char)*at < 0x80 ? least : 5;
+		for (const char *next = words; bytes >= enough && eco_words_next(&next, word);) {
 			size_t length = strlen(word);
 			if (length > bytes + 1 && strcmp(word, except) != 0 && (strncmp(word, at, bytes) == 0
 					|| strncmp(word + length - bytes, at, bytes) == 0))
@@ -617,8 +618,10 @@ static enum eco_form form_by_word(const char *words, bool known, const char *exc
 	for (size_t i = 0; i < COUNT(forms_rows); i++) {
 		if (known && strcmp(forms_rows[i].where, "always") != 0)
 			continue;
-		if (says_form(words, forms_rows[i].phrases, except))
-			return form_named(forms_rows[i].form);
+		enum eco_form form = form_named(forms_rows[i].form);
+		/* an epithet may begin like a word of the vacant: "mortonii" */
+		if (says_form(words, forms_rows[i].phrases, except, form == ECO_FORM_NOTHING ? 7 : 5))
+			return form;
 	}
 	return ECO_FORM_UNKNOWN;
 }
@@ -642,11 +645,19 @@ enum eco_form eco_form_of(const char *text, enum eco_leaf *leaf)
 	return form_by_word(words, false, "");
 }
 
-bool eco_flora_is_no_plant(const char *text)
+bool eco_flora_is_no_plant(const char *text, bool whole)
 {
-	char words[ECO_WORDS_BYTES];
-	eco_words_of(text, words, sizeof words);
-	return form_by_word(words, true, "") == ECO_FORM_NOTHING;
+	char words[ECO_WORDS_BYTES], phrase[ECO_WORDS_BYTES];
+	bool is = eco_words_of(text, words, sizeof words) > 0 && form_by_word(words, true, "") == ECO_FORM_NOTHING;
+	for (size_t i = 0; whole && is && i < COUNT(forms_rows); i++)
+		for (const char *at = forms_rows[i].phrases; *at != 0 && form_named(forms_rows[i].form) == ECO_FORM_NOTHING;) {
+			size_t bytes = strcspn(at, "|");
+			snprintf(phrase, sizeof phrase, "%.*s", (int)bytes, at);
+			if (strcmp(phrase, words) == 0)
+				return true;
+			at += bytes + (at[bytes] == '|');
+		}
+	return is && !whole;
 }
 
 /* Takes the form, leaves and height by which a species or a cultivar differs. Returns whether the row of an epithet says a form. */

@@ -50,8 +50,9 @@ struct eco_flora_hint {
 struct eco_flora eco_flora_of(const char *name, const struct eco_flora_hint *hint);
 /* The form that words about a plant say, "evergreen conifer", and its leaves; no names. */
 enum eco_form eco_form_of(const char *text, enum eco_leaf *leaf);
-/* Whether a text about a place says that no plant stands there: "vacant site", "Baumstumpf", "REMPLACE". */
-bool eco_flora_is_no_plant(const char *text);
+/* Whether a text about a place says that no plant stands there: "vacant site", "Baumstumpf", "REMPLACE"; whole: and nothing
+ * else. */
+bool eco_flora_is_no_plant(const char *text, bool whole);
 
 /* Whether a genus is known to have a species of that epithet. */
 bool eco_flora_has_epithet(const char *genus, const char *epithet);

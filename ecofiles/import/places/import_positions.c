@@ -50,7 +50,8 @@ enum verdict eco_row_skip(struct eco_positions *p, enum eco_skip why, const char
 
 const char *eco_row_field(const struct eco_positions *p, uint32_t column)
 {
-	const char *text = p->column[column] != ECO_NONE ? p->rows->fields[p->column[column]] : "";
+	const char *text = p->column[column] == ECO_COLUMN_OF_Z ? p->z : p->column[column] != ECO_NONE
+		? p->rows->fields[p->column[column]] : "";
 	while (isspace((unsigned char)*text))
 		text++;
 	return text;
@@ -195,7 +196,8 @@ static double read_size(struct eco_positions *p, const struct eco_size *size, ui
 static double read_crown(struct eco_positions *p, const struct eco_size_row *row)
 {
 	const struct eco_crown *crown = &p->spec->crown;
-	const struct eco_size size = { .kind = ECO_SIZE_COLUMN, .unit_m = crown->unit_m, .factor = crown->factor };
+	const struct eco_size size = { .kind = ECO_SIZE_COLUMN, .unit_m = crown->unit_m, .factor = crown->factor,
+		.is_area = crown->is_area };
 	double sum = 0;
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < ECO_CROWN_COLUMNS && crown->columns[i]; i++) {
@@ -306,6 +308,7 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 	if (p->rows->field_count < p->fields_needed)
 		return eco_row_skip(p, ECO_SKIP_SHORT_ROW, p->rows->field_count > 0 ? p->rows->fields[0] :
 		"");
+	eco_text_of_z(p->rows, p->z, sizeof p->z);
 	uint64_t unknown = p->skipped[ECO_SKIP_UNKNOWN_SPECIES].count;
 	bool stays = passes_filters(p) && read_plant(p, record);
 	if (stays == p->spec->left_out || (p->spec->left_out && p->skipped[ECO_SKIP_UNKNOWN_SPECIES].count > unknown))
@@ -425,6 +428,12 @@ static enum eco_code find_columns(struct eco_positions *p, const char *names[ECO
 	p->fields_needed = 0;
 	names[ECO_COLUMN_Z] = geometry_z ? NULL : s->z;
 	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_COUNT; i++) {
+		bool of_z = i >= ECO_COLUMN_HEIGHTS && i < ECO_COLUMN_FILTERS && names[i] && p->rows->has_z
+			&& strcmp(names[i], ECO_COLUMN_GEOMETRY) == 0;
+		if (of_z) {
+			p->column[i] = ECO_COLUMN_OF_Z;
+			continue;
+		}
 		code = eco_rows_find_column(p->rows, s->path, names[i], &p->column[i], error);
 		if (p->column[i] != ECO_NONE && p->column[i] >= p->fields_needed)
 			p->fields_needed = p->column[i] + 1;

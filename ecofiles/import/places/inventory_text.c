@@ -166,7 +166,12 @@ static bool take_mark(const char **text, const char *const *marks, size_t count)
 /* N and E are +1, S and W -1; 0: another letter. */
 static int take_hemisphere(const char **text)
 {
-	static const char letters[] = "NESW";
+	static const char letters[] = "NESW", *const east[] = { "\u5317\u7def", "\u6771\u7d4c" }, *const west[] = { "\u5357\u7def",
+		"\u897f\u7d4c" };           /* in Japanese */
+	if (take_mark(text, east, 2))
+		return 1;
+	if (take_mark(text, west, 2))
+		return -1;
 	const char *letter = **text ? strchr(letters, toupper((unsigned char)**text)) : NULL;
 	*text = letter ? eco_text_skip_spaces(*text + 1) : *text;
 	return !letter ? 0 : letter - letters < 2 ? 1 : -1;
@@ -176,17 +181,17 @@ static int take_hemisphere(const char **text)
  * have none, "40 24 36 N", and that of minutes, "75\u00b045 38''". */
 static bool add_sixtieths(const char *text, char decimal, int sign, bool marked, double *number)
 {
-	static const char *const minute[] = { "'", "\u2032", "\u2019", "\u00b4", "`", "min", "m", ":", "-" }, *const second[] = {
-		"''", "\"", "\u2033", "\u201d", "\u2019\u2019", "\u00b4\u00b4", "``", "\u2032\u2032", "sec", "s" };
+	static const char *const minute[] = { "'", "\u2032", "\u2019", "\u00b4", "`", "\u5206", "min", "m", ":", "-" }, *const second[] = {
+		"''", "\"", "\u2033", "\u201d", "\u2019\u2019", "\u00b4\u00b4", "``", "\u2032\u2032", "\u79d2", "sec", "s" };
 	double parts[2] = { 0, 0 };
 	size_t bytes = number_at(text, decimal, &parts[0]);
 	const char *rest = eco_text_skip_spaces(text + bytes);
 	bool bare = !marked || (rest > text + bytes && *rest >= '0' && *rest <= '9');
-	if (bytes > 0 && ((!take_mark(&rest, minute, 9) && !bare) || !(parts[0] >= 0 && parts[0] < 60)))
+	if (bytes > 0 && ((!take_mark(&rest, minute, 10) && !bare) || !(parts[0] >= 0 && parts[0] < 60)))
 		return false;
 	bytes = bytes > 0 ? number_at(rest, decimal, &parts[1]) : 0;
 	rest = eco_text_skip_spaces(rest + bytes);
-	if (bytes > 0 && ((!take_mark(&rest, second, 10) && marked) || !(parts[1] >= 0 && parts[1] < 60)))
+	if (bytes > 0 && ((!take_mark(&rest, second, 11) && marked) || !(parts[1] >= 0 && parts[1] < 60)))
 		return false;
 	int letter = take_hemisphere(&rest);
 	double size = fabs(*number) + parts[0] / 60 + parts[1] / 3600;
@@ -197,7 +202,7 @@ static bool add_sixtieths(const char *text, char decimal, int sign, bool marked,
 
 bool eco_text_number(const char *text, char decimal, double *number)
 {
-	static const char *const degree[] = { "\u00b0", "\u00ba", "\u02da", "deg", "d" }, *const colon[] = { ":", "-" };
+	static const char *const degree[] = { "\u00b0", "\u00ba", "\u02da", "\u5ea6", "deg", "d" }, *const colon[] = { ":", "-" };
 	text = eco_text_skip_spaces(text);
 	int sign = take_hemisphere(&text);
 	/* a comma beside degrees parts no groups: "13\u00b035'35,7''" */
@@ -205,13 +210,18 @@ bool eco_text_number(const char *text, char decimal, double *number)
 		decimal = ',';
 	size_t bytes = number_at(text, decimal, number), length = strlen(text);
 	const char *rest = eco_text_skip_spaces(text + bytes);
-	if (bytes > 0 && take_mark(&rest, degree, 5))
+	if (bytes > 0 && take_mark(&rest, degree, 6))
 		return add_sixtieths(rest, decimal, sign, true, number);
 	bool named = sign || (length > 0 && strchr("NESWnesw", text[length - 1]));
 	bool parted = bytes > 0 && (take_mark(&rest, colon, named ? 2 : 1) ? named || strchr(rest, ':') : named);
 	if (parted && *rest >= '0' && *rest <= '9')
 		return add_sixtieths(rest, decimal, sign, false, number);
-	return bytes > 0 && !sign && *rest == 0;
+	bool decimals = bytes > 0 && memchr(text, '.', bytes);
+	sign += !sign && decimals ? take_hemisphere(&rest) : 0;          /* "E8.65", "33.5 S" */
+	if (bytes == 0 || *rest != 0 || (sign && (!decimals || signbit(*number))))
+		return false;
+	*number = sign < 0 ? -*number : *number;
+	return true;
 }
 
 /* Copies a number without its group signs. False if it has none, or if they do not part groups of three. */
@@ -241,6 +251,27 @@ bool eco_text_grouped(const char *text, char thousands, double *number)
 		&& eco_text_number(plain, thousands == ',' ? '.' : ',', number);
 }
 
+double eco_text_year(const char *text)
+{
+	char folded[40];
+	double number, since;
+	if (eco_text_number(text, '.', &number) && fabs(number) > 1e10)    /* milliseconds since 1970 */
+		return 1970 + floor(number / (365.2425 * 86400e3));
+	if (eco_text_fold(text, folded, sizeof folded) + 1 < sizeof folded) {
+		const char *at = folded;
+		since = take_phrase(&at, "era");
+		if (since >= 0 && *(at = eco_text_skip_spaces(at)) >= '0' && *at <= '9')
+			return since + atoi(at);
+	}
+	for (const char *at = text; *at != 0; at++) {
+		size_t digits = strspn(at, "0123456789");
+		if ((digits == 4 || digits == 8) && (at[0] == '1' ? at[1] >= '5' : at[0] == '2' && at[1] == '0'))
+			return strtod((char[5]){ at[0], at[1], at[2], at[3], 0 }, NULL);
+		at += digits > 0 ? digits - 1 : 0;
+	}
+	return NAN;
+}
+
 /* ---- Sizes ---- */
 
 static double take_unit(const char **text) { return fmax(take_phrase(text, "unit"), 0); }
@@ -249,12 +280,21 @@ static double take_unit(const char **text) { return fmax(take_phrase(text, "unit
 static void take_bracket(const char **text)
 {
 	const char *at = eco_text_skip_spaces(*text);
-	*text = *at == ')' || *at == ']' ? at + 1 : *text;
+	*text = *at != 0 && strchr(")]}", *at) ? at + 1 : *text;
+}
+
+/* One or two digits behind a comma are decimals also where a point is the sign. */
+static bool has_comma(const char *at)
+{
+	size_t digits = strspn(at, "0123456789"), more = digits > 0 && at[digits] == ',' ? strspn(at + digits + 1, "0123456789") : 0;
+	const char *rest = at + digits + 1 + more;
+	return (more == 1 || more == 2) && *rest != ',' && *rest != '.';
 }
 
 static bool take_number(const char **text, char decimal, double *number)
 {
 	const char *at = eco_text_skip_spaces(*text);
+	decimal = has_comma(at) ? ',' : decimal;
 	size_t bytes = *at == '-' || *at == '+' ? 0 : number_at(at, decimal, number);
 	*text = at + bytes;
 	return bytes > 0;
@@ -274,11 +314,15 @@ static void take_inches(const char **text, char decimal, double unit_m, double *
 
 static bool take_measure(const char **text, char decimal, double *number, double *unit_m)
 {
+	double same;
 	if (!take_number(text, decimal, number))
 		return false;
 	double unit = take_unit(text);
 	take_phrase(text, "years");
 	take_inches(text, decimal, unit, number);
+	const char *at = eco_text_skip_spaces(*text);
+	if (unit != 0 && *at++ == '(' && take_number(&at, decimal, &same) && take_unit(&at) != 0 && *at == ')')
+		*text = at + 1;          /* the same in another unit */
 	if (unit != 0 && *unit_m != 0 && unit != *unit_m)
 		return false;
 	if (unit != 0)
@@ -291,6 +335,7 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 	enum eco_size_form form = ECO_FORM_EXACT;
 	double high;
 	*unit_m = 0;
+	bool between = take_phrase(&at, "between") >= 0;
 	take_phrase(&at, "about");
 	if (take_phrase(&at, "above") >= 0)
 		form = ECO_FORM_OPEN;
@@ -305,56 +350,81 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 	} else if (form == ECO_FORM_EXACT && take_phrase(&at, "less") >= 0) {
 		form = ECO_FORM_RANGE;
 		*number /= 2;
-	} else if (form == ECO_FORM_EXACT && take_phrase(&at, "to") >= 0) {
+	} else if (form == ECO_FORM_EXACT && (take_phrase(&at, "to") >= 0 || (between && take_phrase(&at, "and") >= 0))) {
 		if (!take_measure(&at, decimal, &high, unit_m) || high < *number)
 			return ECO_FORM_NONE;
 		*number = (*number + high) / 2;
 		form = ECO_FORM_RANGE;
 	}
 	take_bracket(&at);
+	take_phrase(&at, "said");
 	return *eco_text_skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
 }
 
-/* The diameter of one trunk with the area of several stems: "12;15;9", "20+18", "14-12-9", "3x10". The square root of the
- * sum of squares (Magarik et al. 2020, "How should we measure the DBH of multi-stemmed urban trees?"). */
-static enum eco_size_form stems_at(const char *at, char decimal, double *number, double *unit_m)
+/* Goes past what parts two stems: ";", "and", a space. *loose: it may part a range or a number; *dated: or a date. */
+static bool take_parting(const char **text, bool *loose, bool *dated)
 {
-	double sum = 0, stem, own = 0, high = 0, low = INFINITY;
-	unsigned stems = 0;
-	bool loose = false;
-	for (;; at++) {
+	const char *at = eco_text_skip_spaces(*text);
+	bool spaces = (*text)[-1] == ' ';
+	bool sign = *at != 0 && strchr(";/+,&|-\\", *at);
+	*loose |= *at == '-' || (*at == ',' && at[1] != ' ');
+	*text = at;
+	if (sign)
+		*text = at + 1;
+	else if (take_phrase(text, "and") < 0 && !(spaces && *at >= '0' && *at <= '9'))
+		return false;
+	else
+		*dated |= *text == at;
+	return true;
+}
+
+/* The diameter of one trunk with the area of several stems: "12;15;9", "20+18", "14-12-9", "3x10". The square root of the
+ * sum of squares (Magarik et al. 2020, "How should we measure the DBH of multi-stemmed urban trees?"). *mean: of the
+ * numbers alone, as for "6 x 8". */
+static enum eco_size_form stems_at(const char *at, char decimal, double *number, double *unit_m, double *mean)
+{
+	double sum = 0, stem, high = 0, low = INFINITY, all = 0;
+	unsigned stems = 0, numbers = 0;
+	bool loose = false, dated = false, listed = decimal == '.' && !strpbrk(at, ";/+&|");
+	for (*unit_m = 0; *at != 0 && !strchr(")]}", *at);) {
 		double times = 1;
-		at = eco_text_skip_spaces(at);
-		size_t digits = strspn(at, "0123456789");
-		if (decimal == '.' && digits > 0 && digits < 4 && at[digits] == ',') {      /* "12,15,9" */
+		size_t digits = strspn(at = eco_text_skip_spaces(at), "0123456789");
+		if (listed && digits > 0 && digits < 4 && at[digits] == ',') {      /* "12,15,9" */
 			stem = atoi(at);
 			at += digits;
 		} else if (!take_number(&at, decimal, &stem))
 			return ECO_FORM_NONE;
+		double unit = take_unit(&at);
 		at = eco_text_skip_spaces(at);
+		all += stem;
+		numbers++;
 		size_t cross = *at == 'x' || *at == '*' ? 1 : strncmp(at, "\u00d7", 2) == 0 ? 2 : 0;
-		if (cross > 0 && stem >= 1 && stem <= 50 && stem == floor(stem)) {
+		if (cross > 0 && unit == 0 && stem >= 1 && stem <= 50 && stem == floor(stem))
 			times = stem;
+		if (cross > 0) {
 			at += cross;
 			if (!take_number(&at, decimal, &stem))
 				return ECO_FORM_NONE;
+			all += stem;
+			numbers++;
+			unit = fmax(take_unit(&at), unit);
 		}
-		double unit = take_unit(&at);
-		own = unit != 0 ? unit : own;
+		*unit_m = unit != 0 ? unit : *unit_m;
 		sum += times * stem * stem;
 		high = fmax(high, stem);
 		low = fmin(low, stem);
 		stems += (unsigned)times;
-		at = eco_text_skip_spaces(at);
-		if (*at == 0 || !strchr(";/+,&|-", *at))
+		if (!take_parting(&at, &loose, &dated))
 			break;
-		loose |= *at == '-' || (*at == ',' && at[1] != ' ');
+		at = eco_text_skip_spaces(at);
 	}
+	take_bracket(&at);
 	/* two with a dash are a range, with a comma a number; three unlike ones are a date */
-	if (*at != 0 || stems < 2 || (loose && (stems < 3 || high > 9 * low)))
+	if (*eco_text_skip_spaces(at) != 0 || numbers < 2 || (loose && stems < 3)
+			|| ((loose || dated) && numbers == 3 && high > 9 * low))
 		return ECO_FORM_NONE;
 	*number = sqrt(sum);
-	*unit_m = own;
+	*mean = all / numbers;
 	return ECO_FORM_STEMS;
 }
 
@@ -372,7 +442,7 @@ static const char *behind_class(const char *folded)
 	return bracket && strcspn(folded, "0123456789<>") > (size_t)(bracket - folded) ? bracket : NULL;
 }
 
-enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m)
+static enum eco_size_form read_size(const char *text, char decimal, double *number, double *unit_m, double *mean)
 {
 	char folded[80], line[80];
 	size_t used = 0;
@@ -382,11 +452,28 @@ enum eco_size_form eco_text_size(const char *text, char decimal, double *number,
 	line[used] = 0;
 	if (eco_text_fold(line, folded, sizeof folded) + 1 >= sizeof folded || text[used] != 0)
 		return ECO_FORM_NONE;
+	char *comma = strchr(folded, ','), last = folded[strlen(folded) - (*folded != 0)];
+	if (comma && ((*folded == '(' && strchr(")]", last)) || (*folded == '[' && last == ')')))
+		*comma = '-';            /* an interval, "(10,15]" */
 	enum eco_size_form form = size_at(folded, decimal, number, unit_m);
-	if (form == ECO_FORM_NONE)
-		form = stems_at(folded, decimal, number, unit_m);
 	const char *behind = form == ECO_FORM_NONE ? behind_class(folded) : NULL;
-	return behind ? size_at(behind, decimal, number, unit_m) : form;
+	if (behind)
+		form = size_at(behind, decimal, number, unit_m);
+	return form != ECO_FORM_NONE ? form : stems_at(folded + (*folded == '[' || *folded == '{'), decimal, number, unit_m, mean);
+}
+
+enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m)
+{
+	double mean;
+	return read_size(text, decimal, number, unit_m, &mean);
+}
+
+enum eco_size_form eco_text_width(const char *text, char decimal, double *number, double *unit_m)
+{
+	double mean;
+	enum eco_size_form form = read_size(text, decimal, number, unit_m, &mean);
+	*number = form == ECO_FORM_STEMS ? mean : *number;
+	return form == ECO_FORM_STEMS ? ECO_FORM_RANGE : form;
 }
 
 #define TEXT_BYTES 256u

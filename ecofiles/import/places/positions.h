@@ -54,11 +54,13 @@ struct eco_size {                /* one source of a height or of a crown's radiu
 	bool by_species;
 	double now;                  /* ECO_SIZE_YEAR */
 	double spread;               /* heights from trunks and ages: evenly within 1 - spread to 1 + spread */
+	bool is_area;                /* the radius of a disc of so many square units */
 };
 
 struct eco_crown {               /* of crowns' widths; all zero: not given */
 	char *columns[ECO_CROWN_COLUMNS];    /* their mean counts; NULL: no more */
 	double unit_m, factor;       /* 0.5 from a diameter to its radius */
+	bool is_area;                /* the column holds areas, in square units */
 	bool of_geometry;            /* also by the area of a row's polygon */
 	bool by_species;             /* where no column says it */
 	double spread;

@@ -67,6 +67,8 @@ enum { ECO_COLUMN_X, ECO_COLUMN_Y, ECO_COLUMN_Z, ECO_COLUMN_SPECIES,
 	ECO_COLUMN_FILTERS = ECO_COLUMN_HEIGHTS + ECO_HEIGHT_SOURCES_MAX,
 	ECO_COLUMN_COUNT = ECO_COLUMN_FILTERS + ECO_FILTERS_MAX };
 
+#define ECO_COLUMN_OF_Z (ECO_NONE - 1)   /* no column: the points' heights, where a size is of ECO_COLUMN_GEOMETRY */
+
 struct eco_positions {
 	const struct eco_positions_spec *spec;
 	struct eco_frame frame;
@@ -89,6 +91,7 @@ struct eco_positions {
 	bool sized;                  /* a size was understood */
 	uint64_t sizes[ECO_SIZED_COUNT];
 	char said[ECO_SPECIES_BYTES + 1];    /* species of the row being read */
+	char z[32];                  /* the height of its point */
 	char tint[ECO_SPECIES_BYTES + 1];    /* its value of the tint's column */
 	bool ended;
 };

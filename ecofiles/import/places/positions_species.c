@@ -199,23 +199,11 @@ double eco_size_spread(const struct eco_size_row *row, double spread)
 
 #define AGE_MOST 2000.0
 
-/* "1987", "1987-04-12", "12.04.1987": the year. */
-static double read_year(const char *text)
-{
-	for (const char *at = text; *at != 0; at++) {
-		size_t digits = strspn(at, "0123456789");
-		if (digits == 4 && at[0] >= '1' && at[0] <= '2')
-			return strtod((char[5]){ at[0], at[1], at[2], at[3], 0 }, NULL);
-		at += digits > 0 ? digits - 1 : 0;
-	}
-	return NAN;
-}
-
 static double read_age(const struct eco_size *size, const char *text, char decimal)
 {
 	double number, unit_m;
 	if (size->kind == ECO_SIZE_YEAR)
-		return size->now - read_year(text);
+		return size->now - eco_text_year(text);
 	return eco_text_size(text, decimal, &number, &unit_m) != ECO_FORM_NONE && unit_m == 0 ? number : NAN;
 }
 
@@ -254,11 +242,13 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 		return read_aged(size, text, decimal, row, remarks);
 	if (trunk && isnan(by_trunk(size, row, 0.1)))
 		return NAN;
-	enum eco_size_form form = eco_text_size(text, decimal, &number, &unit_m);
+	enum eco_size_form form = (trunk ? eco_text_size : eco_text_width)(text, decimal, &number, &unit_m);
 	remark(remarks, ECO_KEPT_UNREAD, form == ECO_FORM_NONE && !eco_text_is_missing(text));
-	if (form == ECO_FORM_NONE || !(number > 0) || (form == ECO_FORM_STEMS && !trunk))
+	if (form == ECO_FORM_NONE || !(number > 0))
 		return NAN;
 	metres = number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;
+	if (size->is_area)                   /* the radius of a disc of as many square units */
+		metres = sqrt(number / M_PI) * size->unit_m;
 	if (trunk && metres > DBH_PLAUSIBLE_M) {
 		remark(remarks, ECO_KEPT_UNUSED, true);
 		return NAN;

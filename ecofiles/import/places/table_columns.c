@@ -17,6 +17,7 @@
 #define NEAR_POINTS 10           /* a rival is at most so much worse */
 #define CONTENT_POINTS 60
 #define NUMERIC_LEAST 0.5
+#define CLASS_POINTS 60          /* ages whose name says classes have fewer: they are ranges, or numbers of classes */
 #define CODES_LEAST 0.9          /* texts of a column that a system of codes explains */
 
 /* ---- Content ---- */
@@ -59,17 +60,17 @@ static bool is_size(const char *text, char decimal)
 	return eco_text_size(text, decimal, &number, &unit_m) != ECO_FORM_NONE;
 }
 
-/* A year of planting, or a date of one. */
+static bool is_range(const char *text, char decimal)
+{
+	double number, unit_m;
+	enum eco_size_form form = eco_text_size(text, decimal, &number, &unit_m);
+	return form == ECO_FORM_RANGE || form == ECO_FORM_OPEN;
+}
+
 static bool is_year(const char *text, char decimal)
 {
 	(void)decimal;
-	for (const char *at = text; *at != 0; at++) {
-		size_t digits = strspn(at, "0123456789");
-		if (digits == 4 && (strncmp(at, "1", 1) == 0 || strncmp(at, "20", 2) == 0))
-			return at[0] == '2' || at[1] >= '5';
-		at += digits > 0 ? digits - 1 : 0;
-	}
-	return false;
+	return !isnan(eco_text_year(text));
 }
 
 static bool is_of_plants(const char *text, char decimal)
@@ -126,6 +127,8 @@ static int points(const struct eco_table *table, enum eco_role role, uint32_t co
 	int sum = eco_column_points(role, table->columns[column]);
 	if (sum <= 0 || role == ECO_ROLE_PLOT)
 		return sum;
+	if (role == ECO_ROLE_AGE && sum < CLASS_POINTS && share(table, column, UINT32_MAX, is_range, decimal) < NUMERIC_LEAST)
+		return 0;
 	bool place = role == ECO_ROLE_X || role == ECO_ROLE_Y;
 	if (role == ECO_ROLE_PLANTED)
 		return share(table, column, UINT32_MAX, is_year, decimal) >= NUMERIC_LEAST ? sum : 0;
@@ -427,7 +430,7 @@ void eco_table_spread(const struct eco_table *table, uint32_t column, const stru
 	for (uint32_t row = 0; row < table->row_count; row++) {
 		double number, unit_m;
 		const char *text = eco_table_field(table, row, column);
-		if (eco_text_size(text, columns->decimal, &number, &unit_m) == ECO_FORM_NONE || !(number > 0)
+		if (eco_text_width(text, columns->decimal, &number, &unit_m) == ECO_FORM_NONE || !(number > 0)
 				|| !is_plant(table, row, columns->of[ECO_ROLE_SPECIES]))
 			continue;
 		sizes++;
@@ -478,6 +481,12 @@ static void keep_row(struct eco_table *t, const struct eco_rows *rows)
 	char **fields = t->fields + (size_t)t->row_count * t->column_count;
 	for (uint32_t i = 0; i < t->column_count; i++)
 		fields[i] = eco_copy_text(i < rows->field_count ? rows->fields[i] : "");
+	if (t->has_z) {
+		char z[32];
+		eco_text_of_z(rows, z, sizeof z);
+		free(fields[t->column_count - 1]);
+		fields[t->column_count - 1] = eco_copy_text(z);
+	}
 	for (int k = 0; k < 2; k++)
 		t->places[t->row_count][k] = rows->place.kind == ECO_PLACE_POINT ? rows->place.at[k] : NAN;
 	if (rows->place.width > 0)
@@ -490,11 +499,14 @@ static void begin(struct eco_table *t, const struct eco_rows *rows)
 	t->has_geometry = rows->has_geometry;
 	t->degrees_doubted = rows->degrees_doubted;
 	t->crs = rows->crs ? eco_copy_text(rows->crs) : NULL;
-	t->columns = eco_alloc(rows->column_count + 1u, sizeof *t->columns);
-	t->fields = eco_alloc((size_t)ECO_TABLE_ROWS * (rows->column_count + 1u), sizeof *t->fields);
+	t->has_z = rows->has_z;
+	t->columns = eco_alloc(rows->column_count + 2u, sizeof *t->columns);
+	t->fields = eco_alloc((size_t)ECO_TABLE_ROWS * (rows->column_count + 2u), sizeof *t->fields);
 	t->places = eco_alloc(ECO_TABLE_ROWS, sizeof *t->places);
 	for (; t->column_count < rows->column_count; t->column_count++)
 		t->columns[t->column_count] = eco_copy_text(rows->columns[t->column_count]);
+	if (t->has_z)
+		t->columns[t->column_count++] = eco_copy_text(ECO_COLUMN_GEOMETRY);
 }
 
 static enum eco_code read_rows(struct eco_table *t, struct eco_rows *rows, struct eco_error *error)

@@ -13,6 +13,7 @@
 #include "ecofiles/import/places/size_units.h"
 
 #define ECO_TABLE_ROWS 2048u
+#define ECO_COLUMN_GEOMETRY "geometry"   /* a name of the points' own heights */
 
 struct eco_table {               /* owns everything */
 	char *path;
@@ -24,6 +25,7 @@ struct eco_table {               /* owns everything */
 	uint32_t row_count;
 	uint64_t rows;               /* in the file */
 	bool has_geometry, degrees_doubted;
+	bool has_z;                  /* the last column holds the heights of the points, ECO_COLUMN_GEOMETRY */
 	char *crs;                   /* of the geometry; NULL: not stated */
 	char *notes[ECO_ROWS_NOTES_MAX]; uint32_t note_count;
 };

@@ -5,7 +5,7 @@
 #include "build/words/sets.table"
 
 /* Letters from U+00C0 on without their marks. */
-static const char latin_1[] = "aaaaaaaceeeeiiiidnooooo ouuuuyts" "aaaaaaaceeeeiiiidnooooo ouuuuyty";
+static const char latin_1[] = "aaaaaaaceeeeiiiidnooooo ouuuuytS" "aaaaaaaceeeeiiiidnooooo ouuuuyty";
 static const char latin_a[] = "aaaaaaccccccccddddeeeeeeeeeegggggggghhhhiiiiiiiiiiiijjkkklllllllllln"
 	"nnnnnnnnoooooooorrrrrrsssssssstttttt" "uuuuuuuuuuuuwwyyyzzzzzzs";
 
@@ -110,6 +110,8 @@ static enum kind take_sign(const unsigned char **text, char sign[4])
 	sign[0] = point < 0x100 ? latin_1[point - 0xc0] : latin_a[point - 0x100];
 	if (sign[0] == ' ')
 		return GAP;
+	if (sign[0] == 'S')
+		memcpy(sign, "ss", 3);
 	bool odd = (point >= 0x139 && point <= 0x148) || (point >= 0x179 && point <= 0x17e);      /* capitals there */
 	return point < 0xdf || (point >= 0x100 && (point % 2 == 1) == odd) ? OTHER_CAPITAL : OTHER;
 }

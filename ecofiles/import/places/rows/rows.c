@@ -200,6 +200,12 @@ void eco_rows_close(struct eco_rows *rows)
 		rows->close(rows);
 }
 
+void eco_text_of_z(const struct eco_rows *rows, char *text, size_t size)
+{
+	bool there = rows->place.kind == ECO_PLACE_POINT && !isnan(rows->place.at[2]);
+	snprintf(text, size, there ? "%.10g" : "", rows->place.at[2]);
+}
+
 /* ---- For readers ---- */
 
 void eco_rows_note(void *rows, const char *format, ...)

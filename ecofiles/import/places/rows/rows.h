@@ -82,6 +82,9 @@ void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size)
 enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name,
 	uint32_t *column, struct eco_error *error);
 
+/* The height of the row's point, as a text; "": none. */
+void eco_text_of_z(const struct eco_rows *rows, char *text, size_t size);
+
 /* Adds a note to a struct eco_rows, printf-like; each once, up to ECO_ROWS_NOTES_MAX. */
 void eco_rows_note(void *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
