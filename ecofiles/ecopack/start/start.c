@@ -226,6 +226,8 @@ static const struct eco_option options[] = {
 		.help = "unit of heights: m, cm, mm, in, ft" },
 	{ "dbh-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.dbh,
 		.help = "column of trunk diameters at breast height" },
+	{ "girth-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.girth,
+		.help = "column of trunk girths, in place of diameters" },
 	{ "dbh-unit", 0, ECO_OPTION_TEXT, "U", &given.options.dbh_unit,
 		.help = "unit of diameters or girths" },
 	{ "tint", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.tint,

@@ -33,7 +33,7 @@
 struct start_options {           /* NULL: not given; models NULL: the library alone */
 	const char *table, *models, *dem, *image, *image_crs, *folder;
 	char **rasters; uint32_t raster_count;       /* of which it is not said what they are */
-	const char *crs, *scene_crs, *x, *y, *species, *height, *dbh, *layer, *plant, *tint;
+	const char *crs, *scene_crs, *x, *y, *species, *height, *dbh, *girth, *layer, *plant, *tint;
 	const char *height_unit, *dbh_unit, *separator, *decimal, *same_place;
 	bool force;
 };

@@ -31,7 +31,8 @@ static void find_columns(struct start *s)
 	const struct start_options *o = s->options;
 	const struct { enum eco_role role; const char *name, *option; } given[] = { { ECO_ROLE_X, o->x, "--x" },
 		{ ECO_ROLE_Y, o->y, "--y" }, { ECO_ROLE_SPECIES, o->species, "--species-column" },
-		{ ECO_ROLE_HEIGHT, o->height, "--height-column" }, { ECO_ROLE_DBH, o->dbh, "--dbh-column" } };
+		{ ECO_ROLE_HEIGHT, o->height, "--height-column" }, { ECO_ROLE_DBH, o->dbh, "--dbh-column" },
+		{ ECO_ROLE_GIRTH, o->girth, "--girth-column" } };
 	for (int i = 0; i < ECO_ROLE_COUNT; i++)
 		s->columns.of[i] = ECO_NONE;
 	s->columns.decimal = o->decimal ? o->decimal[0] : 0;
@@ -40,6 +41,8 @@ static void find_columns(struct start *s)
 			s->columns.of[given[i].role] = find_named(s, given[i].name, given[i].option);
 	s->tint_column = o->tint ? find_named(s, o->tint, "--tint") : ECO_NONE;
 	eco_table_columns(&s->table, &s->columns);
+	if (o->girth && !o->dbh)
+		s->columns.of[ECO_ROLE_DBH] = ECO_NONE;
 	if (s->columns.thousands_open)
 		eco_stop(ECO_BAD_INPUT, "%.120s: do the commas in \"%.40s\" and \"%.40s\" part thousands or decimals? "
 			"Nothing else in it says so: give --decimal . if they part thousands, else --decimal ,", o->table,

@@ -163,6 +163,30 @@ static void check_diameter(struct start *s)
 	*diameter = ECO_NONE;
 }
 
+#define SLENDER_MOST 85.0        /* heights over diameters of trees in the open are far below, those of dense stands about it */
+#define SLENDER_USUAL 60.0
+
+/* Trunks too thin for their heights may be girths in another unit, by their numbers: said, and left to the user. */
+static void doubt_diameter(struct start *s)
+{
+	struct eco_spread slender = { 0 };
+	double unit_m, own_unit, height, trunk, height_m = 1;
+	if (s->trunk_is_girth || s->trunk.column == ECO_NONE || s->height.column == ECO_NONE || s->trunk.unit.by_name)
+		return;
+	eco_unit_metres(s->trunk.unit.unit, &unit_m);
+	eco_unit_metres(s->height.unit.unit, &height_m);
+	for (uint32_t row = 0; row < s->table.row_count; row++)
+		if (eco_text_size(eco_table_field(&s->table, row, s->height.column), s->columns.decimal, &height, &own_unit)
+				!= ECO_FORM_NONE && eco_text_size(eco_table_field(&s->table, row, s->trunk.column), s->columns.decimal,
+				&trunk, &own_unit) != ECO_FORM_NONE && height > 0 && trunk > 0)
+			eco_spread_add(&slender, height * height_m / (trunk * unit_m));
+	double is = eco_spread_quantile(&slender, 0.5), girth = is * unit_m / 0.01 * M_PI;
+	if (slender.count >= ALIKE_LEAST && is > SLENDER_MOST && girth < SLENDER_USUAL)
+		start_guess(s, "trunk diameter", "may be a girth", "--girth-column", "half of the plants are more than %.0f times as high as "
+			"\"%.60s\" in %s; if it is a girth in cm, %.0f times", is, start_column(s, s->trunk.column), s->trunk.unit.unit, girth);
+	eco_spread_free(&slender);
+}
+
 /* ---- Treetops of laser scans ---- */
 
 #define TREETOP_LEAST_M 1.3
@@ -229,8 +253,8 @@ static uint32_t twin_of(const struct start *s, const char *words, const char *at
 static void find_several(struct start *s)
 {
 	static const char *const sets[][ECO_CROWN_COLUMNS] = { { "n north nord norte noord", "e east ost est este oost",
-		"s south sud sur zuid", "w west ouest oeste ovest" }, { "ns nordsud norte 1 a max long longest major gross",
-		"ew ow we ostwest 2 b min short shortest minor klein" } };
+		"s south sud sur zuid", "w west ouest oeste ovest" }, { "ns nsm nordsud norte 1 a max long longest major gross",
+		"ew ewm ow we ostwest 2 b min short shortest minor klein" } };
 	for (uint32_t i = 0; i < 2 * s->table.column_count && s->crown_columns == 0; i++) {
 		const char *const *set = sets[i % 2];
 		char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES], stem[ECO_WORDS_BYTES];
@@ -521,7 +545,7 @@ void start_sizes(struct start *s)
 	take_treetops(s);
 	for (int role = ECO_ROLE_HEIGHT; role <= ECO_ROLE_CROWN; role++)
 		pass_codes(s, (enum eco_role)role);
-	if (!o->dbh)
+	if (!o->dbh && !o->girth)
 		check_diameter(s);
 	s->height.column = s->columns.of[ECO_ROLE_HEIGHT];
 	s->trunk_is_girth = s->columns.of[ECO_ROLE_DBH] == ECO_NONE;
@@ -542,6 +566,7 @@ void start_sizes(struct start *s)
 	ask_unit(s, &s->trunk, "--dbh-unit");
 	say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
 	say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH, "--dbh-column", "--dbh-unit");
+	doubt_diameter(s);
 	find_crowns(s);
 	find_crown_base(s);
 	find_ages(s);

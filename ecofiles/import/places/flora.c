@@ -705,8 +705,11 @@ struct eco_flora eco_flora_of(const char *name, const struct eco_flora_hint *hin
 	bool known = find_known(name, &n, hint, &flora);
 	enum eco_form form = form_by_word(n.words, known, "");
 	if (!known && form != ECO_FORM_NOTHING && hint->spelling) {
-		if (form == ECO_FORM_UNKNOWN && n.count > 0)
+		/* "Plantanus hybrida" is no plant of any kind */
+		if (n.count > 0 && form == ECO_FORM_UNKNOWN)
 			find_misspelt(&n, hint->region, &flora);
+		else if (is_binomial(&n))
+			find_misspelt_latin(&n, &flora);
 		known = flora.genus;
 	}
 	bool said = known && grow(&flora, n.words);

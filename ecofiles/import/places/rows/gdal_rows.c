@@ -162,21 +162,28 @@ static bool is_name(OGRFeatureH row, int field)
 	return text[strspn(text, " ")] != 0 && !eco_text_number(text, '.', &number);
 }
 
-/* Whether a row's texts are names of columns, two of which say a place. */
-static bool are_names(OGRFeatureH row, int count)
+/* What a column's name says: 1 and 2 the axes of a place, 4 species. */
+static int said_by(const char *name)
 {
-	int names = 0, places = 0;
+	return (eco_column_points(ECO_ROLE_X, name) >= ECO_COLUMN_ENOUGH) | (eco_column_points(ECO_ROLE_Y, name) >= ECO_COLUMN_ENOUGH) << 1
+		| (eco_column_points(ECO_ROLE_SPECIES, name) >= ECO_COLUMN_ENOUGH) << 2;
+}
+
+/* What a row's texts say if they are names of columns, with both axes of a place; else 0. */
+static int are_names(OGRFeatureH row, int count)
+{
+	int names = 0, says = 0;
 	for (int i = 0; i < count; i++) {
 		const char *text = is_name(row, i) ? OGR_F_GetFieldAsString(row, i) : "";
 		names += *text != 0;
-		places += eco_column_points(ECO_ROLE_X, text) >= ECO_COLUMN_ENOUGH
-			|| eco_column_points(ECO_ROLE_Y, text) >= ECO_COLUMN_ENOUGH;
+		says |= said_by(text);
 	}
-	return names >= NAMES_LEAST && places >= 2;
+	return names >= NAMES_LEAST && (says & 3) == 3 ? says : 0;
 }
 
-/* The number of rows up to that of the names; 0: the names stand above all. *row: NULL, or gets that row. */
-static int find_names(struct ogr_rows *r, OGRFeatureH *row)
+/* The number of rows up to that of the names; 0: the names stand above all. *row: NULL, or gets that row; *says: NULL, or
+ * what they say. */
+static int find_names(struct ogr_rows *r, OGRFeatureH *row, int *says)
 {
 	int count = OGR_FD_GetFieldCount(OGR_L_GetLayerDefn(r->layer)), found = 0;
 	OGR_L_ResetReading(r->layer);
@@ -184,7 +191,10 @@ static int find_names(struct ogr_rows *r, OGRFeatureH *row)
 		OGRFeatureH feature = OGR_L_GetNextFeature(r->layer);
 		if (!feature)
 			break;
-		found = are_names(feature, count) ? i + 1 : 0;
+		int own = are_names(feature, count);
+		found = own ? i + 1 : 0;
+		if (found && says)
+			*says = own;
 		if (found && row)
 			*row = feature;
 		else
@@ -194,41 +204,39 @@ static int find_names(struct ogr_rows *r, OGRFeatureH *row)
 	return found;
 }
 
-/* The names of a layer's columns that say a place. */
-static int place_columns(OGRLayerH layer)
+/* What the names of a layer's columns say; 0: no place. */
+static int says_place(OGRLayerH layer)
 {
 	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
-	int places = 0;
-	for (int i = 0; i < OGR_FD_GetFieldCount(definition); i++) {
-		const char *name = OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i));
-		places += eco_column_points(ECO_ROLE_X, name) >= ECO_COLUMN_ENOUGH
-			|| eco_column_points(ECO_ROLE_Y, name) >= ECO_COLUMN_ENOUGH;
-	}
-	return places;
+	int says = 0;
+	for (int i = 0; i < OGR_FD_GetFieldCount(definition); i++)
+		says |= said_by(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i)));
+	return (says & 3) == 3 ? says : 0;
 }
 
-/* The only layer whose columns say a place, of layers without one, such as a workbook's sheets; -1: none, or several. */
+/* The only layer whose columns say a place, best one with species, of layers without geometry, such as a workbook's
+ * sheets; -1: none, or several. */
 static int find_sheet(struct ogr_rows *r)
 {
-	int found = -1;
+	int found = -1, best = 0, alike = 0;
 	for (int i = 0; i < GDALDatasetGetLayerCount(r->data); i++) {
-		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
-		r->layer = layer;
-		if (OGR_L_GetGeomType(layer) != wkbNone)
+		r->layer = GDALDatasetGetLayer(r->data, i);
+		if (OGR_L_GetGeomType(r->layer) != wkbNone)
 			return -1;
-		if (place_columns(layer) < 2 && !find_names(r, NULL))
-			continue;
-		if (found >= 0)
-			return -1;
-		found = i;
+		int says = says_place(r->layer);
+		if (!says)
+			find_names(r, NULL, &says);
+		alike = says > best ? 1 : alike + (says > 0 && says == best);
+		found = says > best ? i : found;
+		best = says > best ? says : best;
 	}
-	return found;
+	return alike == 1 ? found : -1;
 }
 
 static enum eco_code take_sheet(struct ogr_rows *r, int sheet)
 {
 	r->layer = GDALDatasetGetLayer(r->data, sheet);
-	eco_rows_note(&r->rows, "it has several sheets; \"%.60s\" is taken, the only one whose columns say a place; "
+	eco_rows_note(&r->rows, "it has several sheets; \"%.60s\" is taken, the only one whose columns say places of plants; "
 		"\"layer\" names another", OGR_L_GetName(r->layer));
 	return ECO_OK;
 }
@@ -402,13 +410,13 @@ static bool is_markup(const struct ogr_rows *r)
 /* A text of HTML as lines, a tab between cells, without tags; other texts as they are. The caller frees it. */
 static char *lines_of(const char *html)
 {
-	static const char *const breaks[] = { "br", "/br", "tr", "/tr", "table", "/table", "li", "/li", "p", "/p", "div", "/div" };
+	static const char *const breaks[] = { "br", "/br", "tr", "/tr", "table", "/table", "li", "/li", "p", "/p", "div", "/div", "dt", "dl" };
 	char *text = eco_alloc(strlen(html) + 1, 1), *to = text;
 	bool tags = strchr(html, '<') != NULL;
 	for (const char *at = html; *at != 0; at++) {
 		if (*at == '<') {
 			size_t bytes = strcspn(at + 1, " />\t\r\n"), whole = at[1] == '/' ? 1 + strcspn(at + 2, " >") : bytes;
-			bool cell = whole == 2 && (strncasecmp(at + 1, "td", 2) == 0 || strncasecmp(at + 1, "th", 2) == 0);
+			bool cell = whole == 2 && (strncasecmp(at + 1, "td", 2) == 0 || strncasecmp(at + 1, "th", 2) == 0 || strncasecmp(at + 1, "dd", 2) == 0);
 			for (size_t i = 0; !cell && i < sizeof breaks / sizeof *breaks; i++)
 				if (strlen(breaks[i]) == whole && strncasecmp(at + 1, breaks[i], whole) == 0) {
 					*to++ = '\n';
@@ -545,7 +553,7 @@ static void name_columns(struct ogr_rows *r, int count)
 	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(r->layer);
 	OGRFeatureH row = NULL;
 	r->sheet = OGR_L_GetGeomType(r->layer) == wkbNone && (is_of(r, "XLSX") || is_of(r, "ODS"));
-	r->titles = r->sheet && place_columns(r->layer) < 2 ? find_names(r, &row) : 0;
+	r->titles = r->sheet && !says_place(r->layer) ? find_names(r, &row, NULL) : 0;
 	for (int i = 0; i < count; i++) {
 		const char *own = OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i));
 		if (is_of(r, "DXF"))             /* the turn and the scale of an inserted block */
@@ -623,6 +631,15 @@ static void take_crown(const struct ogr_rows *r, struct eco_rows_place *place, O
 	OGR_G_DestroyGeometry(middle);
 }
 
+/* To metres, with all its parts. */
+static void scale(OGRGeometryH geometry, double by)
+{
+	for (int i = 0; i < OGR_G_GetGeometryCount(geometry); i++)
+		scale(OGR_G_GetGeometryRef(geometry, i), by);
+	for (int i = 0; i < OGR_G_GetPointCount(geometry); i++)
+		OGR_G_SetPoint(geometry, i, by * OGR_G_GetX(geometry, i), by * OGR_G_GetY(geometry, i), by * OGR_G_GetZ(geometry, i));
+}
+
 /* Straight edges in two dimensions, as well-known binary. */
 static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct eco_error *error)
 {
@@ -667,6 +684,8 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	r->points = NULL;
 	if (!geometry || OGR_G_IsEmpty(geometry))
 		return ECO_OK;
+	if (r->unit_m != 1)
+		scale(geometry, r->unit_m);
 	if (r->areas)
 		return take_area(r, geometry, error);
 	int text = is_of(r, "DXF") ? OGR_F_GetFieldIndex(r->feature, "Text") : -1;
@@ -687,9 +706,6 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 		place->kind = ECO_PLACE_OTHER;
 		snprintf(place->what, sizeof place->what, "%.15s", OGRGeometryTypeToName(type));
 	}
-	for (int k = 0; k < 3; k++)
-		place->at[k] *= r->unit_m;
-	place->width *= r->unit_m;
 	return ECO_OK;
 }
 

@@ -323,27 +323,43 @@ static int read_degrees(const char **text, double *degrees)
 	return eco_text_number(number, '.', degrees) ? digits : -1;
 }
 
-/* Latitude and longitude in one field, as portals of open data write them: "48.883980, 2.360000", or in
- * brackets at the end of an address. Returns the digits behind the two points, -1 if it is no such pair. */
+/* "50\u00b006'36\"N 8\u00b039'00\"E" */
+static bool sixtieths_pair(const char *text, double at[3])
+{
+	const char *degree = strstr(text, "\u00b0"), *end = degree ? strpbrk(degree, ",;NSns") : NULL;
+	char first[64];
+	if (!end || !strstr(end, "\u00b0"))
+		return false;
+	end += *end != ',' && *end != ';';
+	snprintf(first, sizeof first, "%.*s", (int)(end - text), text);
+	return eco_text_number(first, '.', &at[1]) && eco_text_number(end + strspn(end, " ,;/"), '.', &at[0]);
+}
+
+/* Latitude and longitude in one field, as portals of open data write them: "48.883980, 2.360000", in brackets at the end of
+ * an address, in degrees and minutes; "[2.36, 48.88]" as in GeoJSON. Returns the digits behind the two points, -1 if it is
+ * no such pair. */
 static int degree_pair(const char *text, double at[3])
 {
 	size_t length = strlen(text);
 	while (length > 0 && text[length - 1] == ' ')
 		length--;
-	bool closed = length > 0 && text[length - 1] == ')';
-	const char *open = strrchr(text, '(');
+	bool closed = length > 0 && (text[length - 1] == ')' || text[length - 1] == ']');
+	const char *open = strrchr(text, closed && text[length - 1] == ']' ? '[' : '(');
 	if (closed != (open != NULL))
 		return -1;
-	text = open ? open + 1 : text;
+	int x = open && *open == '[' ? 1 : 0;
+	text = open ? open + 1 : strncmp(text, "geo:", 4) == 0 ? text + 4 : text;
 	text += strspn(text, " ");
-	int first = read_degrees(&text, &at[1]);
-	text += strspn(text, " ");
-	if (first < 0 || *text++ != ',')
-		return -1;
-	text += strspn(text, " ");
-	int second = read_degrees(&text, &at[0]);
-	text += strspn(text, " )");
 	at[2] = NAN;
+	if (sixtieths_pair(text, at))
+		return fabs(at[1]) <= 90 && fabs(at[0]) <= 180 ? DEGREE_DIGITS : -1;
+	int first = read_degrees(&text, &at[!x]);
+	size_t gap = strspn(text, " "), sign = text[gap] != 0 && strchr(",;/", text[gap]) != NULL;
+	if (first < 0 || gap + sign == 0)
+		return -1;
+	text += gap + sign + strspn(text + gap + sign, " ");
+	int second = read_degrees(&text, &at[x]);
+	text += strspn(text, " )]");
 	return second >= 0 && *text == 0 && fabs(at[1]) <= 90 && fabs(at[0]) <= 180 ? first + second : -1;
 }
 
@@ -373,8 +389,8 @@ static bool read_json_point(const char *text, double at[3])
 		const char *comma = strchr(list, '[') ? strchr(strchr(list, '['), ',') : NULL;
 		at[1] = comma ? json_number(comma, ",") : NAN;
 	} else {
-		at[0] = json_number(text, "lon");
-		at[1] = json_number(text, "lat");
+		at[0] = json_number(text, strstr(text, "longitude") ? "longitude" : "lon");
+		at[1] = json_number(text, strstr(text, "latitude") ? "latitude" : "lat");
 	}
 	return !isnan(at[0]) && !isnan(at[1]);
 }

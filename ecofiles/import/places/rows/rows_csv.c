@@ -1,9 +1,11 @@
 /* CSV, one byte at a time through stdio's buffer: a row is collected in one growing block, and fields are
- * offsets into it. A row that is not UTF-8 is taken as a whole for Windows-1252, which contains Latin-1:
- * many files mix the two. */
+ * offsets into it. A row that is not UTF-8 is taken as a whole for another encoding, by the words that the file has
+ * then: many files mix the two. */
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <errno.h>
+#include <iconv.h>
+#include <limits.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +14,10 @@
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
+#include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/table_columns.h"
+#include "ecofiles/import/places/words.h"
 
 #define SNIFF_BYTES 65536u
 #define TITLES_MAX 20            /* records before the names */
@@ -27,6 +32,7 @@ struct csv {
 	size_t used, capacity;
 	size_t *start;               /* of each field in text */
 	char *converted;             /* the row converted to UTF-8, if it was not */
+	size_t encoding;             /* of such rows */
 	uint64_t first_converted;    /* line; 0: none */
 	uint64_t line;               /* of the next byte */
 	struct eco_rows_point point; /* if has_geometry */
@@ -107,47 +113,84 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 
 /* ---- Text that is not UTF-8 ---- */
 
-static unsigned windows_1252(unsigned char c)
-{
-	static const uint16_t high[32] = { 0x20ac, 0x81, 0x201a, 0x192, 0x201e, 0x2026, 0x2020, 0x2021, 0x2c6,
-		0x2030, 0x160, 0x2039, 0x152, 0x8d, 0x17d, 0x8f, 0x90, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
-		0x2013, 0x2014, 0x2dc, 0x2122, 0x161, 0x203a, 0x153, 0x9d, 0x17e, 0x178 };
+static const char *const encodings[] = { "CP1252", "CP932", "GB18030", "CP949", "BIG5", "CP1250", "CP1251", "CP1253", "CP1254",
+	"CP1255" };
+#define ENCODINGS (sizeof encodings / sizeof *encodings)
 
-	return c >= 0x80 && c < 0xa0 ? high[c - 0x80] : c;
+/* Bytes of UTF-8 that a text takes in `to`, which has room for four times its size. What is not of the encoding becomes a
+ * question mark. */
+static size_t convert(size_t encoding, const char *text, size_t size, char *to)
+{
+	iconv_t state = iconv_open("UTF-8", encodings[encoding]);
+	char *in = (char *)(uintptr_t)text, *out = to;
+	size_t left = size, room = 4 * size;
+	if (state == (iconv_t)-1)                /* a system without that encoding */
+		return memset(to, '?', size), size;
+	while (left > 0 && iconv(state, &in, &left, &out, &room) == (size_t)-1 && left > 0) {
+		*out++ = '?';
+		in++;
+		left--;
+		room--;
+	}
+	iconv_close(state);
+	return (size_t)(out - to);
 }
 
-static size_t put_utf8(char *to, unsigned c)
+#define JUDGED 16384u            /* bytes at the beginning that tell the encoding */
+#define HEADER_WORTH 20          /* a known name of a column against a known plant */
+
+/* How many names of columns and plants a text has; what is no text of the encoding counts against it. */
+static int words_known(char *text)
 {
-	if (c < 0x80) {
-		to[0] = (char)c;
-		return 1;
+	int points = 0;
+	bool header = true;
+	for (char *line; (line = strsep(&text, "\r\n"));) {
+		bool empty = *line == 0;
+		for (char *field; (field = strsep(&line, ",;\t|\""));) {
+			bool plain = true;
+			for (const char *c = field; *c != 0; c++)
+				plain &= (unsigned char)*c < 0x80;
+			for (int role = 0; header && !plain && role < ECO_ROLE_COUNT; role++)
+				points += eco_column_points((enum eco_role)role, field) >= ECO_COLUMN_ENOUGH ? HEADER_WORTH : 0;
+			points += !header && !plain && eco_flora_of(field, NULL).genus ? 1 : 0;
+			points -= strchr(field, '?') ? 1 : 0;
+		}
+		header = header && empty;
 	}
-	if (c < 0x800) {
-		to[0] = (char)(0xc0 | c >> 6);
-		to[1] = (char)(0x80 | (c & 0x3f));
-		return 2;
+	return points;
+}
+
+/* Ties: the earlier one. */
+static size_t find_encoding(const char *head, size_t size)
+{
+	size = size < JUDGED ? size : JUDGED;
+	char *text = eco_alloc(4 * size + 1, 1);
+	size_t best = 0;
+	int most = -INT_MAX;
+	for (size_t i = 0; i < ENCODINGS; i++) {
+		text[convert(i, head, size, text)] = 0;
+		int own = words_known(text);
+		best = own > most ? i : best;
+		most = own > most ? own : most;
 	}
-	to[0] = (char)(0xe0 | c >> 12);
-	to[1] = (char)(0x80 | (c >> 6 & 0x3f));
-	to[2] = (char)(0x80 | (c & 0x3f));
-	return 3;
+	free(text);
+	return best;
 }
 
 static void convert_fields(struct csv *csv)
 {
-	char *grown = csv->converted = eco_realloc(csv->converted, 3 * csv->used + 1, 1);
+	char *grown = csv->converted = eco_realloc(csv->converted, 4 * csv->used + 1, 1);
 	size_t used = 0;
 	for (uint32_t i = 0; i < csv->rows.field_count; i++) {
-		size_t at = csv->start[i];
+		const char *text = csv->text + csv->start[i];
 		csv->rows.fields[i] = grown + used;
-		do {
-			used += put_utf8(grown + used, windows_1252((unsigned char)csv->text[at]));
-		} while (csv->text[at++] != 0);
+		used += convert(csv->encoding, text, strlen(text), grown + used);
+		grown[used++] = 0;
 	}
 	if (csv->first_converted == 0) {
 		csv->first_converted = csv->rows.line;
-		eco_rows_note(&csv->rows, "its text is not UTF-8 (first in line %llu): it is read as "
-			"Windows-1252, which contains Latin-1", (unsigned long long)csv->rows.line);
+		eco_rows_note(&csv->rows, "its text is not UTF-8 (first in line %llu): it is read as %s", (unsigned long long)
+			csv->rows.line, csv->encoding == 0 ? "Windows-1252, which contains Latin-1" : encodings[csv->encoding]);
 	}
 }
 
@@ -329,6 +372,8 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 		csv->line = 2;
 	}
 	text = skip_titles(csv, text);
+	if (!eco_utf8_valid(head, size < SNIFF_BYTES ? size : SNIFF_BYTES - 3))
+		csv->encoding = find_encoding(text, size - (size_t)(text - head));
 	if (csv->separator == 0) {
 		csv->separator = count_separators(text + strspn(text, "\r\n"));
 		if (csv->separator != ',')
