@@ -277,6 +277,13 @@ static void find_several(struct start *s)
 
 #define CROWN_AREA_M 60.0        /* wider polygons are stands, for a scatter */
 
+/* "canopy_m2", "crown area". */
+static bool says_area(const char *name)
+{
+	return eco_column_says(name, "area") || strstr(name, "m2") || strstr(name, "m\u00b2") || strstr(name, "ft2")
+		|| strstr(name, "ft\u00b2") || eco_words_any(name, "sqm qm sqft sq");
+}
+
 static void find_crowns(struct start *s)
 {
 	const char *beside = s->height.column != ECO_NONE ? s->height.unit.unit
@@ -284,8 +291,9 @@ static void find_crowns(struct start *s)
 	char took[160];
 	find_several(s);
 	s->crown.column = s->crown_columns > 0 ? s->crowns[0] : s->columns.of[ECO_ROLE_CROWN];
+	s->crown_is_area = s->crown_columns == 0 && s->crown.column != ECO_NONE && says_area(s->table.columns[s->crown.column]);
 	for (uint32_t i = 0; i < s->table.column_count && s->crown.column == ECO_NONE; i++) {
-		s->crown_is_area = eco_column_says(s->table.columns[i], "area") && eco_column_says(s->table.columns[i], "crown");
+		s->crown_is_area = says_area(s->table.columns[i]) && eco_column_says(s->table.columns[i], "crown");
 		s->crown.column = s->crown_is_area ? i : ECO_NONE;
 	}
 	if (s->table.crown_m > CROWN_AREA_M)

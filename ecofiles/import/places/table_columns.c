@@ -264,6 +264,23 @@ static void join_species(const struct eco_table *t, struct eco_columns *columns)
 		more[more[0] == ECO_NONE ? 0 : 1] = cultivar;
 }
 
+static bool is_form(const char *text, char decimal)
+{
+	(void)decimal;
+	enum eco_leaf leaf;
+	enum eco_form form = eco_form_of(text, &leaf);
+	return form != ECO_FORM_UNKNOWN && form != ECO_FORM_NOTHING;
+}
+
+/* A column of forms of growth where none names species: leaf_type. */
+static void choose_forms(const struct eco_table *t, struct eco_columns *columns)
+{
+	uint32_t *species = &columns->of[ECO_ROLE_SPECIES];
+	for (uint32_t i = 0; i < t->column_count && *species == ECO_NONE; i++)
+		if (eco_words_any(t->columns[i], eco_words_set("growth")) && share(t, i, UINT32_MAX, is_form, 0) >= NUMERIC_LEAST)
+			*species = i;
+}
+
 /* Two names that differ in the axis alone. */
 static bool are_pair(const char *x, const char *y)
 {
@@ -415,6 +432,7 @@ void eco_table_columns(const struct eco_table *table, struct eco_columns *column
 	columns->species_more[0] = columns->species_more[1] = ECO_NONE;
 	if (!species_said)
 		join_species(table, columns);
+	choose_forms(table, columns);
 }
 
 static bool is_plant(const struct eco_table *table, uint32_t row, uint32_t species)

@@ -138,6 +138,7 @@ static size_t convert(size_t encoding, const char *text, size_t size, char *to)
 
 #define JUDGED 16384u            /* bytes at the beginning that tell the encoding */
 #define HEADER_WORTH 20          /* a known name of a column against a known plant */
+#define HEADER_LEAST 75          /* points of such a name: more than a lone letter has */
 
 /* How many names of columns and plants a text has; what is no text of the encoding counts against it. */
 static int words_known(char *text)
@@ -151,7 +152,7 @@ static int words_known(char *text)
 			for (const char *c = field; *c != 0; c++)
 				plain &= (unsigned char)*c < 0x80;
 			for (int role = 0; header && !plain && role < ECO_ROLE_COUNT; role++)
-				points += eco_column_points((enum eco_role)role, field) >= ECO_COLUMN_ENOUGH ? HEADER_WORTH : 0;
+				points += eco_column_points((enum eco_role)role, field) >= HEADER_LEAST ? HEADER_WORTH : 0;
 			points += !header && !plain && eco_flora_of(field, NULL).genus ? 1 : 0;
 			points -= strchr(field, '?') ? 1 : 0;
 		}
