@@ -324,6 +324,9 @@ awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 40; i++) printf "oak,
 grep -q '2 of 42 plants stand beyond its border' "$DIR/out" || complain "hill: $(cat "$DIR/out")"
 [ "$(jq -c '[.ground.crs, .ground.heights]' "$DIR/hill/scene.json")" = '["EPSG:25832","../metres.asc"]' ] || complain "hill: $(jq -c .ground "$DIR/hill/scene.json")"
 jq -e '.keyframes[0].eye[2] > 505 and .keyframes[0].target[2] > 500' "$DIR/hill/camera.json" >/dev/null || complain "hill: $(cat "$DIR/hill/camera.json")"
+mkdir "$DIR/tiles" && cp "$DIR/metres.asc" "$DIR/tiles"
+"$PACK" start "$DIR/off.csv" "$DIR/models/stieleiche.obj" "$DIR/tiles" -o "$DIR/tiled" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "tiles: $(cat "$DIR/out")"
+[ "$(jq -c .ground.heights "$DIR/tiled/scene.json")" = '"../tiles/metres.asc"' ] || complain "tiles: $(jq -c .ground "$DIR/tiled/scene.json")"
 sed 's/metres.asc/centimetres.asc/' "$DIR/hill/scene.json" >"$DIR/hill/steep.json"
 "$PACK" make "$DIR/hill/steep.json" -o "$DIR/hill/steep.eco" >"$DIR/out" 2>&1 || complain "steep: $(cat "$DIR/out")"
 grep -q 'one slope in ten rises more than .* are its heights in another unit' "$DIR/out" || complain "steep: $(grep -v building "$DIR/out")"
@@ -386,10 +389,32 @@ Art,lon,lat,Baumstatus|Eiche,11.5,48.1#,gut~Eiche,11.5,48.1#,gefällt|32 plants|
 species,lon,lat,removal_year|oak,11.5,48.1#,~oak,11.5,48.1#,2019|32 plants|.instances[0].skip|{"removal_year":["2019"]}
 essence,lon,lat|POPNIG,2.3,48.8#~ACEPLA,2.3,48.8#|codes of letters|.instances[0].codes|"letters"
 species,geom|oak,0101000020E6100000000000000000F83F0000000000000440||.crs|"EPSG:32631"
+species,geom|oak,50°06'#"N 8°39'#"E||.crs|"EPSG:32632"
+species,lon,lat,canopy_m2|oak,11.5,48.1#,#|an area, in squares|.instances[0].crown_m|{"column":"canopy_m2","is":"area","unit":"m"}
+Art,lon,lat,Krone_N,Krone_O,Krone_S,Krone_W|Eiche,11.5,48.1#,2,3,4,5||.instances[0].crown_m.column|["Krone_N","Krone_O","Krone_S","Krone_W"]
+Art,lon,lat,Bemerkung|Eiche,11.5,48.1#,Stubben daneben entfernt~Eiche,11.5,48.1#,Stubben|32 plants|.instances[0].skip|{"Bemerkung":["Stubben"]}
+Art,lon,lat,Zustand|Eiche,11.5,48.1#,gut~Eiche,11.5,48.1#,tot|8 rows where .Zustand. is tot.*40 plants|.instances[0].skip|null
+Art,lon,lat|Eiche,11.5,48.1#~Toter Baum,11.5,48.1#|32 plants|.instances[0].map["Toter Baum"]|null
+leaf_type,lon,lat|broadleaved,11.5,48.1#~needleleaved,11.5,48.1#||.instances[0].species|"leaf_type"
+species,lon,lat,height,dbh|oak,11.5,48.1#,10,#0|may be a girth|.instances[0].height_m[1].from_dbh|"dbh"
 TABLE
+start 0 'trunk girth "dbh"' towns.csv --girth-column dbh --dbh-unit cm
 awk 'BEGIN { print "lon,lat,zmax"; for (i = 0; i < 40; i++) printf "11.5,48.1%d,%d.25\n", 10 + i, 10 + i }' >"$DIR/tops.csv"
 start 0 'normalised cloud' tops.csv --plant linden
 is '.instances[0].height_m[0].column' '"zmax"'
+awk 'BEGIN { print "WKT"; for (i = 0; i < 40; i++) printf "POINT Z (11.5 48.1%d %d.25)\n", 10 + i, 10 + i }' >"$DIR/high.csv"
+start 0 'normalised cloud.*40 measured' high.csv --plant linden
+is '.instances[0].height_m[0].column' '"geometry"'
+
+# ---- A plan: blocks on layers that name plants, and others ----
+awk 'function insert(layer, block, x) { printf "0\nINSERT\n8\n%s\n2\n%s\n10\n%d\n20\n5334700\n", layer, block, x }
+	BEGIN { print "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nBLOCKS"
+	split("QUERCUS_ROBUR BANK", names, " "); for (i = 1; i < 3; i++) printf "0\nBLOCK\n8\n0\n2\n%s\n10\n0\n20\n0\n0\nENDBLK\n8\n0\n", names[i]
+	print "0\nENDSEC\n0\nSECTION\n2\nENTITIES"
+	for (i = 0; i < 6; i++) insert(i % 3 ? "GEHOELZE" : "MOEBEL", i % 3 ? names[1] : names[2], 691600 + 10 * i)
+	print "0\nENDSEC\n0\nEOF" }' >"$DIR/plan.dxf"
+start 0 'what is on MOEBEL.*4 plants' plan.dxf --crs EPSG:25832
+is '.instances[0].skip' '{"Layer":["MOEBEL"]}'
 
 # ---- Arguments in another order, or of another kind ----
 order() { # PATTERN ARGUMENT...

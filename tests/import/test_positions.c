@@ -327,6 +327,8 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 		"oak 1 1 h10 c4 s2 / oak 2 2 c2.5 / oak 3 3", "1  kept, scaled to their crown: no usable "
 		"height (first in line 3)|1  kept at their plant's own height" },
 	{ NULL, "", crowns_a_csv, "'crown_m':{'column':'k'}", NULL, "\"is\"" },
+	{ NULL, "", "x,y,k,b\n1,1,12.566,\n2,2,,6 x 8 m\n", "'crown_m':{'column':'k','is':'area'}", "oak 1 1 c2 / oak 2 2", "2 plants" },
+	{ NULL, "", "x,y,k\n2,2,6 x 8 m\n", "'crown_m':{'column':'k','is':'diameter'}", "oak 2 2 c3.5", "1 plant" },
 	{ "implausible_sizes_are_said", "", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n",
 		"'height_m':[{'column':'h'},{'from_dbh_cm':'d','max':35,'rate':0.004}]",
 		"oak 1 1 h200 / oak 2 2 / oak 3 3", "1  kept at a size that no plant reaches: a "

@@ -114,6 +114,9 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 	{ "text_of_western_pages_becomes_utf8", "latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n"
 		"\x80\x84\x93,3\n", "Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL },
 	{ NULL, "header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL },
+	{ "other_encodings_are_told_by_their_words", "japan.csv", "\x8e\xf7\x8e\xed"",x\n\x83""P\x83\x84\x83""L,1\n", "樹種,x / ケヤキ,1", "CP932", NULL },
+	{ NULL, "china.csv", "\xca\xf7\xb8\xdf"",x\n12,1\n", "树高,x / 12,1", "GB18030", NULL },
+	{ NULL, "russia.csv", "\xc2\xfb\xf1\xee\xf2\xe0"",x\n12,1\n", "Высота,x / 12,1", "CP1251", NULL },
 	{ "rows_may_be_short_or_long", "short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,",
 		NULL, NULL },
 	{ NULL, "old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL },
