@@ -38,7 +38,7 @@ UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 		{ "Bush_1", NULL, ECO_FORM_SHRUB }, { "Rock_2", NULL, ECO_FORM_NOTHING },
 		{ "Vacant site small (vacant site small)", NULL, ECO_FORM_NOTHING },
 		{ "Planting site", NULL, ECO_FORM_NOTHING }, { "Morta", NULL, ECO_FORM_NOTHING }, { "枯木", NULL, ECO_FORM_NOTHING },
-		{ "Mortonia", NULL, ECO_FORM_UNKNOWN }, { "Parkia pendula", "parkia", ECO_FORM_BROAD }, { "Proposed", NULL, ECO_FORM_NOTHING },
+		{ "Xyzea mortonii", NULL, ECO_FORM_UNKNOWN }, { "Parkia pendula", "parkia", ECO_FORM_BROAD }, { "Proposed", NULL, ECO_FORM_NOTHING },
 		{ "Pinus pinea :: Italian Stone Pine", "pinus", ECO_FORM_CONIFER },
 		{ "Rock elm", "ulmus", ECO_FORM_BROAD }, { "Oak (removed)", "quercus", ECO_FORM_NOTHING },
 		{ "Tabebuia rosea", "tabebuia", ECO_FORM_BROAD },    /* nearly a rose, and none */
