@@ -162,14 +162,14 @@ static bool is_name(OGRFeatureH row, int field)
 	return text[strspn(text, " ")] != 0 && !eco_text_number(text, '.', &number);
 }
 
-/* What a column's name says: 1 and 2 the axes of a place, 4 species. */
+/* A column's name says: 1 and 2 the axes of a place, 4 species. */
 static int said_by(const char *name)
 {
 	return (eco_column_points(ECO_ROLE_X, name) >= ECO_COLUMN_ENOUGH) | (eco_column_points(ECO_ROLE_Y, name) >= ECO_COLUMN_ENOUGH) << 1
 		| (eco_column_points(ECO_ROLE_SPECIES, name) >= ECO_COLUMN_ENOUGH) << 2;
 }
 
-/* What a row's texts say if they are names of columns, with both axes of a place; else 0. */
+/* A row's texts as names of columns: as said_by, if both axes of a place are among them; else 0. */
 static int are_names(OGRFeatureH row, int count)
 {
 	int names = 0, says = 0;
@@ -204,7 +204,7 @@ static int find_names(struct ogr_rows *r, OGRFeatureH *row, int *says)
 	return found;
 }
 
-/* What the names of a layer's columns say; 0: no place. */
+/* The names of a layer's columns together, as said_by; 0: no place. */
 static int says_place(OGRLayerH layer)
 {
 	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
