@@ -396,7 +396,7 @@ Art,lon,lat,Bemerkung|Eiche,11.5,48.1#,Stubben daneben entfernt~Eiche,11.5,48.1#
 Art,lon,lat,Zustand|Eiche,11.5,48.1#,gut~Eiche,11.5,48.1#,tot|8 rows where .Zustand. is tot.*40 plants|.instances[0].skip|null
 Art,lon,lat|Eiche,11.5,48.1#~Toter Baum,11.5,48.1#|32 plants|.instances[0].map["Toter Baum"]|null
 leaf_type,lon,lat|broadleaved,11.5,48.1#~needleleaved,11.5,48.1#||.instances[0].species|"leaf_type"
-species,lon,lat,height,dbh|oak,11.5,48.1#,10,#0|may be a girth|.instances[0].height_m[1].from_dbh|"dbh"
+species,lon,lat,height,dbh|oak,11.5,48.1#,30,#0|may be a girth|.instances[0].height_m[1].from_dbh|"dbh"
 TABLE
 start 0 'trunk girth "dbh"' towns.csv --girth-column dbh --dbh-unit cm
 awk 'BEGIN { print "lon,lat,zmax"; for (i = 0; i < 40; i++) printf "11.5,48.1%d,%d.25\n", 10 + i, 10 + i }' >"$DIR/tops.csv"
