@@ -14,6 +14,7 @@
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/texture.h"
 #include "lod/impostor.h"
+#include "lod/tint.h"
 
 /* Chunks end here; geometry of a chunk can be made without walking the list. The first three are exclusive
  * running totals. */
@@ -44,6 +45,14 @@ struct view_list {                       /* stays where it is until its last chu
 	/* lists of kind GROUND, once their chunk is here: level, column and row */
 	struct eco_ground_tile tile;
 };
+
+/* How much of a colour of its palette, or of an impostor, is wood. */
+static inline struct lod_tint_wood view_list_wood(const struct view_list *list)
+{
+	static const uint8_t none[3];
+	bool told = list->list.kind != ECO_LIST_GROUND && list->list.wood;
+	return lod_tint_wood(told ? list->list.wood : 0, told ? list->palette[list->list.palette_count - 1] : none);
+}
 
 /* Memory of a list that is described and holds nothing. */
 uint64_t view_list_bytes(const struct eco_list *list);

@@ -13,6 +13,7 @@
 #include "client-min/draw/view_shadow.h"
 #include "lod/leaf.h"
 #include "lod/scattered.h"
+#include "lod/tint.h"
 
 #define ELLIPSES (1u << 29)              /* a draw call: more than draw_cut allows of one plant */
 #define PART_VERTICES 2500u              /* that lazy software gets at a time */
@@ -550,6 +551,14 @@ static void draw_primitives(struct frame *f, const struct view_shader *s, const 
 		send_part(f, (uint64_t)4 * members * (end - first));
 }
 
+static void set_wood(const struct view_shader *s, const struct view_list *list)
+{
+	struct lod_tint_wood wood = view_list_wood(list);
+	const float *l = wood.light;
+	glUniform4fv(s->uniform[VIEW_U_WOOD], 2, (const float[]){ wood.share[0], wood.share[1], wood.share[2],
+		wood.share[3], l[0], l[1], l[2], 0 });
+}
+
 static enum eco_code draw_cut(struct frame *f, uint32_t index)
 {
 	const struct view_selection *selection = f->job->selection;
@@ -574,6 +583,7 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)first_member);
 	set_scale(s, &list->list, cut);
 	glUniform2f(s->uniform[VIEW_U_LEAF], leaves.width, f->job->tint == VIEW_TINT_KIND ? 0 : leaves.tone);
+	set_wood(s, list);
 	if (list->list.kind == ECO_LIST_POINTS)
 		glUniform1ui(s->uniform[VIEW_U_LEVEL],
 			view_surface_cloud(0, eco_level_share(list->list.level)) >> 16 & 255);

@@ -284,20 +284,26 @@ static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const 
 	return view_surface_leaf(reach, normal);
 }
 
+static void color_of(const struct view_mesh *mesh, uint32_t primitive, uint8_t rgb[3])
+{
+	static const uint8_t plain[3] = { 95, 127, 79 }, white[3] = { 255, 255, 255 };
+	const struct eco_list *list = &mesh->list->list;
+	int32_t color = mesh->impostor ? 0 : mesh->geometry.color[primitive];
+	bool listed = color >= 0 && (uint32_t)color < list->palette_count;
+	memcpy(rgb, mesh->impostor ? mesh->impostor->rgb[primitive] : listed ? mesh->list->palette[color]
+		: list->image != ECO_NONE ? white : plain, 3);
+}
+
 void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
 	uint8_t rgb[3], uint32_t *surface)
 {
+	color_of(mesh, primitive, rgb);
 	if (mesh->impostor) {
-		memcpy(rgb, mesh->impostor->rgb[primitive], 3);
 		*surface = mesh->batch.leaf > 0 ? leaf_of(mesh, primitive, rays, leaf, rgb)
 			: smooth_of(mesh, primitive, rays);
 		return;
 	}
-	static const uint8_t plain[3] = { 95, 127, 79 }, white[3] = { 255, 255, 255 };
 	const struct eco_list *list = &mesh->list->list;
-	int32_t color = mesh->geometry.color[primitive];
-	memcpy(rgb, color >= 0 && (uint32_t)color < list->palette_count ? mesh->list->palette[color]
-		: list->image != ECO_NONE ? white : plain, 3);
 	if (mesh->image)
 		look_textured(mesh, primitive, rays, rgb);
 	if (list->kind == ECO_LIST_TRIANGLES)
@@ -312,6 +318,9 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 
 void view_mesh_tint(const struct view_mesh *mesh, uint32_t primitive, uint32_t tint, uint8_t rgb[3])
 {
+	struct lod_tint_wood wood = view_list_wood(mesh->list);
+	uint8_t from[3];
+	color_of(mesh, primitive, from);
 	if (tint & LOD_TINT_WHOLE || !(eco_list_is_wood(&mesh->list->list) || is_wood(mesh, primitive)))
-		lod_tint_apply(tint, rgb);
+		lod_tint_apply(tint, tint & LOD_TINT_WHOLE ? NULL : &wood, from, rgb);
 }

@@ -28,8 +28,10 @@ static const char head_es[] = "#version 300 es\n"
 static const char shared[] = DEFINE(ECO_GROWTHS) DEFINE(ECO_SIZES) DEFINE(LOD_HASH_SCATTER) DEFINE(LOD_HASH_SALT)
 	DEFINE(LOD_HASH_SPLAT) DEFINE(LOD_LEAF_PIXEL) DEFINE(LOD_LEAF_RAGGED) DEFINE(LOD_LEAF_LATTICE)
 	DEFINE(VIEW_WOOD) DEFINE(LOD_TINT_WHOLE) DEFINE(LOD_IMPOSTOR_HOPE) DEFINE(LOD_IMPOSTOR_LEAST) DEFINE(LOD_IMPOSTOR_LIGHT)
-	"#define LOD_TINT_SHADE(r, g, b) " TEXT(LOD_TINT_SHADE(r, g, b)) "\n"
-	"#define LOD_TINT_MIX(own, tint, shade) " TEXT(LOD_TINT_MIX(sqrt, min, own, tint, shade)) "\n"
+	"#define LOD_TINT_SHADE(wood, r, g, b) " TEXT(LOD_TINT_SHADE(wood, r, g, b)) "\n"
+	"#define LOD_TINT_WOOD(share, r, g, b) " TEXT(LOD_TINT_WOOD(share, r, g, b)) "\n"
+	"#define LOD_TINT_MIX(light, leaves, tint, shade) "
+	TEXT(LOD_TINT_MIX(sqrt, min, light, leaves, tint, shade)) "\n"
 	"#define LOD_IMPOSTOR_DEEP(need, opacity) " TEXT(LOD_IMPOSTOR_DEEP(need, opacity)) "\n"
 	"#ifdef LEAVES\n"
 	"#define LEAF\n"
@@ -63,7 +65,8 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_members",
 	"u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
-	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map", "u_middle", "u_sample", "u_leaf" };
+	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map", "u_middle", "u_sample",
+	"u_leaf", "u_wood" };
 
 static unsigned compile(unsigned program, unsigned type, const char *const *parts, int count)
 {

@@ -420,13 +420,21 @@ out uvec4 o_seen;               // view_gl_target
 #endif
 uint color_word(uvec3 c) { return c.r | c.g << 8 | c.b << 16; }
 
-// lod_tint_apply
-uint tinted(uint color) {
 #ifdef TINTED
-	vec3 own = vec3(uvec3(color, color >> 8, color >> 16) & 255u) / 255.0,
-		tint = vec3(uvec3(v_tint, v_tint >> 8, v_tint >> 16) & 255u) / 255.0;
-	float shade = LOD_TINT_SHADE(own.r, own.g, own.b);
-	if (v_tint != 0u) color = color_word(uvec3(255.0 * LOD_TINT_MIX(own, tint, shade) + 0.5));
+uniform vec4 u_wood[2];         // of the list: share and light of lod_tint_wood
+vec3 parts_of(uint word) { return vec3(uvec3(word, word >> 8, word >> 16) & 255u) / 255.0; }
+#endif
+// lod_tint_apply
+uint tinted(uint from, uint color) {
+#ifdef TINTED
+	vec3 tint = parts_of(v_tint), light = parts_of(from) * parts_of(from);
+	float wood = clamp(LOD_TINT_WOOD(u_wood[0], light.r, light.g, light.b), 0.0, 1.0);
+	if (v_tint >= LOD_TINT_WHOLE) wood = 0.0;
+	vec3 part = 1.0 - min(wood * u_wood[1].rgb / max(light, 1e-4), 1.0);
+	light = parts_of(color) * parts_of(color);
+	vec3 leaves = light * part;
+	float shade = LOD_TINT_SHADE(wood, leaves.r, leaves.g, leaves.b);
+	if (v_tint != 0u) color = color_word(uvec3(255.0 * LOD_TINT_MIX(light, leaves, tint, shade) + 0.5));
 #endif
 	return color;
 }
@@ -529,7 +537,7 @@ void main() {
 #ifdef SHADOW
 	gl_FragDepth = shadow_depth(v_height);
 #else
-	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), tinted(color));
+	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), tinted(v_seen.z, color));
 #endif
 }
 #endif

@@ -282,7 +282,7 @@ void main() {
 #ifndef LEAVES
 	float before = uintBitsToFloat(record(1u).x) * sqrt(rest / dot(ray, ray));
 #endif
-	uint color = u_tint.w > 0.0 ? v_seen.z : color_at(v_eye + along * ray);
+	uint color = u_tint.w > 0.0 ? v_seen.z : color_at(v_eye + along * ray), from = color;
 	along += before * (2.0 * LOD_IMPOSTOR_DEEP(need, opacity) - 1.0);
 	float nearness = 1.0 / max(along, u_lens.z);
 	gl_FragDepth = nearness * u_lens.z;
@@ -290,7 +290,7 @@ void main() {
 #ifdef LEAVES
 	look_leaf(leaf_in(cell, v_leaf.y), normalize(v_eye), v_leaf.z, vec3(0.0, 0.0, 1.0), surface, color);
 #endif
-	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), tinted(color));
+	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), tinted(from, color));
 #endif
 }
 #endif

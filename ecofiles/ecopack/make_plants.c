@@ -344,12 +344,31 @@ static void pack_list(struct packing *p, uint32_t i)
 		partner ? &partner->elements : NULL);
 }
 
-/* Packs partners before their forms, and the impostor last. */
-static void pack_lists(struct packing *p)
+/* How much of splats' colours is wood: only tints ask; with them wood's own colour ends the palette. */
+static uint32_t settle_wood(struct make_plant *plant, bool tinted)
 {
-	const struct lod_plant *built = &p->m->plants[p->id].built;
+	struct lod_plant *built = &plant->built;
+	uint32_t wood = 0;
+	for (uint32_t i = 0; i < built->list_count; i++) {
+		struct eco_list *list = &built->lists[i].list;
+		if (!(list->attributes & ECO_ATTR_SPLAT) || !list->wood)
+			continue;
+		list->palette_count += tinted;
+		built->palette_count -= !tinted;
+		wood = list->wood = tinted ? list->wood : 0;
+	}
+	return wood;
+}
+
+/* Packs partners before their forms, and the impostor last. */
+static void pack_lists(struct packing *p, uint32_t wood)
+{
+	const struct make_plant *plant = &p->m->plants[p->id];
+	const struct lod_plant *built = &plant->built;
 	const struct eco_list impostor = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .owner = p->id,
-		.level = built->impostor_level, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+		.level = built->impostor_level, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
+		.wood = wood, .palette_count = wood ? 1 : 0,
+		.palette_first = wood ? plant->palette_first + built->palette_count - 1 : 0 };
 	for (int forms = 0; forms < 2; forms++)
 		for (uint32_t i = 0; i < built->list_count; i++)
 			if ((built->lists[i].list.partner != ECO_NONE) == forms)
@@ -375,9 +394,10 @@ static void pack_plant(struct make *m, uint32_t id)
 	struct make_plant *plant = &m->plants[id];
 	const struct lod_plant *built = &plant->built;
 	struct packing p = { m, id, eco_alloc(built->list_count + 1u, sizeof *p.lists) };
+	uint32_t wood = settle_wood(plant, m->tinted);
 	plant->palette_first = (uint32_t)m->palette.count;
 	make_add(&m->palette, built->palette, built->palette_count, 3);
-	pack_lists(&p);
+	pack_lists(&p, wood);
 	pack_tables(&p);
 	m->scene.needs |= built->image_count ? ECO_NEED_TEXTURES : 0;
 	m->scene.needs |= plant->cutout ? ECO_NEED_CUTOUTS : 0;
@@ -389,6 +409,9 @@ void make_plants_pack(struct make *m)
 {
 	main_times_stage(MAIN_STAGE_PACKING);
 	m->table = eco_alloc(m->plant_count, sizeof *m->table);
+	for (uint32_t s = 0; s < m->sources.count; s++)
+		for (uint32_t i = 0; i < m->sources.items[s].positions_count; i++)
+			m->tinted |= m->sources.items[s].positions[i].tint.column != NULL;
 	make_textures(m);
 	for (uint32_t i = 0; i < m->plant_count; i++) {
 		main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count);

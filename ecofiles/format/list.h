@@ -98,7 +98,12 @@ struct eco_list {
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or a texture's outline; or ECO_NONE */
 	uint32_t partner;            /* FORM: list id of the elements in their finest form; else ECO_NONE */
-	uint32_t columns;            /* ground: samples per row, the ring among them; else 0 */
+	union {
+		uint32_t columns;    /* ground: samples per row, the ring among them; else 0 */
+		/* splats and impostors, where the pack has tints: how much of a colour is wood, whose own
+		 * ends the palette (lod/tint.h); 0: none is */
+		uint32_t wood;
+	};
 	uint32_t primitive_count, element_count;
 	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */
 };

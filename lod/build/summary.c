@@ -379,7 +379,7 @@ static void color_at(const struct shares *s, uint32_t i, uint8_t rgb[3])
 	uint32_t tint = i / scene->palette_count;
 	memcpy(rgb, scene->palette[i % scene->palette_count], 3);
 	if (tint)
-		lod_tint_apply(lod_tint_word(s->tints[tint - 1]), rgb);
+		lod_tint_apply(lod_tint_word(s->tints[tint - 1]), NULL, rgb, rgb);
 }
 
 static void make_palette(struct shares *s, struct lod_palette *palette)

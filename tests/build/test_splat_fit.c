@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "lod/build/splat/splat_state.h"
+#include "lod/tint.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
@@ -347,4 +348,39 @@ UNIT_TEST(leaves_are_as_wide_as_they_are_seen)
 	assert_true(cards > 0.8 * thick && cards < 1.25 * thin);
 }
 
+static double share(const struct lod_tint_wood *wood, const uint8_t c[3])
+{
+	return (double)LOD_TINT_WOOD(wood->share, lod_tint_light(c[0]), lod_tint_light(c[1]), lod_tint_light(c[2]));
+}
 
+/* A splat that is half bark and half leaves keeps the bark's half: its tint is the mean of theirs. */
+UNIT_TEST(a_colour_says_how_much_of_it_is_wood)
+{
+	static const uint8_t bark[3] = { 110, 80, 50 }, leaf[3] = { 60, 150, 40 };     /* soup_tree's */
+	static const uint8_t tints[][3] = { { 213, 94, 0 }, { 0, 114, 178 } };
+	FREED(soup) soup;
+	FREED(lod_plant) plant = { 0 };
+	uint8_t both[3], leaves[3], mixed[3];
+	soup_tree(&soup, 300, 0, false);
+	const struct lod_plant_options options = { .name = "tree", .draft = true };
+	assert_good(lod_plant_build(&plant, &soup.model, &options, &cause));
+	assert_good(lod_plant_add_splats(&plant, &soup.model, &options, &cause));
+	const struct eco_list *list = &plant.lists[plant.list_count - 1].list;
+	assert_true(list->attributes & ECO_ATTR_SPLAT && list->wood);
+	assert_int_equal(plant.palette_count, list->palette_first + list->palette_count + 1);
+	assert_memory_equal(plant.palette[plant.palette_count - 1], bark, 3);
+	struct lod_tint_wood wood = lod_tint_wood(list->wood, bark);
+	for (int k = 0; k < 3; k++)
+		both[k] = (uint8_t)(sqrt((bark[k] * bark[k] + leaf[k] * leaf[k]) / 2.0) + 0.5);
+	double of_bark = share(&wood, bark), of_both = share(&wood, both), of_leaf = share(&wood, leaf);
+	print_message("wood in bark %.2f, in both %.2f, in leaves %.2f\n", of_bark, of_both, of_leaf);
+	assert_true(of_bark > 0.8 && fabs(of_both - 0.5) < 0.1 && of_leaf < 0.1);
+	for (size_t t = 0; t < sizeof tints / sizeof *tints; t++) {
+		memcpy(leaves, leaf, 3);
+		memcpy(mixed, both, 3);
+		lod_tint_apply(lod_tint_word(tints[t]), NULL, leaf, leaves);
+		lod_tint_apply(lod_tint_word(tints[t]), &wood, both, mixed);
+		for (int k = 0; k < 3; k++)
+			assert_true(fabs(mixed[k] - sqrt((bark[k] * bark[k] + leaves[k] * leaves[k]) / 2.0)) < 8);
+	}
+}

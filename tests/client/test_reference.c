@@ -247,7 +247,7 @@ UNIT_TEST(tints_mix_with_the_colour_of_what_is_no_wood)
 			uint32_t class = tree->index ? tree->index % 4 : 0;
 			uint8_t expected[3];
 			memcpy(expected, before, 3);
-			lod_tint_apply(lod_tint_word(tints[class]), expected);
+			lod_tint_apply(lod_tint_word(tints[class]), NULL, before, expected);
 			bool same = memcmp(now, before, 3) == 0;
 			for (int k = 0; k < 3; k++) {
 				assert_true(same || abs(now[k] - expected[k]) <= 1);

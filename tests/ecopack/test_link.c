@@ -257,7 +257,7 @@ static void check_mean(const char *name)
 	for (uint32_t c = 0; c < 3; c++) {
 		uint8_t rgb[3];
 		memcpy(rgb, models[0].rgb, sizeof rgb);
-		lod_tint_apply(lod_tint_word(classes[c]), rgb);
+		lod_tint_apply(lod_tint_word(classes[c]), NULL, models[0].rgb, rgb);
 		for (int k = 0; k < 3; k++)
 			wanted[k] += shares[c] * rgb[k];
 	}

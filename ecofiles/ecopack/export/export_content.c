@@ -281,7 +281,7 @@ static void write_color(struct eco_writer *w, const struct eco_scene *s, uint32_
 {
 	const uint8_t *rgb = eco_legend_color(s, list, place);
 	uint8_t leaf[3] = { 95, 127, 79 }, usual[3] = { 95, 127, 79 };
-	lod_tint_apply(rgb ? lod_tint_word(rgb) : 0, leaf);
+	lod_tint_apply(rgb ? lod_tint_word(rgb) : 0, NULL, leaf, leaf);
 	for (int k = 0; k < 3; k++)
 		eco_write_f32(w, (float)lod_light_of[leaf[k]] / (float)lod_light_of[usual[k]]);
 }

@@ -10,6 +10,8 @@
 #include "lod/build/organ/organ.h"
 #include "lod/build/palette.h"
 #include "lod/build/splat/splat_fit.h"
+#include "lod/light.h"
+#include "lod/tint.h"
 
 #define FIRST_CHUNK 16u          /* splats: the levels up to here are one chunk */
 /* A beginning of a level takes the places of the first of its parents, and plants draw it alone: so a level
@@ -72,7 +74,7 @@ static bool has_colorless(const struct eco_model *model)
 
 /* The model's triangles, in its order. rgb: the usual colours of their organs where the file says none; NULL if it
  * says all. leaf: components, but ECO_NONE of wood. level: how level leaves lie (eco_level_code); 0: there are none. */
-struct triangles { uint8_t *organ, (*rgb)[3]; uint32_t *leaf; uint8_t level; };
+struct triangles { uint8_t *organ, (*rgb)[3]; uint32_t *leaf; uint8_t level; struct lod_light wood; };
 
 static void color_triangles(struct triangles *triangles, const struct eco_model *model, const struct lod_mesh *mesh,
 	const struct lod_organs *organs, struct lod_arena *arena)
@@ -101,7 +103,7 @@ static uint8_t level_of(const struct lod_mesh *mesh, const struct lod_organs *or
 static struct triangles read_organs(const struct eco_model *model, struct lod_arena *arena)
 {
 	struct triangles triangles = { lod_arena_take(arena, model->triangle_count, 1), NULL,
-		lod_arena_take(arena, model->triangle_count, sizeof *triangles.leaf), 0 };
+		lod_arena_take(arena, model->triangle_count, sizeof *triangles.leaf), .level = 0 };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	lod_weld(&mesh, model, lod_grid_bits_least(model), arena);
@@ -110,6 +112,9 @@ static struct triangles read_organs(const struct eco_model *model, struct lod_ar
 	for (uint32_t t = 0; t < mesh.triangle_count; t++) {
 		uint8_t organ = triangles.organ[mesh.source[t]] = organs.components[mesh.component[t]].organ;
 		triangles.leaf[mesh.source[t]] = organ == ECO_ORGAN_WOOD ? ECO_NONE : mesh.component[t];
+		if (organ == ECO_ORGAN_WOOD)
+			lod_light_add(&triangles.wood, organs.rgb[t],
+				lod_v3_length(lod_mesh_area_normal(&mesh, t)));
 	}
 	if (has_colorless(model))
 		color_triangles(&triangles, model, &mesh, &organs, arena);
@@ -133,18 +138,61 @@ static uint32_t shown(const struct lod_splat *splat, double radius)
 	return sum < 1u << 24 ? (uint32_t)sum : 1u << 24;
 }
 
-static void append_colors(struct lod_plant *plant, const struct lod_palette *palette)
+static void append_colors(struct lod_plant *plant, const uint8_t (*rgb)[3], uint32_t count)
 {
-	plant->palette = eco_realloc(plant->palette, plant->palette_count + palette->count, sizeof *plant->palette);
-	memcpy(plant->palette + plant->palette_count, palette->rgb, palette->count * sizeof *plant->palette);
-	plant->palette_count += palette->count;
+	plant->palette = eco_realloc(plant->palette, plant->palette_count + count, sizeof *plant->palette);
+	memcpy(plant->palette + plant->palette_count, rgb, count * sizeof *plant->palette);
+	plant->palette_count += count;
+}
+
+#define COLOR_NOISE 1e-5         /* variance of light that says nothing of wood */
+
+static int32_t wood_byte(double value) { return (int32_t)floor(fmin(fmax(value, INT8_MIN), INT8_MAX) + 0.5); }
+
+/* The share of wood in a colour (lod/tint.h): least squares of what splats show. color: in the palette. */
+static uint32_t wood_code(const struct lod_splats *splats, uint32_t count, const uint32_t *weights,
+	const struct lod_palette *palette, const int32_t *color, uint32_t stride)
+{
+	double mean[4] = { 0 }, all = 0, m[3][4] = { { 0 } }, of[3];
+	for (int pass = 0; pass < 2; pass++)
+		for (uint32_t i = 0; i < count; i++) {
+			double own[4] = { [3] = (double)splats->items[i].wood };
+			for (int k = 0; k < 3; k++)
+				own[k] = (double)lod_tint_light(palette->rgb[color[(size_t)stride * i]][k]);
+			all += pass ? 0 : weights[i];
+			for (int k = 0; k < 4; k++)
+				mean[k] += pass ? 0 : weights[i] * own[k];
+			for (int k = 0; k < 12 && pass; k++)
+				m[k / 4][k % 4] += weights[i] * (own[k / 4] - mean[k / 4] / all)
+					* (own[k % 4] - mean[k % 4] / all);
+		}
+	if (!(mean[3] > 0))
+		return 0;
+	for (int k = 0; k < 3; k++) {
+		m[k][k] += COLOR_NOISE * all;
+		for (int j = 0; j < k; j++)
+			for (int c = 3; c > j; c--)
+				m[k][c] -= m[j][c] * m[k][j] / m[j][j];
+	}
+	uint32_t code = 0;
+	double constant = mean[3] / all;
+	for (int k = 2; k >= 0; k--) {
+		for (int j = k + 1; j < 3; j++)
+			m[k][3] -= m[k][j] * of[j];
+		of[k] = m[k][3] / m[k][k];
+		int32_t byte = wood_byte(of[k] * LOD_TINT_FACTOR);
+		code |= (uint32_t)(uint8_t)byte << 8 * k;
+		constant -= byte / LOD_TINT_FACTOR * mean[k] / all;
+	}
+	return code | (uint32_t)wood_byte(constant * LOD_TINT_CONSTANT) << 24;
 }
 
 /* A splat mixes leaves, wood and flowers, so its colour may be far from every colour of the plant: splats
  * have a palette of their own. */
 static void color_elements(struct lod_list_draft *draft, struct lod_plant *plant,
-	const struct lod_splats *splats)
+	const struct lod_splats *splats, const struct lod_light *wood)
 {
+	uint8_t wood_rgb[1][3];
 	struct lod_arena arena = { 0 };
 	uint32_t count = draft->list.element_count;
 	uint8_t (*rgb)[3] = lod_arena_take(&arena, count, sizeof *rgb);
@@ -160,7 +208,13 @@ static void color_elements(struct lod_list_draft *draft, struct lod_plant *plant
 	for (uint32_t i = 0; i < count; i++)
 		draft->elements.extra[(size_t)draft->elements.extra_count * i] =
 			(int32_t)lod_palette_index(palette, rgb[i]);
-	append_colors(plant, palette);
+	append_colors(plant, (const uint8_t (*)[3])palette->rgb, palette->count);
+	draft->list.wood = wood->weight > 0 ? wood_code(splats, count, weights, palette, draft->elements.extra,
+		draft->elements.extra_count) : 0;
+	if (draft->list.wood) {
+		lod_light_mean(wood, wood_rgb[0]);
+		append_colors(plant, (const uint8_t (*)[3])wood_rgb, 1);
+	}
 	lod_arena_free(&arena);
 }
 
@@ -234,7 +288,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 			splats.level_count * LEVEL_CHUNKS);
 		put_elements(draft, &splats);
 		add_ladder(plant, &splats);
-		color_elements(draft, plant, &splats);
+		color_elements(draft, plant, &splats, &triangles.wood);
 		plant->plant.leaf_width = leaf_width(splats.leaf, model);
 		plant->plant.leaf_tone = (uint8_t)fmin(splats.tone * ECO_TONE_ONE + 0.5, UINT8_MAX);
 		if (!options->draft)

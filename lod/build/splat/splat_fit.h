@@ -23,6 +23,7 @@ struct lod_splat {
 	float center[3];                 /* what at and code say, plant space, metres */
 	struct eco_splat shape;
 	uint8_t rgb[3];                  /* sRGB */
+	float wood;                      /* share of what it shows */
 };
 #define LOD_SPLAT_GRID 4096              /* steps of 1/1024 of the radius */
 

@@ -550,11 +550,12 @@ double splat_color_level(const struct splat_views *views, const struct splat_par
 	}
 	for (uint32_t i = 0; i < count; i++) {
 		memcpy(out[i].rgb, parents ? parents[i / children].rgb : grey, 3);
-		out[i].shape.wood = parents && parents[i / children].shape.wood;
+		out[i].wood = parents ? parents[i / children].wood : 0;
 		if (shown[i].light.weight > 0.25) {
 			lod_light_mean(&shown[i].light, out[i].rgb);
-			out[i].shape.wood = shown[i].wood > 0.5 * shown[i].light.weight;
+			out[i].wood = (float)(shown[i].wood / shown[i].light.weight);
 		}
+		out[i].shape.wood = out[i].wood > 0.5f;
 		out[i].code[6] += out[i].shape.wood ? (int32_t)ECO_SPLAT_OPACITIES : 0;
 	}
 	double tone = tone_of(shown, out, count);
