@@ -54,7 +54,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 
 /* ---- Inside ---- */
 
-/* Of a file; lost: footprints that are no buildings. */
+/* Counts of a file; lost: footprints that are no buildings. */
 struct make_footprints { struct eco_footprints footprints; struct eco_building *buildings; uint32_t count, lost; };
 struct make_block {              /* buildings near each other, an object */
 	uint32_t source, plant;

@@ -99,7 +99,7 @@ static void take_sides(uint32_t list, uint32_t first, uint32_t end)
 		}
 }
 
-/* Of the sides taken, those that no other runs along in the opposite direction, but at the least z. */
+/* Those of the sides taken that no other runs along in the opposite direction, but at the least z. */
 static uint32_t open_sides(void)
 {
 	uint32_t open = 0;
