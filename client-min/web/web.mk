@@ -24,14 +24,14 @@ WEB_DRAW := gl gpu light mesh picture shader shadow shadow_cast
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
 	$(WEB_DRAW:%=client-min/draw/view_%.c) $(WEB_ROOMS)
 
-# of Draco what decodes point clouds and edgebreaker meshes; of libwebp what decodes
+# of Draco what decodes edgebreaker meshes; of libwebp what decodes
 WEB_DRACO := $(addprefix core/,data_buffer decoder_buffer draco_types options status bit_utils quantization_utils) \
 	$(addprefix attributes/,attribute_octahedron_transform attribute_quantization_transform attribute_transform geometry_attribute \
 		point_attribute) \
 	$(addprefix compression/bit_coders/,adaptive_rans_bit_decoder direct_bit_decoder rans_bit_decoder symbol_bit_decoder) \
-	$(addprefix compression/point_cloud/,point_cloud_decoder point_cloud_sequential_decoder) \
+	$(addprefix compression/point_cloud/,point_cloud_decoder) \
 	$(addprefix compression/mesh/,mesh_decoder mesh_edgebreaker_decoder mesh_edgebreaker_decoder_impl) \
-	$(addprefix compression/,draco_compression_options entropy/shannon_entropy entropy/symbol_decoding) \
+	$(addprefix compression/,draco_compression_options entropy/symbol_decoding) \
 	$(addprefix compression/attributes/,attributes_decoder sequential_attribute_decoder \
 		sequential_attribute_decoders_controller sequential_integer_attribute_decoder sequential_normal_attribute_decoder \
 		sequential_quantization_attribute_decoder) \
