@@ -31,8 +31,7 @@ static const struct outline {
 	const char *name;
 	enum gen_leaf_shape shape;
 	double area, triangles;
-} outlines[] = { { "rhomb", GEN_LEAF_RHOMB, 0.5, 2 }, { "hexagon", GEN_LEAF_HEXAGON, 0.62, 4 },
-	{ "blade", GEN_LEAF_BLADE, 0.68, 3 }, { "card", GEN_LEAF_CARD, 1, 1e9 } };
+} outlines[] = { { "rhomb", GEN_LEAF_RHOMB, 0.5, 2 }, { "blade", GEN_LEAF_BLADE, 0.68, 3 }, { "card", GEN_LEAF_CARD, 1, 1e9 } };
 
 /* Cards of as many leaves as the plant's triangles ask for. */
 static void plan_sprays(struct gen_foliage *f, const struct leaves_row *row, double area, double cards)
