@@ -292,7 +292,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 
 static double seen_pixels(const struct lod_visibility *visibility)
 {
-	return (double)visibility->share * visibility->pixels;
+	return (double)(visibility->share * visibility->pixels + visibility->shade);
 }
 
 static double unoccluded_pixels(const struct lod_visibility *visibility)

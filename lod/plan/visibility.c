@@ -20,7 +20,9 @@
 #define NEAR 2.0                 /* half axes of a crown, to an eye that looks through it ray by ray */
 #define SHADOW 0.003             /* of the pixels of its leaves: so many a near plant shows at least, for the shadow
                                   * that it casts from above the picture or beside it */
-#define STEM_ROWS 2              /* half as high, in rows: a stem shows beside its crown */
+#define SHADE 1.5                /* what a pixel in the shadow of a crown counts, over one that shows the crown */
+#define SHADE_FLAT 0.05          /* half axis upwards of a shadow, over those across */
+#define STEM_ROWS 2              /* half as high, in rows: a stem shows beside its crown, a shadow on the ground */
 #define TRUNK 0.1                /* of a crown's half extent across: wood is no nearer than this */
 #define CLEAR_LEAST 1e-6f        /* light through the own crown below which that of others is not told */
 #define DENSEST 0.66666667f      /* see cover_of */
@@ -192,6 +194,21 @@ static struct lit take_light(const struct lod_screen *screen, uint32_t index, co
 	return sum;
 }
 
+/* Cells of runs that are still lit. */
+static double lit_of(const struct lod_screen *screen, const struct lod_runs *runs, const float *light)
+{
+	double sum = 0;
+	for (int r = runs->row; r < runs->end; r++) {
+		const struct lod_run *run = &screen->runs[runs->first + (uint32_t)(r - runs->row)];
+		const float *row = light + r * (int)screen->columns;
+		float lit = 0;
+		for (int c = run->across.first; c < run->across.end; c++)
+			lit += inside(&run->across, c) * row[c];
+		sum += (double)(run->height * lit);
+	}
+	return sum;
+}
+
 /* False: no memory. */
 static bool make_runs(struct lod_screen *screen, const struct lod_outline *outline, float bottom,
 	struct lod_runs *runs)
@@ -341,6 +358,13 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 		stem = area_of(screen, made);
 		visibility->stem = ++screen->stem_count;
 	}
+	double shadow = proxy_shape->crown_across;
+	if (shadow * screen->per_y > STEM_ROWS * (double)visibility->distance) {
+		if (!eco_array_grow(&screen->stems, &screen->stem_capacity, screen->stem_count, sizeof *screen->stems))
+			return NULL;
+		lod_outline_make(&screen->stems[screen->stem_count].outline, eye, foot, shadow, SHADE_FLAT * shadow);
+		visibility->shadow = ++screen->stem_count;
+	}
 	double density = density_of(proxy_shape);
 	double across = way_across(proxy_shape, crown);
 	visibility->near = outline->around
@@ -481,6 +505,9 @@ static void take(const struct lod_screen *screen, uint32_t index, float *light)
 	double seen = cell * (crown.lit + stem.lit);
 	if (v->near)
 		seen = fmax(seen, SHADOW * fmin((double)v->leaves, cell * screen->columns * screen->rows));
+	if (v->shadow)
+		v->shade = (float)(SHADE * (double)v->opacity * cell
+			* lit_of(screen, &screen->stems[v->shadow - 1].runs, light));
 	v->pixels = fmaxf(v->pixels, (float)seen);
 	v->share = v->pixels > 0 ? (float)seen / v->pixels : 0;
 }
@@ -547,6 +574,8 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 			struct lod_stem *stem = v->stem ? &screen->stems[v->stem - 1] : NULL;
 			good = make_runs(screen, &screen->crowns[i], v->bottom, &v->crown)
 				&& (!stem || make_runs(screen, &stem->outline, v->bottom, &stem->runs));
+			stem = v->shadow ? &screen->stems[v->shadow - 1] : NULL;
+			good = good && (!stem || make_runs(screen, &stem->outline, (float)screen->rows, &stem->runs));
 		}
 		for (uint32_t i = 0; i < screen->count && good; i++) {
 			for (uint32_t c = 0; c < cells && (i == 0 || !hide); c++)

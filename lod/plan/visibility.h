@@ -59,8 +59,10 @@ struct lod_visibility {
 	                              * at most share */
 	float ellipse;               /* pixels of its crown, gaps included; of a near one, in the picture */
 	float leaves;                /* pixels of all its leaves, each by itself */
+	float shade;                 /* pixels in view of its shadow, a disc below the crown, each by what it counts */
 	struct lod_runs crown;       /* set by lod_screen_shares */
 	uint32_t stem;               /* in the screen's stems, + 1; 0: it shows none beside its crown */
+	uint32_t shadow;             /* likewise; 0: too small */
 	bool near;                   /* the eye is in its crown or next to it: each ray has its way */
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
