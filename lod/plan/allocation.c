@@ -63,8 +63,6 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 	uint32_t slot = (uint32_t)(choice - m->slot_choices);
 	if (lod_prices_organs_off(m, m->p->visible.slots[slot].plant))
 		return 1;
-	if (choice->whole_rule != LOD_WHOLE_BY_LAMBDA)
-		return choice->whole_rule == LOD_WHOLE_ALL;
 	if (m->lambda <= 0)
 		return 0;
 	double spent = m->lambda * (organs->vertices - whole->vertices),
@@ -172,7 +170,7 @@ static double count_near(struct lod_allocation *m, uint32_t plant)
 			continue;
 		struct lod_slot_choice *choice = &m->slot_choices[s];
 		choice->near_saved = 0;
-		if (choice->whole_rule == LOD_WHOLE_ALL || lod_prices_organs_off(m, plant))
+		if (lod_prices_organs_off(m, plant))
 			break;
 		double plants = (double)m->counts[s], open = choice->open,
 			weight_px = plants * choice->weight_px[0];

@@ -74,10 +74,6 @@ struct lod_ladder_choice {           /* one ladder for all plants of a slot: a c
 	double free, free_lambda;    /* the same without a limit, at this lambda; not a number: not known */
 };
 
-/* Rule for a slot's ladder that shows the whole plant: drawn by the share of far plants that saves most at
- * lambda; by all plants, without cells; or by none. */
-enum lod_whole_rule { LOD_WHOLE_BY_LAMBDA, LOD_WHOLE_ALL, LOD_WHOLE_NONE };
-
 struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [1]: a near one, which draws
                                       * cells */
 	uint32_t ladder_choice_first, ladder_choice_count;
@@ -96,9 +92,7 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	double whole_share;          /* of far plants that draw it */
 	double organs_saved;         /* at the last lambda: what a far plant's organs save over it, ... */
 	double near_saved;           /* ... and what cells save over far plants, of all plants of the slot */
-	uint8_t whole_rule;          /* an enum lod_whole_rule, and the one of the best fill so far */
-	uint8_t best_rule;
-	double lambda;               /* at which all this was chosen; not a number: its hulls or its rule
+	double lambda;               /* at which all this was chosen; not a number: its hulls
 	                              * changed since */
 	bool organs_off;             /* lod_prices_organs_off then */
 	struct lod_cost cells;       /* at the last lambda: all cells of all its plants */
@@ -221,7 +215,7 @@ static inline uint32_t lod_allocation_slot(const struct lod_allocation *allocati
 	return allocation->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
 }
 
-/* A hull of the slot, or its whole_rule, is another one: the next relaxation chooses anew. */
+/* A hull of the slot is another one: the next relaxation chooses anew. */
 static inline void lod_allocation_unsettle(struct lod_allocation *allocation, uint32_t slot)
 {
 	allocation->slot_choices[slot].lambda = NAN;

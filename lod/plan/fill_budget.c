@@ -10,13 +10,10 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
-#define PART_STEP 4              /* between two hull points numbers of vertices are tried, each a quarter nearer to
-                                  * the lower one */
-#define BISECTIONS 14            /* of the bracket of lambda: the rest is filled step by step */
-#define BRACKET_FACTOR 1.4       /* widens the bracket until one end does not fit */
-#define BRACKETS_FEW 24          /* then NEGLIGIBLE is tried */
-#define NEGLIGIBLE 1e-30         /* times lambda: below every lambda at which something gains */
-#define BRACKETS_MAX 400         /* a factor of 1e58, more than any two lambdas can be apart */
+#define LAMBDA_STEP 0.02         /* a lambda that fits in the mean may not fit with whole plants: it is raised by this
+                                  * share, ... */
+#define LAMBDA_FASTER 1.5        /* ... then by so many times as much */
+#define LAMBDA_MOST 1e60         /* beyond any at which something gains */
 
 /* ---- Candidates ---- */
 
@@ -113,14 +110,13 @@ void lod_fill_free(struct lod_fill *fill)
 
 /* ---- At a lambda ---- */
 
-/* Sets all plants of a candidate to a hull point, none of them ahead. */
-static void reach_step(struct lod_candidate *candidate, uint32_t step)
+void lod_candidate_reach(struct lod_candidate *candidate, uint64_t vertices)
 {
-	candidate->step = step;
 	candidate->ahead = candidate->between = 0;
-	candidate->low = lod_candidate_point(candidate)->vertices;
-	candidate->high = lod_candidate_ended(candidate) ? candidate->low
-		: lod_candidate_point(candidate)[1].vertices;
+	while (!lod_candidate_ended(candidate) && lod_candidate_point(candidate)[1].vertices <= vertices)
+		candidate->step++;
+	candidate->low = vertices;
+	candidate->high = lod_candidate_ended(candidate) ? vertices : lod_candidate_point(candidate)[1].vertices;
 }
 
 static void add_vertices(struct lod_fill *fill, uint64_t count, uint64_t each)
@@ -131,8 +127,7 @@ static void add_vertices(struct lod_fill *fill, uint64_t count, uint64_t each)
 		fill->vertices = UINT64_MAX;
 }
 
-/* Sets the hull points of a lambda; sums vertices, not what is wrong. */
-static void fill_at(struct lod_fill *fill, double lambda)
+void lod_fill_at(struct lod_fill *fill, double lambda)
 {
 	fill->vertices = 0;
 	fill->allocation->p->looks += fill->candidate_count;
@@ -142,8 +137,8 @@ static void fill_at(struct lod_fill *fill, double lambda)
 		double position = candidate->weight_px > 0
 			? lod_hull_position(candidate->hull, lambda / candidate->weight_px, candidate->step)
 			: lambda > 0 ? 0 : candidate->hull->count - 1;
-		position = fmax(position, candidate->least);
-		reach_step(candidate, (uint32_t)position);
+		candidate->step = (uint32_t)position;
+		lod_candidate_reach(candidate, lod_candidate_point(candidate)->vertices);
 		double part = position - candidate->step;
 		if (candidate->ladder_choice == ECO_NONE) /* a summary can have any number of points */
 			candidate->low += (uint64_t)(part * (double)(candidate->high - candidate->low));
@@ -178,33 +173,23 @@ static void sum_wrong(struct lod_fill *fill)
 
 void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 {
-	double high = lambda, low;
-	fill_at(fill, 0);
-	fill->converged = true;
+	lod_fill_at(fill, 0);
 	fill->lambda = 0;
-	if (fill->vertices > budget) {
-		int brackets = 0;
-		for (; fill_at(fill, high), fill->vertices > budget && brackets < BRACKETS_MAX; brackets++)
-			high *= BRACKET_FACTOR;
-		low = high / BRACKET_FACTOR;
-		for (; fill_at(fill, low), fill->vertices <= budget && brackets < BRACKETS_MAX; brackets++) {
-			high = low;
-			low /= BRACKET_FACTOR;
-			if (brackets == BRACKETS_FEW
-					&& (fill_at(fill, high * NEGLIGIBLE), fill->vertices <= budget)) {
-				low = high *= NEGLIGIBLE; /* the remaining steps gain nothing */
-				break;
-			}
-		}
-		fill->converged = brackets < BRACKETS_MAX;
-		for (int i = 0; i < BISECTIONS; i++) {
-			double middle = 0.5 * (low + high);
-			fill_at(fill, middle);
-			*(fill->vertices <= budget ? &high : &low) = middle;
-		}
-		fill_at(fill, high);
+	if (fill->vertices > budget)
+		lod_fill_at(fill, fill->lambda = lambda);
+	double low = fill->lambda;
+	for (double more = LAMBDA_STEP; fill->vertices > budget && fill->lambda < LAMBDA_MOST; more *= LAMBDA_FASTER) {
+		low = fill->lambda;
+		lod_fill_at(fill, fill->lambda *= 1 + more);
+	}
+	for (double high = fill->lambda; low < high && high / low > 1 + LAMBDA_STEP;) {
+		double middle = sqrt(low * high);
+		lod_fill_at(fill, middle);
+		*(fill->vertices <= budget ? &high : &low) = middle;
 		fill->lambda = high;
 	}
+	lod_fill_at(fill, fill->lambda);
+	fill->converged = fill->lambda < LAMBDA_MOST;
 	sum_wrong(fill);
 }
 
@@ -318,54 +303,45 @@ static const struct lod_way *way_of(const struct lod_fill *fill, const struct lo
 		fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
 }
 
+/* A summary can have any number of points. */
+static double summary_error(const struct lod_hull *hull, uint64_t vertices)
+{
+	const struct lod_hull_point *b = hull->points;
+	while (b->vertices < vertices)
+		b++;
+	const struct lod_hull_point *a = b - 1;
+	double part = (double)(vertices - a->vertices) / (double)(b->vertices - a->vertices);
+	return lod_hull_error(hull, a) + part * (lod_hull_error(hull, b) - lod_hull_error(hull, a));
+}
+
+uint64_t lod_fill_next(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices,
+	uint64_t to)
+{
+	if (candidate->ladder_choice == ECO_NONE)
+		return to > vertices ? to : vertices + 1;
+	const struct lod_way *way = way_of(fill, candidate);
+	uint64_t next = lod_way_next(way, vertices), further = lod_way_floor(way, to);
+	return next > further ? next : further;
+}
+
 /* From the curve, which is no straight line between hull points. Fewer splats than the first level of several
  * has were not measured: they show their share of it. */
-static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
+double lod_fill_error(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
 	const struct lod_hull *hull = candidate->hull;
-	const struct lod_way *way = way_of(fill, candidate);
 	double none = lod_hull_error(hull, hull->points);
 	if (vertices == hull->points->vertices)
 		return none;
-	uint64_t measured = way->has_splats ? lod_way_level_above(way, 1) : 0;
+	if (candidate->ladder_choice == ECO_NONE)
+		return summary_error(hull, vertices);
+	const struct lod_way *way = way_of(fill, candidate);
+	uint64_t measured = way->has_splats ? lod_way_level_above(way, lod_hull_impostor_levels(way) > 0) : 0;
 	bool part = vertices < measured && !(vertices == 1 && hull->impostor != ECO_NONE);
 	lod_planner_work(fill->allocation->p, LOD_WORK_CURVE);
 	struct lod_hull_point point = lod_hull_point_at(way, part ? measured : vertices, hull->size,
 		hull->impostor);
 	double found = lod_hull_error(hull, &point);
 	return part ? none + (found - none) * (double)vertices / (double)measured : found;
-}
-
-/* Vertices that a plant may draw between candidate->low and candidate->high: those that leave least wrong, of
- * some tried from `vertices` down. Between two points of a hull a curve may rise. With many plants in view only
- * the first is tried: it changes one plant. */
-static uint64_t best_part(const struct lod_fill *fill, const struct lod_candidate *candidate,
-	uint64_t vertices)
-{
-	const struct lod_way *way = way_of(fill, candidate);
-	uint64_t best = candidate->low, to = lod_way_floor(way, vertices);
-	double least = error_at(fill, candidate, best);
-	while (to > candidate->low) {
-		double error = error_at(fill, candidate, to);
-		if (error < least) {
-			least = error;
-			best = to;
-		}
-		if (!fill->allocation->few_plants)
-			break;
-		to = lod_way_floor(way, to - 1 - (to - candidate->low) / PART_STEP);
-	}
-	return best;
-}
-
-/* All plants have `vertices`, at the next hull point or on the way to it. */
-static void reach(struct lod_candidate *candidate, uint64_t vertices)
-{
-	candidate->low = vertices;
-	candidate->ahead = 0;
-	candidate->high = lod_candidate_point(candidate)[1].vertices;
-	if (candidate->low == candidate->high)
-		reach_step(candidate, candidate->step + 1);
 }
 
 /* As many plants as `left` allows take the whole step. */
@@ -378,68 +354,29 @@ static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candida
 	if (spent)
 		candidate->ahead = plants;
 	if (candidate->ahead == candidate->count)
-		reach(candidate, candidate->high);
+		lod_candidate_reach(candidate, candidate->high);
 	return spent;
 }
 
-/* `left` is less than a step of one plant: all plants go part of the way, and some of them one primitive
- * further. */
-static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
-{
-	uint64_t each = left / candidate->count, spent = 0,
-		to = best_part(fill, candidate, each < candidate->high - candidate->low
-		? candidate->low + each : candidate->high);
-	if (to > candidate->low) {
-		spent = (to - candidate->low) * candidate->count;
-		candidate->low = to;
-	}
-	uint64_t next = lod_way_next(way_of(fill, candidate), candidate->low);
-	if (next < candidate->high && next - candidate->low <= left - spent
-			&& error_at(fill, candidate, next) < error_at(fill, candidate, candidate->low)) {
-		uint64_t plants = share_floor(fill, candidate, (left - spent) / (next - candidate->low));
-		if (plants > 0) {
-			candidate->high = next;
-			candidate->ahead = plants;
-			spent += plants * (next - candidate->low);
-		}
-	}
-	return spent;
-}
-
-/* The same where there are many plants: one goes part of the way, the others stay. `left` differs from
+/* `left` is less than a step of one plant: one goes part of the way, the others stay. `left` differs from
  * picture to picture, and the difference must not be visible. */
 static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t plants = candidate->between ? 0 : share_next(fill, candidate, candidate->ahead)
 		- candidate->ahead;
-	uint64_t to = plants ? best_part(fill, candidate, candidate->low + left / plants) : 0;
-	if (to <= candidate->low)
+	uint64_t to = plants ? lod_way_floor(way_of(fill, candidate), candidate->low + left / plants) : 0;
+	if (to <= candidate->low || !(lod_fill_error(fill, candidate, to) < lod_fill_error(fill, candidate,
+			candidate->low)))
 		return 0;
 	candidate->middle = to;
 	candidate->between = plants;
 	return plants * (to - candidate->low);
 }
 
-/* Some plants are ahead, and one more does not fit: one more goes ahead, but all of them less far. */
-static uint64_t fill_thinly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
-{
-	uint64_t had = candidate->ahead * (candidate->high - candidate->low),
-		plants = share_next(fill, candidate, candidate->ahead);
-	uint64_t to = best_part(fill, candidate, candidate->low + (had + left) / plants);
-	if (to <= candidate->low || to >= candidate->high || plants * (to - candidate->low) <= had)
-		return 0;
-	uint64_t spent = plants * (to - candidate->low) - had;
-	candidate->ahead = plants;
-	candidate->high = to;
-	if (plants == candidate->count)
-		reach(candidate, to);
-	return spent;
-}
-
 static uint64_t fill_summary(struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t points = left < candidate->high - candidate->low ? left : candidate->high - candidate->low;
-	reach(candidate, candidate->low + points);
+	lod_candidate_reach(candidate, candidate->low + points);
 	return points;
 }
 
@@ -449,12 +386,7 @@ static uint64_t fill_candidate(struct lod_fill *fill, struct lod_candidate *cand
 	if (candidate->ladder_choice == ECO_NONE)
 		return fill_summary(candidate, left);
 	uint64_t spent = fill_plants(fill, candidate, left);
-	if (spent == 0 && !fill->allocation->few_plants)
-		spent = fill_one_part(fill, candidate, left);
-	else if (spent == 0)
-		spent = candidate->ahead ? fill_thinly(fill, candidate, left)
-			: fill_evenly(fill, candidate, left);
-	return spent;
+	return spent ? spent : fill_one_part(fill, candidate, left);
 }
 
 /* Greedy fill: gives the rest of the budget to candidates in falling order of slope. Sets vertices. False
@@ -645,12 +577,12 @@ double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate
 		&& (!candidate->ahead || candidate->high == a[1].vertices));
 	if (candidate->ladder_choice == ECO_NONE || at_steps)
 		return candidate_wrong(candidate);
-	double now = error_at(fill, candidate, candidate->low), wrong = now, each = 1 / (double)candidate->count;
+	double now = lod_fill_error(fill, candidate, candidate->low), wrong = now, each = 1 / (double)candidate->count;
 	if (candidate->ahead)
-		wrong += each * (double)candidate->ahead * (error_at(fill, candidate, candidate->high) - now);
+		wrong += each * (double)candidate->ahead * (lod_fill_error(fill, candidate, candidate->high) - now);
 	if (candidate->between)
 		wrong += each * (double)candidate->between
-			* (error_at(fill, candidate, candidate->middle) - now);
+			* (lod_fill_error(fill, candidate, candidate->middle) - now);
 	return candidate->seen * wrong;
 }
 
@@ -666,45 +598,12 @@ static bool finish_rest(struct lod_fill *fill, uint64_t budget)
 	return true;
 }
 
-/* Each slot in turn has a step more, which the others make up for at a higher lambda: the greedy fill takes no
- * large step where small ones came first. A change that leaves less wrong is kept. */
-static bool try_steps(struct lod_fill *fill, uint64_t budget)
-{
-	const size_t size = fill->candidate_count * sizeof *fill->candidates;
-	struct lod_fill best = *fill;
-	bool good = (best.candidates = malloc(size + 1));
-	const struct lod_planner *p = fill->allocation->p;
-	for (uint32_t i = 0; good && i < fill->candidate_count && !lod_planner_over(p, 2); i++) {
-		struct lod_candidate *candidate = &fill->candidates[i];
-		if (lod_candidate_ended(candidate))
-			continue;
-		memcpy(best.candidates, fill->candidates, size);
-		best.lambda = fill->lambda;
-		best.vertices = fill->vertices;
-		best.wrong = fill->wrong;
-		candidate->least = candidate->step + 1;
-		fill_at(fill, INFINITY);
-		if (fill->vertices <= budget)
-			lod_fill_search(fill, best.lambda, budget);
-		good = fill->vertices > budget || finish_rest(fill, budget);
-		if (fill->vertices <= budget && fill->wrong < best.wrong)
-			continue;
-		memcpy(fill->candidates, best.candidates, size);
-		fill->lambda = best.lambda;
-		fill->vertices = best.vertices;
-		fill->wrong = best.wrong;
-	}
-	free(best.candidates);
-	return good;
-}
-
-enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool steps, struct eco_error *error)
+enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, struct eco_error *error)
 {
 	struct lod_planner *p = fill->allocation->p;
 	lod_planner_work(p, p->screen.count + LOD_WORK_CHOICE * (uint64_t)fill->candidate_count
 		+ LOD_WORK_TALLY * fill->allocation->tallies);
-	if (!collect_hashes(fill) || !finish_rest(fill, budget)
-			|| (steps && fill->lambda > 0 && !try_steps(fill, budget)))
+	if (!collect_hashes(fill) || !finish_rest(fill, budget))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
 			fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);

@@ -1,13 +1,13 @@
-/* Uses a budget to the last vertex that gains, with tiles and gates fixed. First the lowest lambda whose hull
- * points fit is searched: the dual solution. The rest of the budget goes to further steps in falling order of
- * slope (greedy fill, as in the linear relaxation of the knapsack), down to steps of single plants. With many
- * plants in view all take whole steps but the last, which goes part of the way: the rest differs from
- * picture to picture and must not change more than one plant.
+/* Uses a budget to the last vertex that gains, with tiles and gates fixed. First come the hull points of a lambda
+ * that fits: the dual solution. The rest of the budget goes to further steps in falling order of slope (greedy fill,
+ * as in the linear relaxation of the knapsack), down to steps of single plants. All take whole steps but the last,
+ * which goes part of the way: the rest differs from picture to picture and must not change more than one plant.
  *
  *   lod_allocation_fix(&allocation);                      tiles, gates, counts
  *   lod_fill_make(&fill, &allocation, &error);            the candidates
  *   lod_fill_search(&fill, lambda, budget)                hull points that fit, and the pixels left wrong
- *   lod_fill_finish(&fill, budget, steps, &error)         the rest of the budget; then entries of the plan
+ *   lod_fill_few(&fill, budget, &error)                   few plants in view: the best of all points that fit
+ *   lod_fill_finish(&fill, budget, &error)                the rest of the budget; then entries of the plan
  *   lod_fill_free(&fill) */
 #ifndef LOD_FILL_BUDGET_H
 #define LOD_FILL_BUDGET_H
@@ -23,7 +23,7 @@ struct lod_candidate {               /* a ladder choice for the plants of its sl
 	double weight_px;            /* of one plant: its lambda is that of the hull times this; where many plants
 	                              * are in view the slot's, which changes slowly as a camera moves */
 	double seen;                 /* wrong pixels of all plants at an error of 1 */
-	uint32_t step, least;        /* the last hull point that all plants have reached; it is no lower than this */
+	uint32_t step;               /* the last hull point that all plants have reached */
 	uint64_t low;                /* vertices of each plant, ... */
 	uint64_t high, ahead;        /* ... but `ahead` plants of the smallest hashes have `high` */
 	uint64_t middle, between;    /* and the next `between` plants, on the way there, have `middle`; 0:
@@ -38,9 +38,7 @@ struct lod_fill {
 	uint64_t cheapest;           /* after finish: vertices of the cheapest step of a hull that is left;
 	                              * UINT64_MAX: none */
 	double wrong;
-	bool converged;              /* after search: lambda is known to 1/16384 of its bracket, or everything
-	                              * is drawn; false: the bound on tries came first, and what was found
-	                              * fits if `vertices` says so */
+	bool converged;              /* after search: it fits */
 	uint32_t *hash_first;        /* per slot, into hashes; slot_count + 1 */
 	uint16_t *hashes;            /* of drawn plants, slot by slot, ascending where `sorted` */
 	uint8_t *sorted;             /* per slot */
@@ -50,12 +48,28 @@ struct lod_fill {
 enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *allocation,
 	struct eco_error *error);
 void lod_fill_free(struct lod_fill *fill);
-/* Sets the hull points of the lowest lambda that fits, searched from `lambda` > 0. Where not even the first
- * hull points fit, `vertices` stays above the budget. */
+/* Sets the hull points of a lambda that fits, about the lowest from `lambda` > 0 on; those of 0 if these fit. If not
+ * even the first hull points fit, `vertices` stays above the budget. */
 void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget);
-/* After a search that fits. `steps`: each slot in turn has a step more, if that leaves less wrong; takes the
- * square of the number of candidates. */
-enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool steps, struct eco_error *error);
+/* After a search that fits, where few plants are in view: what all of them draw, and which of them draw a ladder for
+ * the whole plant. */
+enum eco_code lod_fill_few(struct lod_fill *fill, uint64_t budget, struct eco_error *error);
+/* After a search that fits. */
+enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, struct eco_error *error);
+
+/* Sets the hull points of a lambda; sums vertices, not what is wrong. */
+void lod_fill_at(struct lod_fill *fill, double lambda);
+static inline uint64_t lod_candidate_vertices(const struct lod_candidate *candidate)
+{
+	return candidate->count * candidate->low + candidate->ahead * (candidate->high - candidate->low);
+}
+/* All plants of a candidate have `vertices`, at a hull point or on the way to the next; its step is no further. */
+void lod_candidate_reach(struct lod_candidate *candidate, uint64_t vertices);
+/* The error at `vertices`, which a plant may draw: by the curve. */
+double lod_fill_error(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices);
+/* The number that a plant may draw: the greatest up to `to`, but above `vertices`. */
+uint64_t lod_fill_next(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices,
+	uint64_t to);
 
 /* ---- For explain.c ---- */
 

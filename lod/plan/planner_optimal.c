@@ -8,11 +8,9 @@
  *   the lambda that does (the dual solution)
  * - fix the gates and open tiles of that lambda, and use the budget to the last vertex for them
  *   (lod/plan/fill_budget.h)
- * - where few plants are in view and have a ladder that shows the whole plant, fill the budget with and
- *   without it, and keep what leaves less wrong
+ * - where few plants are in view, solve the knapsack of what all of them draw (fill_few.c), for these gates and
+ *   tiles and for those of the next lambda
  * - where the answer has too many bytes, find a price for them and fill once more (lod/plan/price_search.h)
- * - in small scenes, try a step more for each slot, which the others make up for. Trying other gates and tiles
- *   there was measured and is not worth it (lod/EXPERIMENTS.md, Small scenes)
  *
  * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
  * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
@@ -35,8 +33,7 @@
 #define LAMBDAS_PER_PREDICTION 4 /* grid lambdas between two predicted pictures, at most */
 #define LAMBDA_TRIES 8           /* of the search between two grid lambdas, ... */
 #define LAMBDA_SLACK 0.001       /* ... which ends when no more than this share of the budget is unused */
-#define SMALL_SCENE 64u          /* ladder choices, and tiles: below, each slot is tried by itself */
-#define TOGGLE_PASSES 2          /* over all slots, where few plants are in view */
+#define LAMBDA_UNUSED 0.01       /* a larger share asks for other tiles and gates, where few plants are in view */
 #define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
 #define CELLS_PX 1.0             /* ... and cells; less at finer levels */
 #define FINER_OCTAVES 3          /* from one level to the next */
@@ -239,9 +236,10 @@ static enum eco_code fix_structure(const struct lod_lambda_search *s, double lam
 	return ECO_OK;
 }
 
-/* The lambda that uses the budget, between two of the grid (regula falsi). From one grid lambda to the next
+/* The lambda that uses the budget, between two of the grid (regula falsi); *below: one that uses more, 0: there is no
+ * need. From one grid lambda to the next
  * many tiles open and gates rise at once; along this lambda they do so one by one as a camera moves. */
-static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget)
+static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget, double *below)
 {
 	double high = lod_lambda_at(s->index), low = lod_lambda_at(index_after(s, s->index));
 	double enough = (double)budget;
@@ -266,17 +264,12 @@ static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget)
 			side = -1;
 		}
 	}
+	*below = unused > enough * LAMBDA_UNUSED ? low : 0;
 	return high;
 }
 
-static bool is_small(const struct lod_allocation *m)
-{
-	return m->few_plants && m->ladder_choice_count < SMALL_SCENE
-		&& m->p->visible.node_count < SMALL_SCENE;
-}
-
-static enum eco_code fill_structure(const struct lod_lambda_search *s, double lambda, uint64_t budget,
-	bool steps, struct eco_error *error)
+enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,
+	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_fill fill = { 0 };
@@ -287,9 +280,11 @@ static enum eco_code fill_structure(const struct lod_lambda_search *s, double la
 		lod_fill_free(&fill);
 		code = fix_structure(s, lod_lambda_at(s->first - 1), budget, &fill, &wrong, error);
 	}
+	if (!code && m->few_plants && lambda > 0 && !is_enough(s))
+		code = lod_fill_few(&fill, budget, error);
 	m->p->converged = fill.converged;
 	if (!code)
-		code = lod_fill_finish(&fill, budget, steps && is_small(m), error);
+		code = lod_fill_finish(&fill, budget, error);
 	if (!code)
 		lod_explain_tiles(&fill);
 	m->p->cheapest = fill.cheapest;
@@ -297,12 +292,6 @@ static enum eco_code fill_structure(const struct lod_lambda_search *s, double la
 	m->p->fill_lambda = fill.lambda;
 	lod_fill_free(&fill);
 	return code;
-}
-
-enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,
-	struct eco_error *error)
-{
-	return fill_structure(s, lambda, budget, true, error);
 }
 
 /* Do plants draw a ladder for the whole plant? */
@@ -314,113 +303,19 @@ static bool draws_whole(const struct lod_planner *p)
 	return false;
 }
 
-/* The lambda that uses the budget, with the slots' whole_rule. */
-static double lambda_of_rules(const struct lod_lambda_search *s, uint64_t budget)
-{
-	struct lod_allocation *m = s->allocation;
-	int fits = s->first - 1, over = s->last + 1;
-	while (over - fits > 1) {
-		int middle = (fits + over) / 2;
-		lod_allocation_relax(m, lod_lambda_at(middle));
-		*(m->cost.vertices <= (double)budget ? &fits : &over) = middle;
-	}
-	double high = lod_lambda_at(fits), low = lod_lambda_at(over);
-	for (int i = 0; i < LAMBDA_TRIES && low > 0; i++) {
-		double middle = sqrt(low * high);
-		lod_allocation_relax(m, middle);
-		*(m->cost.vertices <= (double)budget ? &high : &low) = middle;
-	}
-	return high;
-}
-
-struct best { double wrong, lambda; }; /* the best fill so far */
-
-/* Fills the budget for a lambda and the slots' whole_rule. Returns whether it is better than the best fill so
- * far, and sets that. */
-static bool improves(const struct lod_lambda_search *s, double lambda, uint64_t budget,
-	struct best *best, enum eco_code *code, struct eco_error *error)
-{
-	const struct lod_planner *p = s->allocation->p;
-	*code = fill_structure(s, lambda, budget, false, error);
-	if (*code || !(p->wrong < best->wrong))
-		return false;
-	*best = (struct best){ p->wrong, lambda };
-	return true;
-}
-
-/* Rules of all slots that have a choice: `to` says which. */
-enum rules { RULES_BY_LAMBDA, RULES_ALL, RULES_NONE, RULES_AS_FILLED, RULES_BEST, RULES_KEEP };
-
-static void set_rules(struct lod_allocation *m, enum rules to)
-{
-	for (uint32_t i = 0; i < m->p->visible.slot_count; i++) {
-		struct lod_slot_choice *choice = &m->slot_choices[i];
-		uint8_t filled = m->p->visible.slots[i].whole ? LOD_WHOLE_ALL : LOD_WHOLE_NONE;
-		const uint8_t rules[] = { LOD_WHOLE_BY_LAMBDA, LOD_WHOLE_ALL, LOD_WHOLE_NONE, filled,
-			choice->best_rule, choice->whole_rule };
-		if (choice->whole_count)
-			*(to == RULES_KEEP ? &choice->best_rule : &choice->whole_rule) = rules[to];
-		lod_allocation_unsettle(m, i);
-	}
-}
-
-/* Tries each slot the other way round. */
-static enum eco_code toggle_slots(const struct lod_lambda_search *s, uint64_t budget, struct best *best,
-	struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	enum eco_code code = ECO_OK;
-	bool better = true;
-	for (int pass = 0; pass < TOGGLE_PASSES && better; pass++) {
-		better = false;
-		for (uint32_t i = 0; i < m->p->visible.slot_count && !code && !is_enough(s); i++) {
-			struct lod_slot_choice *choice = &m->slot_choices[i];
-			if (!choice->whole_count || !m->counts[i])
-				continue;
-			set_rules(m, RULES_BEST);
-			choice->whole_rule = choice->best_rule == LOD_WHOLE_ALL ? LOD_WHOLE_NONE
-				: LOD_WHOLE_ALL;
-			lod_allocation_unsettle(m, i);
-			if (improves(s, lambda_of_rules(s, budget), budget, best, &code, error)) {
-				set_rules(m, RULES_KEEP);
-				better = true;
-			}
-		}
-	}
-	return code;
-}
-
-/* With few plants in view, lambda may be far from the best choice for one of them between a ladder for the
- * whole plant and its organs. Therefore all slots, and none, draw it too; in small scenes each slot is tried
- * the other way round. The plan that leaves least wrong is kept. */
-static enum eco_code try_whole(const struct lod_lambda_search *s, double *lambda, uint64_t budget,
-	struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	double before = m->p->wrong;
-	struct best best = { before, *lambda };
-	enum eco_code code = ECO_OK;
-	set_rules(m, RULES_AS_FILLED);
-	set_rules(m, RULES_KEEP);
-	for (enum rules rules = RULES_ALL; rules <= RULES_NONE && !code && !is_enough(s); rules++) {
-		set_rules(m, rules);
-		if (improves(s, lambda_of_rules(s, budget), budget, &best, &code, error))
-			set_rules(m, RULES_KEEP);
-	}
-	if (!code && is_small(m))
-		code = toggle_slots(s, budget, &best, error);
-	set_rules(m, best.wrong < before ? RULES_BEST : RULES_BY_LAMBDA);
-	*lambda = best.lambda;
-	return code ? code : lod_search_fill(s, best.lambda, budget, error);
-}
-
+/* Few plants may leave much of the budget: the tiles and gates of the next lambda, which does not fit with its
+ * steps, may be better with fewer of these. */
 static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
-	struct lod_allocation *m = s->allocation;
-	s->lambda = s->index == LOD_LAMBDA_COUNT ? lod_lambda_at(s->index) : exact_lambda(s, budget);
-	bool both = m->has_whole && m->few_plants && s->lambda > 0;
-	enum eco_code code = fill_structure(s, s->lambda, budget, !both, error);
-	return code || !both || is_enough(s) ? code : try_whole(s, &s->lambda, budget, error);
+	const struct lod_planner *p = s->allocation->p;
+	double below = 0;
+	s->lambda = s->index == LOD_LAMBDA_COUNT ? lod_lambda_at(s->index) : exact_lambda(s, budget, &below);
+	enum eco_code code = lod_search_fill(s, s->lambda, budget, error);
+	if (code || !s->allocation->few_plants || !(below > 0) || is_enough(s))
+		return code;
+	double wrong = p->wrong;
+	code = lod_search_fill(s, below, budget, error);
+	return code || p->wrong < wrong ? code : lod_search_fill(s, s->lambda, budget, error);
 }
 
 /* ---- Levels of detail ---- */

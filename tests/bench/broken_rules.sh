@@ -20,6 +20,11 @@ Deussen: a blend of half the triangles @ s,(uint32_t)(asked - 2 \* (uint64_t)k),
 Deussen: lines whatever the distance @ s,return width / (r \* d),return width / d + 0 * r,
 @ test_importance lod/plan/planner_deussen.c
 Deussen: importance is 1 @ s,double importance = .*,double importance = 1;,
+@ test_best lod/plan/fill_few.c
+few plants: no ladder for the whole plant @ s,for (uint32_t k = 0\, id = s->ladder_choice_first,for (uint32_t k = s->whole_count\, id = s->ladder_choice_first,
+few plants: hull points alone @ s,if (k + 1 < hull->count),if (k + 1 < hull->count \&\& k > hull->count),
+few plants: none is ahead @ s,ahead = plants; c->count > 1,ahead = plants; c->count > 1000,
+few plants: every option costs a bin @ s,+ f->unit - 1) / f->unit,+ f->unit) / f->unit,
 @ test_importance lod/plan/allocation_weights.c
 ours: importance is 1 @ s,return ladder->importance > 0 .*,return ladder->importance > 0 ? 1 : 1;,
 @ test_rules tests/bench/baseline/paper_cook.c

@@ -66,8 +66,8 @@ TRAPPED(lod_plan_ground, (struct eco_plan *plan, const struct eco_scene *scene, 
 TRAPPED(lod_allocation_make,
 	(struct lod_allocation *allocation, struct lod_planner *p, struct eco_error *error), allocation, p,
 	error)
-TRAPPED(lod_fill_finish, (struct lod_fill *fill, uint64_t budget, bool steps, struct eco_error *error), fill,
-	budget, steps, error)
+TRAPPED(lod_fill_finish, (struct lod_fill *fill, uint64_t budget, struct eco_error *error), fill,
+	budget, error)
 TRAPPED(lod_plant_build,
 	(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	struct eco_error *error), plant, model, options, error)
