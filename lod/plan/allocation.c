@@ -469,6 +469,15 @@ static void relax_all(struct lod_allocation *m)
 		* (uint64_t)m->p->visible.node_count + LOD_WORK_SUMMARY * (m->p->gains - gains));
 }
 
+void lod_allocation_relax_plants(struct lod_allocation *m, double lambda)
+{
+	m->lambda = lambda;
+	m->relaxed.lambda = NAN;
+	uint64_t looks = relax_slots(m);
+	relax_gates(m);
+	lod_planner_work(m->p, LOD_WORK_CHOICE * looks);
+}
+
 void lod_allocation_relax(struct lod_allocation *m, double lambda)
 {
 	bool limits = m->price > 0 && !m->limited;
@@ -484,8 +493,6 @@ void lod_allocation_relax(struct lod_allocation *m, double lambda)
 	}
 	if (m->price > 0)
 		lod_prices_tighten(m);
-	if (limits)
-		lod_prices_keep(m);
 	m->cost = m->tile_choices[0].cost;
 	m->relaxed.lambda = lambda;
 	m->relaxed.price = m->price;

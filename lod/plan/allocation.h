@@ -231,6 +231,8 @@ void lod_allocation_set_impostors(struct lod_allocation *allocation, const doubl
 /* Sets p->gates too. At lambda 0 every step is taken; above a price of 0, every one within the limits. Does
  * nothing where the last relaxation was the same. */
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
+/* The same of slots and gates alone, within the limits that there are: tiles stay as they are. */
+void lod_allocation_relax_plants(struct lod_allocation *allocation, double lambda);
 static inline bool lod_allocation_is_relaxed(const struct lod_allocation *allocation, double lambda,
 	double price, double limits)
 {
@@ -271,6 +273,7 @@ struct lod_lambda_search {
 	struct lod_outcome here, next;       /* there, and at the next lambda */
 	double lambda;                       /* of the answer */
 	double price;                        /* of a byte in the answer where bytes do not bind; 0: none */
+	bool exact;                          /* few plants: each fill solves the knapsack */
 };
 
 void lod_search_free(struct lod_lambda_search *s);       /* NULL is fine */

@@ -314,7 +314,7 @@ static void judge_organs(struct lod_allocation *m)
 			* fmax(0, choice->organs_saved) + near * fmax(0, each));
 	}
 	for (uint32_t i = 0; i < plants; i++)
-		if (!prices->organs_kept[i] && prices->spent[i] > 0
+		if (prices->spent[i] > 0
 				&& prices->saved[i] < m->price * prices->spent[i])
 			prices->organs_off[i] = true;
 }
@@ -324,38 +324,15 @@ bool lod_prices_organs_off(const struct lod_allocation *m, uint32_t plant)
 	return m->price > 0 && m->prices->organs_off[plant];
 }
 
-void lod_prices_keep_organs(struct lod_allocation *m, uint32_t plant, bool kept)
+void lod_kinds_set(struct lod_allocation *m, const struct lod_mix *mix)
 {
-	if (m->prices->organs_kept[plant] == kept)
-		return;
-	m->prices->organs_kept[plant] = kept;
-	m->prices->kept_lambda = m->relaxed.lambda = NAN;
-}
-
-uint32_t lod_prices_dearest(struct lod_allocation *m)
-{
-	const struct lod_prices *prices = m->prices;
-	uint32_t most = ECO_NONE;
-	judge_organs(m);
-	for (uint32_t i = 0; i < m->p->scene->plant_count; i++) {
-		bool asked = !prices->organs_kept[i] && !prices->organs_off[i] && prices->noted[i];
-		if (asked && prices->spent[i] > (most == ECO_NONE ? 0 : prices->spent[most]))
-			most = i;
+	memcpy(m->prices->organs_off, mix->off, m->p->scene->plant_count);
+	for (uint32_t i = 0; i < m->prices->image_count; i++)
+		m->prices->images[i].level = mix->levels[m->prices->images[i].plant];
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		m->prices->ladders[i].limit = mix->limits[i];
+		apply_limit(m, &m->prices->ladders[i]);
 	}
-	return most;
-}
-
-void lod_prices_note_off(struct lod_allocation *m)
-{
-	memcpy(m->prices->noted, m->prices->organs_off, m->p->scene->plant_count);
-}
-
-const bool *lod_prices_kept(const struct lod_allocation *m) { return m->prices->organs_kept; }
-
-void lod_prices_set_kept(struct lod_allocation *m, const bool *kept)
-{
-	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		lod_prices_keep_organs(m, i, kept && kept[i]);
 }
 
 void lod_prices_lift(struct lod_allocation *m)
@@ -395,25 +372,6 @@ void lod_prices_tighten(struct lod_allocation *m)
 	}
 }
 
-void lod_prices_keep(struct lod_allocation *m)
-{
-	m->prices->kept_lambda = m->lambda;
-	m->prices->kept_price = m->price;
-	for (uint32_t i = 0; i < m->prices->ladder_count; i++)
-		m->prices->ladders[i].kept = m->prices->ladders[i].limit;
-}
-
-bool lod_prices_restore(struct lod_allocation *m, double lambda)
-{
-	if (m->prices->kept_lambda != lambda || m->prices->kept_price != m->price)
-		return false;
-	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
-		m->prices->ladders[i].limit = m->prices->ladders[i].kept;
-		apply_limit(m, &m->prices->ladders[i]);
-	}
-	return true;
-}
-
 double lod_prices_lost(const struct lod_allocation *m)
 {
 	double sum = 0;
@@ -439,7 +397,31 @@ void lod_prices_lost_of(const struct lod_allocation *m, double *lost)
 	}
 }
 
-double lod_prices_lists(const struct lod_allocation *m)
+uint32_t lod_prices_ladders(const struct lod_allocation *m) { return m->prices->ladder_count; }
+
+uint32_t lod_prices_kind(const struct lod_allocation *m, uint32_t ladder)
+{
+	return m->p->scene->ladders[m->prices->ladders[ladder].ladder].plant;
+}
+
+void lod_prices_of_kinds(struct lod_allocation *m, double *bytes, double *wrong)
+{
+	for (uint32_t i = 0; i < m->prices->image_count; i++)
+		m->prices->images[i].used = false;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		struct ladder_price *l = &m->prices->ladders[i];
+		double bare, shown = shown_px(m, l, &bare);
+		uint32_t kind = lod_prices_kind(m, i), used = find_used(m, l);
+		bytes[kind] += l->used.bytes + levels_bytes(m, l);
+		wrong[kind] += l->whole_lost + bare * l->bare_lost + shown * l->image_lost;
+		if (used < l->textured || m->prices->images[l->image].used)
+			continue;
+		m->prices->images[l->image].used = true;
+		bytes[kind] += m->prices->images[l->image].bytes;
+	}
+}
+
+static double lists_bytes(const struct lod_allocation *m)
 {
 	double sum = 0;
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
@@ -478,7 +460,7 @@ static double unpaid_bytes(const struct lod_allocation *m)
 
 double lod_prices_bytes(struct lod_allocation *m)
 {
-	double sum = m->cost.bytes + unpaid_bytes(m) + lod_prices_lists(m);
+	double sum = m->cost.bytes + unpaid_bytes(m) + lists_bytes(m);
 	for (uint32_t i = 0; i < m->prices->image_count; i++)
 		m->prices->images[i].used = false;
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {

@@ -39,21 +39,22 @@ void lod_prices_free(struct lod_allocation *allocation);      /* none made: fine
  * that these have something to be compared with. */
 void lod_prices_lift(struct lod_allocation *allocation);
 void lod_prices_limit(struct lod_allocation *allocation, bool first, bool last);
-/* Whether a plant's organs are drawn whatever they save, or where they save what they cost. */
-void lod_prices_keep_organs(struct lod_allocation *allocation, uint32_t plant, bool kept);
-/* Per plant; to be stored, and set again. NULL: none are kept. */
-const bool *lod_prices_kept(const struct lod_allocation *allocation);
-void lod_prices_set_kept(struct lod_allocation *allocation, const bool *kept);
-/* The plant whose organs take the most bytes now, of those that are not kept and whose organs were not drawn
- * when lod_prices_note_off was called; ECO_NONE: there is none. */
-uint32_t lod_prices_dearest(struct lod_allocation *allocation);
-void lod_prices_note_off(struct lod_allocation *allocation);
 /* Sets limits to what the last relaxation chose: filling a budget pays for no more. */
 void lod_prices_tighten(struct lod_allocation *allocation);
-/* Keeps the limits of the last relaxation, which made them; sets them again where they are those of this
- * lambda and of the allocation's price, else returns false. */
-void lod_prices_keep(struct lod_allocation *allocation);
-bool lod_prices_restore(struct lod_allocation *allocation, double lambda);
+/* Limits of all ladders in view; per plant, whether none of its organs is drawn, and which of lod_kinds_levels its
+ * textures pay; the price of tiles, log2. Set, they are those of the next relaxation that makes none. */
+struct lod_mix { uint32_t *limits; bool *off; uint8_t *levels; double octave; bool used; };
+extern const double lod_kinds_levels[];          /* times the price of tiles */
+void lod_kinds_set(struct lod_allocation *allocation, const struct lod_mix *mix);
+/* The plant that a ladder in view is of. Adds to each plant's bytes those of its lists, as the last relaxation chose
+ * them, and to its wrong pixels those for want of textures. */
+uint32_t lod_prices_kind(const struct lod_allocation *allocation, uint32_t ladder);
+void lod_prices_of_kinds(struct lod_allocation *allocation, double *bytes, double *wrong);
+uint32_t lod_prices_ladders(const struct lod_allocation *allocation);
+/* Where a price, log2, leaves some of `target` bytes: the mix of limits that leaves least wrong within them. Relaxes
+ * with it, or without where it is no better, and returns the bytes. */
+double lod_kinds_share(struct lod_allocation *allocation, double lambda, double target, double octave,
+	struct lod_mix *mix);
 /* Are no organs of this plant drawn, by any of its plants? */
 bool lod_prices_organs_off(const struct lod_allocation *allocation, uint32_t plant);
 
@@ -72,8 +73,6 @@ struct lod_hull_point *lod_prices_room(struct lod_allocation *allocation, uint32
 void lod_prices_levels(struct lod_allocation *allocation);
 /* Bytes of what the last relaxation chose; wrong pixels for want of textures, or of levels of them. */
 double lod_prices_bytes(struct lod_allocation *allocation);
-/* The part of these that is neither of tiles nor of textures. */
-double lod_prices_lists(const struct lod_allocation *allocation);
 double lod_prices_lost(const struct lod_allocation *allocation);
 /* Pixels of one plant, per slot, that are covered wrongly as outlines are coarse. */
 void lod_prices_lost_of(const struct lod_allocation *allocation, double *lost);

@@ -319,12 +319,9 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 	struct lod_prices *prices = m->prices = calloc(1, sizeof *prices);
 	if (prices) {
 		prices->kept = kept;
-		prices->kept_lambda = NAN;
 		prices->factor = waste;
 	}
 	bool good = prices && (prices->organs_off = calloc(plants + 1u, sizeof *prices->organs_off))
-		&& (prices->organs_kept = calloc(plants + 1u, sizeof *prices->organs_kept))
-		&& (prices->noted = calloc(plants + 1u, sizeof *prices->noted))
 		&& (prices->saved = malloc((plants + 1u) * sizeof *prices->saved))
 		&& (prices->spent = malloc((plants + 1u) * sizeof *prices->spent))
 		&& make_ladders(m) && make_tiles(m) && make_room(m);
@@ -361,8 +358,6 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->part);
 	free(prices->shared);
 	free(prices->organs_off);
-	free(prices->organs_kept);
-	free(prices->noted);
 	free(prices->saved);
 	free(prices->spent);
 	free(prices);

@@ -27,7 +27,7 @@ struct ladder_price {
 	bool *rests;                 /* and whether some choice stays there, ... */
 	double lambda;               /* ... at this lambda, by what was drawn then; not a number: not known */
 	struct price used;           /* of what the last relaxation draws */
-	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
+	uint32_t limit;              /* the last step that may be drawn */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
 	float *shown;                /* per step: share of what is drawn that shows the texture; ... */
@@ -42,6 +42,9 @@ struct ladder_price {
 /* A texture: levels of colours, and of its outline. */
 struct image_price {
 	uint32_t list, outline, users[2];    /* outline: or ECO_NONE; users: ladders of whole plants, of cells */
+	uint32_t plant;              /* of the first ladder that shows it */
+	uint8_t level;               /* of lod_kinds_levels, where limits are a mix; its price then */
+	double price;
 	uint32_t most, levels;       /* of colours, that the view resolves; that are worth their bytes */
 	uint32_t outline_levels;     /* likewise; 0: there is no outline */
 	double bytes, waste;         /* of all these */
@@ -51,7 +54,6 @@ struct image_price {
 
 struct lod_prices {
 	const struct eco_holdings *kept;     /* chunks that come anyway; NULL: all count alike */
-	double kept_lambda, kept_price;      /* of limits; lambda not a number: none are kept */
 	double factor;               /* times their bytes, that others cost beside these */
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;
@@ -68,8 +70,6 @@ struct lod_prices {
 	struct lod_hull_point *room; /* for hulls of summaries */
 	uint32_t *room_first;        /* per node */
 	bool *organs_off;            /* per plant */
-	bool *noted;                 /* per plant: they were when lod_prices_note_off was called */
-	bool *organs_kept;           /* per plant */
 	double *saved, *spent;       /* per plant: by its organs */
 };
 

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/format/texture.h"
+#include "lod/plan/byte_price.h"
 #include "lod/plan/texture_levels.h"
 
 /* Pixels that a texel of a ladder's texture is wide where a choice stands. */
@@ -97,6 +98,7 @@ bool lod_images_make(struct lod_allocation *m)
 			if (!of[l->image]) {
 				of[l->image] = ++prices->image_count;
 				prices->images[prices->image_count - 1] = image_price_of(m, l->image);
+				prices->images[prices->image_count - 1].plant = ladder->plant;
 			}
 			l->image = of[l->image] - 1;
 			prices->images[l->image].users[cell]++;
@@ -149,14 +151,15 @@ static void add_texel_costs(const struct lod_allocation *m, struct ladder_price 
 }
 
 /* Levels of an outline that are worth their bytes where so many pixels are seen through it; *lost: wrong. */
-static uint32_t outline_levels(const struct lod_allocation *m, uint32_t outline, double pixels, double *lost)
+static uint32_t outline_levels(const struct lod_allocation *m, const struct image_price *image, double pixels,
+	double *lost)
 {
-	uint32_t all = levels_of(m, outline), best = all;
+	uint32_t outline = image->outline, all = levels_of(m, outline), best = all;
 	double least = INFINITY;
 	*lost = 0;
 	for (uint32_t n = all; n > 0 && pixels > 0; n--) {
 		double wrong = pixels * lod_outline_loss(m->p, outline, n),
-			cost = wrong + m->price * missing_levels(m, outline, n);
+			cost = wrong + image->price * missing_levels(m, outline, n);
 		if (cost < least) {
 			least = cost;
 			best = n;
@@ -180,11 +183,11 @@ static double limit_texture(struct lod_allocation *m, uint32_t i, double *outlin
 			pixels += prices->ladders[k].seen_px;
 		}
 	for (uint32_t n = 1; n <= image->most && pixels > 0; n++) {
-		double cost = costs[n] + m->price * missing_levels(m, image->list, n);
+		double cost = costs[n] + image->price * missing_levels(m, image->list, n);
 		best = cost < least ? n : best;
 		least = fmin(least, cost);
 	}
-	set_levels(m, image, best, outline_levels(m, image->outline, pixels, &lost));
+	set_levels(m, image, best, outline_levels(m, image, pixels, &lost));
 	*outline = pixels > 0 ? lost / pixels : 0;
 	return pixels > 0 ? (lost + costs[best] - costs[image->most]) / pixels : 0;
 }
@@ -192,6 +195,7 @@ static double limit_texture(struct lod_allocation *m, uint32_t i, double *outlin
 void lod_images_limit(struct lod_allocation *m)
 {
 	for (uint32_t i = 0; i < m->prices->image_count; i++) {
+		m->prices->images[i].price = m->price * (m->limited ? lod_kinds_levels[m->prices->images[i].level] : 1);
 		double outline, lost = limit_texture(m, i, &outline);
 		for (uint32_t k = 0; k < m->prices->ladder_count; k++) {
 			struct ladder_price *l = &m->prices->ladders[k];

@@ -18,29 +18,20 @@
 #define PRICE_ENOUGH 0.95        /* ... until they use so much of the budget */
 #define PRICE_FAR 3.0            /* logarithm: lambdas further apart say little of those between, ... */
 #define PRICE_POWER 1.25         /* ... which fall with this power of the vertices */
-#define PRICE_GAPS 4             /* filled after each other */
-#define GAP_LARGE 0.33           /* of the bytes that are left */
 /* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
  * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
 #define BYTES_WORK 5
 #define CURVE_SHARE 0.8          /* of an answer's bytes, that plants usually get */
 #define FEW_FALL 4               /* vertices of one try over those of the next, where hardly any fit */
-#define SIZE_TRIES 4             /* answers whose bytes are counted; ... */
-#define SIZE_TRIES_MORE 2        /* ... where much is known of them */
-/* beside their bytes chunks cost so many times these that the answer without a limit lacks, ... */
-#define WASTE_FIT 1.0
-#define WASTE_COARSER 3.0        /* ... and in coarser answers those that the answer lacks */
-/* without a budget a byte of a plant's lists must set this share of the plants' pixels right: 100 kB a
- * thousandth; where too much would be missed then, ... */
-#define SPARE_WORTH 1e-8
-#define SPARE_NEXT 0.25          /* ... so much of that, at so many prices */
-#define SPARE_PRICES 2
+#define SIZE_MARGIN 0.002        /* of the bytes, since what is beside differs from one answer to the next */
+#define SIZE_TRIES 5             /* answers whose bytes are counted */
+#define WASTE_COARSER 3.0        /* beside their bytes chunks of coarser answers cost so many times these that the answer lacks */
+#define SPARE_WORTH 1e-8         /* without a budget a byte of a plant's lists must set this share of the plants' pixels
+                                  * right: 100 kB a thousandth */
 #define SPARE_WRONG 0.005        /* missed is no more than this share of what is wrong before, ... */
 #define SPARE_PIXELS 0.0002      /* ... or of the plants' pixels */
 #define SPARE_VERTEX 8.0         /* bytes that a vertex is worth, at most: else lists that save vertices go */
-#define SPARE_LAMBDAS 4          /* tried for each price: ... */
-#define SPARE_LAMBDA 0.95        /* ... so many times that of the answer before, ... */
-#define SPARE_LAMBDA_NEXT 0.67   /* ... then of the one tried before */
+#define SPARE_LAMBDA 0.8         /* times that of the answer before: with fewer lists a vertex saves less */
 #define SWEEP_FIRST -10.0        /* octaves: at lower prices hardly anything is left out */
 #define SWEEP_SLOPE -0.5         /* at first, and within ... */
 #define SWEEP_SLOPE_LEAST -2.0
@@ -87,28 +78,23 @@ enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
 }
 
 struct fitted {
-	double size, lambda;         /* size: bytes */
-	struct lod_price at;
-	double near, lowest;         /* a price that nearly fits, while `at` is not a number, and vertices at
-	                              * the lowest lambda there */
-	bool *organs;                /* per plant, as lod_prices_kept */
-	const struct eco_holdings *kept;     /* as in lod_prices_make */
-	bool first;                  /* tells what is beside: gaps are filled in the next answer */
+	double size, lambda, octave; /* size: bytes; octave: of the price, not a number before the first answer */
+	double near, lowest;         /* until then: a price that nearly fits, and vertices at the lowest lambda there */
+	struct lod_mix mix;
+	bool first;                  /* tells what is beside: kinds share bytes in the next answer */
 	double wrong;                /* pixels that it leaves */
 	double beside;               /* bytes of the answer beside those that are priced */
 	bool both;                   /* vertices bind, too */
 };
 
-/* Gaps between prices are filled where all chunks count alike, else they are others, and seldom; once the
- * work is done, one that is large. */
-static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, double target, double over)
+/* Kinds share what a price leaves. */
+static double relax_and_share(struct lod_allocation *m, struct fitted *fit, double target)
 {
-	double bytes = lod_price_relax(m, fit->lambda, &fit->at);
-	bool done = lod_planner_over(m->p, 3);
-	if (fit->kept || lod_planner_spent(m->p) || (fit->first && !done)
-			|| (done && bytes > (1 - GAP_LARGE) * target))
+	fit->mix.used = false;
+	double bytes = lod_price_relax(m, fit->lambda, fit->octave, NULL);
+	if (lod_planner_spent(m->p) || (fit->first && !lod_planner_over(m->p, 4)))
 		return bytes;
-	return lod_price_fill(m, fit->lambda, target, &fit->at, over, done ? 1 : PRICE_GAPS);
+	return lod_kinds_share(m, fit->lambda, target, fit->octave, &fit->mix);
 }
 
 /* Lambdas between which the one lies that uses the vertices at the price that uses the bytes, and vertices
@@ -136,25 +122,21 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	struct lod_allocation *m = s->allocation;
 	double low = lod_lambda_at(s->last), high = s->index == LOD_LAMBDA_COUNT ? low
 		: fmax(low, lod_lambda_at(s->index));
-	bool again = !isnan(fit->at.tiles), both = !again && fit->lowest > (double)budget;
-	double least = INFINITY, near = again ? fit->at.tiles : fit->near, over = near, top = high,
-		lowest = fit->lowest;
+	bool again = !isnan(fit->octave), both = !again && fit->lowest > (double)budget;
+	double least = INFINITY, near = again ? fit->octave : fit->near, top = high, lowest = fit->lowest;
 	fit->lambda = again ? fit->lambda : low;
 	if (!both) {
-		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ near, false }, &fit->at,
-			&over);
+		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ near, false }, &fit->octave);
 		lowest = m->cost.vertices;
 		both = !again && lowest > (double)budget;
-		near = fit->at.tiles;
+		near = fit->octave;
 	}
 	struct within span = { low, high, lowest, 0 };
 	for (int i = 0; both && i <= PRICE_LAMBDAS && (!i || span.low < span.high)
 			&& span.under < PRICE_ENOUGH * (double)budget
 			&& !(i > 1 && lod_planner_over(m->p, 3)); i++) {
-		double lambda = i ? next_lambda(&span, (double)budget, i == 2) : high, beyond;
-		struct lod_price at;
-		lod_price_find(m, lambda, target, &(struct lod_price_near){ near, true }, &at, &beyond);
-		near = at.tiles;
+		double lambda = i ? next_lambda(&span, (double)budget, i == 2) : high;
+		lod_price_find(m, lambda, target, &(struct lod_price_near){ near, true }, &near);
 		bool fits = m->cost.vertices <= (double)budget;
 		*(fits ? &span.high : &span.low) = lambda;
 		*(fits ? &span.under : &span.over) = m->cost.vertices;
@@ -162,40 +144,42 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 			continue;
 		least = fits ? lod_price_wrong(m) : INFINITY;
 		fit->lambda = lambda;
-		fit->at = at;
-		over = beyond;
+		fit->octave = near;
 	}
 	fit->both |= both;
 	if (both && !lod_planner_over(m->p, 3))
-		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->at.tiles, false },
-			&fit->at, &over);
-	double bytes = relax_and_fill(m, fit, target, over);
+		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false },
+			&fit->octave);
+	double bytes = relax_and_share(m, fit, target);
 	/* where more bytes come, a vertex may have to save more */
 	for (int i = 1; m->cost.vertices > (double)budget && i <= PRICE_RAISES; i++) {
 		fit->lambda = i < PRICE_RAISES ? sqrt(fit->lambda * top) : top;
-		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->at.tiles, false },
-			&fit->at, &over);
-		bytes = relax_and_fill(m, fit, target, over);
+		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false },
+			&fit->octave);
+		bytes = relax_and_share(m, fit, target);
 	}
-	memcpy(fit->organs, lod_prices_kept(m), m->p->scene->plant_count * sizeof *fit->organs);
 	return bytes;
 }
 
 static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct fitted *fit, uint64_t budget,
 	struct eco_error *error)
 {
-	lod_prices_set_kept(s->allocation, fit->organs);
-	lod_price_relax(s->allocation, fit->lambda, &fit->at);
+	lod_price_relax(s->allocation, fit->lambda, fit->octave, &fit->mix);
 	enum eco_code code = lod_search_fill(s, fit->lambda, budget, error);
 	return code ? code : lod_bytes_size(s->allocation->p, error);
 }
 
-static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t plants)
+/* Keeps arrays of a mix, too. */
+static void keep_fitted(const struct lod_planner *p, uint32_t ladders, struct fitted *best, const struct fitted *now)
 {
-	bool *organs = best->organs;
-	memcpy(organs, now->organs, plants * sizeof *organs);
+	struct lod_mix mix = best->mix;
+	memcpy(mix.limits, now->mix.limits, ladders * sizeof *mix.limits);
+	memcpy(mix.off, now->mix.off, p->scene->plant_count);
+	memcpy(mix.levels, now->mix.levels, p->scene->plant_count);
+	mix.octave = now->mix.octave;
+	mix.used = now->mix.used;
 	*best = *now;
-	best->organs = organs;
+	best->mix = mix;
 }
 
 static bool is_among(const double *tried, int count, double bytes)
@@ -228,8 +212,8 @@ static double next_target(struct tried *tried, double most, double bytes, double
 static enum eco_code fill_dearer(const struct lod_lambda_search *s, struct fitted *fit, double more,
 	uint64_t budget, struct eco_error *error)
 {
-	fit->at.lists = fmin(LOD_PRICE_HIGHEST, fit->at.lists + more);
-	fit->at.tiles = fmin(LOD_PRICE_HIGHEST, fmax(fit->at.lists, fit->at.tiles + more));
+	fit->octave = fmin(LOD_PRICE_HIGHEST, fit->octave + more);
+	fit->mix.used = false;
 	return fill_fitted(s, fit, budget, error);
 }
 
@@ -241,11 +225,11 @@ static enum eco_code lower_while_fits(const struct lod_lambda_search *s, struct 
 	const uint64_t most = p->input->request->bytes;
 	enum eco_code code = ECO_OK;
 	for (; !code && less > PRICE_BACK && p->bytes < most / 2; less /= 2) {
-		const struct lod_price fits = fit->at;
+		const double fits = fit->octave;
 		code = fill_dearer(s, fit, -less, budget, error);
 		if (code || p->bytes <= most)
 			continue;
-		fit->at = fits;
+		fit->octave = fits;
 		code = fill_fitted(s, fit, budget, error);
 	}
 	return code;
@@ -258,60 +242,9 @@ static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct 
 	const struct lod_planner *p = s->allocation->p;
 	double more = PRICE_MORE;
 	enum eco_code code = ECO_OK;
-	for (; !code && p->bytes > p->input->request->bytes && fit->at.lists < LOD_PRICE_HIGHEST; more *= 2)
+	for (; !code && p->bytes > p->input->request->bytes && fit->octave < LOD_PRICE_HIGHEST; more *= 2)
 		code = fill_dearer(s, fit, more, budget, error);
 	return code ? code : lower_while_fits(s, fit, more / 4, budget, error);
-}
-
-/* Fits best->kept, for which prices are made, from those of `first` on. What an answer has beside what is
- * priced, records and the plan itself, is learnt from the answers tried. `room`: per plant, for organs. */
-static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget,
-	const struct fitted *first, struct fitted *best, bool *room, struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	struct lod_planner *p = m->p;
-	uint32_t plants = p->scene->plant_count;
-	enum eco_code code = ECO_OK;
-	struct fitted now = *first;
-	now.organs = room;
-	now.kept = best->kept;
-	now.size = 0;
-	now.wrong = 0;
-	now.both = false;
-	double most = (double)p->input->request->bytes, tried[SIZE_TRIES];
-	struct tried between = { 0, INFINITY, 0, 0 };
-	bool last = false;               /* the last answer is the best */
-	for (int i = 0; i < (best->kept ? SIZE_TRIES_MORE : SIZE_TRIES) && !code; i++) {
-		now.first = i == 0;
-		double before = now.size, bytes = tried[i] = find_prices(s, most - now.beside, budget, &now);
-		if (is_among(tried, i, bytes)) {         /* there is a gap: tries what lies beyond it */
-			if (now.size > most || best->kept)
-				break;
-			now.beside -= most - now.size;
-			continue;
-		}
-		code = fill_fitted(s, &now, budget, error);
-		now.size = (double)p->bytes;
-		now.wrong = p->wrong;
-		bool fits = now.size <= most, fitted = best->size <= most;
-		last = !code && (fits && fitted ? now.wrong < best->wrong : now.size < best->size);
-		if (last)
-			keep_fitted(best, &now, plants);
-		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK))
-				|| (best->size <= most && lod_planner_over(p, 4)) || (i > 0 && lod_planner_spent(p)))
-			break;
-		now.beside = most - next_target(&between, most, bytes, now.size);
-	}
-	if (!code && !last)
-		code = fill_fitted(s, best, budget, error);
-	/* what was computed of summaries since then may change the choice a little */
-	if (!code && (double)p->bytes > most)
-		code = raise_until_fits(s, best, budget, error);
-	if (!code && !p->vertices)
-		code = lower_while_fits(s, best, PRICE_FAR_BACK, budget, error);
-	best->size = (double)p->bytes;
-	best->wrong = best->size <= most ? p->wrong : INFINITY;
-	return code;
 }
 
 /* The prediction, which depends on the bytes that plants usually get, whatever the answer is. */
@@ -328,34 +261,75 @@ static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod
 	return code;
 }
 
-/* Twice: with all chunks alike, and with those of the answer without a limit of bytes before others. Neither
- * is always better, as plants' lists come at once (lod/EXPERIMENTS.md, Fitted twice). */
-static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budget,
-	const struct eco_holdings *kept, bool *room, struct eco_error *error)
+/* What an answer has beside what is priced, records and the plan itself, is learnt from the answers tried. */
+static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget, struct fitted *now,
+	struct fitted *best, struct eco_error *error)
 {
-	uint32_t plants = s->allocation->p->scene->plant_count;
-	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
-	const double lambda = lod_lambda_at(s->last);
-	struct fitted alike = { .size = INFINITY, .lambda = lambda, .at = highest, .wrong = INFINITY,
-		.organs = room + plants }, other = alike;
-	other.organs += plants;
-	other.kept = kept;
+	struct lod_allocation *m = s->allocation;
+	struct lod_planner *p = m->p;
+	const uint32_t ladders = lod_prices_ladders(m);
+	enum eco_code code = ECO_OK;
+	double most = (double)p->input->request->bytes, tried[SIZE_TRIES];
+	struct tried between = { 0, INFINITY, 0, 0 };
+	bool last = false;               /* the allocation is that of the best answer */
+	for (int i = 0; i < SIZE_TRIES && !code; i++) {
+		now->first = i == 0;
+		double before = now->size, bytes = tried[i] = find_prices(s, most - now->beside, budget, now);
+		if (is_among(tried, i, bytes)) {         /* there is a gap: tries what lies beyond it */
+			now->beside += now->size - most;
+			last = false;
+			continue;
+		}
+		code = fill_fitted(s, now, budget, error);
+		now->size = (double)p->bytes;
+		now->wrong = p->wrong;
+		bool fits = now->size <= most, fitted = best->size <= most;
+		last = !code && (fits && fitted ? now->wrong < best->wrong : now->size < best->size);
+		if (last)
+			keep_fitted(p, ladders, best, now);
+		if (now->size == before || (now->size <= most && now->size >= most * (1 - LOD_PRICE_SLACK))
+				|| (best->size <= most && lod_planner_over(p, 4)
+				&& !(now->size > most && now->size < most * (1 + LOD_PRICE_SLACK)))
+				|| (i > 0 && lod_planner_spent(p)))
+			break;
+		now->beside = most - next_target(&between, most, bytes, now->size) + SIZE_MARGIN * most;
+	}
+	if (!code && !last)
+		code = fill_fitted(s, best, budget, error);
+	/* what was computed of summaries since then may change the choice a little */
+	if (!code && (double)p->bytes > most)
+		code = raise_until_fits(s, best, budget, error);
+	if (!code && !p->vertices)
+		code = lower_while_fits(s, best, PRICE_FAR_BACK, budget, error);
+	return code;
+}
+
+static enum eco_code fit_bytes(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
 	struct lod_price_point point;
-	enum eco_code code = lod_prices_make(s->allocation, NULL, 0, error);
+	enum eco_code code = lod_prices_make(m, NULL, 0, error);
 	if (!code)
 		code = predict_bytes(s, &point, error);
-	const struct fitted unknown = { .at = { NAN, NAN }, .near = point.octave, .lowest = point.lowest };
-	if (!code)
-		code = fit_prices(s, budget, &unknown, &alike, room, error);
-	bool twice = !code && !lod_planner_over(s->allocation->p, 4);
-	if (twice)
-		code = lod_prices_make(s->allocation, kept, WASTE_FIT, error);
-	if (!code && twice)
-		code = fit_prices(s, budget, &alike, &other, room, error);
-	if (code || other.wrong < alike.wrong)
+	if (code)
 		return code;
-	code = lod_prices_make(s->allocation, NULL, 0, error);
-	return code ? code : fill_fitted(s, &alike, budget, error);
+	size_t ladders = lod_prices_ladders(m), plants = m->p->scene->plant_count;
+	uint32_t *limits = malloc((2 * ladders + 1) * sizeof *limits);
+	bool *off = malloc(2 * plants + 1);
+	uint8_t *levels = malloc(2 * plants + 1);
+	struct fitted now = { .lambda = lod_lambda_at(s->last), .octave = NAN, .near = point.octave,
+		.lowest = point.lowest, .mix = { limits, off, levels, 0, false } }, best = now;
+	best.mix.limits += ladders;
+	best.mix.off += plants;
+	best.mix.levels += plants;
+	best.size = INFINITY;
+	best.octave = LOD_PRICE_HIGHEST;
+	code = limits && off && levels ? fit_prices(s, budget, &now, &best, error)
+		: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %zu ladders", ladders);
+	free(limits);
+	free(off);
+	free(levels);
+	return code;
 }
 
 static enum eco_code needs_of_entries(const struct lod_planner *p, struct eco_holdings *needs,
@@ -389,11 +363,9 @@ static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget,
 	const uint64_t most = p->input->request->bytes;
 	int fits = s->first - 1, over = s->index < s->last ? s->index + 1 : s->last + 1;
 	uint64_t few = 0, many = budget;
-	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
 	const double image_price = p->image_price;
 	enum eco_code code = ECO_OK;
-	lod_prices_set_kept(m, NULL);
-	lod_price_relax(m, lod_lambda_at(fits), &highest);
+	lod_price_relax(m, lod_lambda_at(fits), LOD_PRICE_HIGHEST, NULL);
 	p->price = m->price;
 	lod_prices_lift(m);
 	m->price = 0;
@@ -415,7 +387,7 @@ static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget,
 	}
 	if (code)
 		return code;
-	lod_price_relax(m, lod_lambda_at(fits), &highest);
+	lod_price_relax(m, lod_lambda_at(fits), LOD_PRICE_HIGHEST, NULL);
 	p->image_price = image_price;
 	return fill_few(s, lod_lambda_at(fits), budget, error);
 }
@@ -432,18 +404,14 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	struct eco_holdings kept;
-	uint32_t plants = p->scene->plant_count;
-	bool *room = calloc(3 * (size_t)plants + 1, sizeof *room);
 	bound_work(p);
 	enum eco_code code = needs_of_entries(p, &kept, error);
 	if (!code)
-		code = room ? fit_twice(s, budget, &kept, room, error)
-			: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
+		code = fit_bytes(s, budget, error);
 	p->price = m->price;
 	m->limited = false;
 	if (!code && budget && !p->vertices)
 		code = fit_few(s, budget, error);
-	free(room);
 	if (p->input->wanted) {
 		free(p->input->wanted->items);
 		*p->input->wanted = kept;
@@ -455,62 +423,33 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 
 /* ---- Bytes that nobody misses ---- */
 
-/* Fills the budget at a price of plants' lists, for the highest of some lambdas from `lambda` on that uses
- * so many vertices: with fewer lists a vertex saves less. Limits are hull points, and a fill may end before
- * them. Tiles keep the places of their plants, which are few bytes and much of the picture. */
-static enum eco_code fill_spared(const struct lod_lambda_search *s, double price, double lambda,
-	uint64_t vertices, uint64_t budget, struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	const struct lod_price at = { 2 * lod_octaves(price), LOD_PRICE_LOWEST };
-	lod_price_relax(m, lambda, &at);
-	for (int i = 1; i < SPARE_LAMBDAS && m->cost.vertices < (double)vertices; i++) {
-		lambda *= SPARE_LAMBDA_NEXT;
-		lod_price_relax(m, lambda, &at);
-	}
-	enum eco_code code = lod_search_fill(s, lambda, budget, error);
-	return code ? code : lod_bytes_size(m->p, error);
-}
-
-/* Sum of entries. */
-struct outcome { double wrong; uint64_t bytes; };
-
-static bool hardly_misses(const struct lod_planner *p, const struct outcome *before, double price,
-	double pixels)
-{
-	double more = p->wrong - before->wrong;
-	return p->bytes < before->bytes && more <= price * (double)(before->bytes - p->bytes)
-		&& more <= fmax(SPARE_WRONG * before->wrong, SPARE_PIXELS * pixels);
-}
-
 enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
-	const struct outcome before = { p->wrong, p->bytes };
-	const uint64_t cheapest = p->cheapest, vertices = p->vertices;
-	const double pixels = m->tile_choices[0].pixels,
+	const uint64_t bytes = p->bytes, cheapest = p->cheapest;
+	const double wrong = p->wrong, pixels = m->tile_choices[0].pixels, price = SPARE_WORTH * pixels,
 		lambda = SPARE_LAMBDA * (p->fill_lambda > 0 ? p->fill_lambda : s->lambda);
-	double price = SPARE_WORTH * pixels;
 	if (!(s->lambda > 0) || lambda > SPARE_VERTEX * price)   /* at a lambda of 0 everything is drawn */
 		return ECO_OK;
 	enum eco_code code = lod_prices_make(m, NULL, 0, error);
 	m->spares = true;
-	for (int i = 0; !code && !(s->price > 0) && i < SPARE_PRICES && !lod_planner_over(p, 3); i++,
-			price *= SPARE_NEXT) {
-		code = fill_spared(s, price, lambda, vertices, budget, error);
-		s->price = hardly_misses(p, &before, price, pixels) ? price : 0;
+	if (!code) {
+		lod_price_relax(m, lambda, 2 * lod_octaves(price), NULL);
+		code = lod_search_fill(s, lambda, budget, error);
 	}
+	if (!code)
+		code = lod_bytes_size(p, error);
 	m->spares = false;
 	p->cheapest = cheapest;
+	s->price = p->bytes < bytes && p->wrong - wrong <= fmax(SPARE_WRONG * wrong, SPARE_PIXELS * pixels) ? price : 0;
 	if (code || s->price > 0)
 		return code;
 	lod_prices_lift(m);
-	m->limited = false;
 	m->price = 0;
 	free(p->texture_levels);
 	p->texture_levels = NULL;
-	p->bytes = before.bytes;
+	p->bytes = bytes;
 	return lod_search_fill(s, s->lambda, budget, error);
 }
 
@@ -529,11 +468,10 @@ static double relax_within(const struct lod_lambda_search *s, struct sweep *swee
 	uint64_t budget)
 {
 	struct lod_allocation *m = s->allocation;
-	const struct lod_price at = { octave, octave };
-	double bytes = lod_price_relax(m, sweep->lambda, &at);
+	double bytes = lod_price_relax(m, sweep->lambda, octave, NULL);
 	while (m->cost.vertices > (double)budget && sweep->lambda < s->lambda) {
 		sweep->lambda = fmin(s->lambda, sweep->lambda / SWEEP_LAMBDA);
-		bytes = lod_price_relax(m, sweep->lambda, &at);
+		bytes = lod_price_relax(m, sweep->lambda, octave, NULL);
 	}
 	return bytes;
 }
@@ -652,7 +590,7 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 		SWEEP_SLOPE, 0, last };
 	enum eco_code code = ECO_OK;
 	sweep.bytes = last && m->p->sized ? (double)m->p->bytes
-		: lod_price_relax(m, sweep.lambda, &(struct lod_price){ octave, octave });
+		: lod_price_relax(m, sweep.lambda, octave, NULL);
 	for (uint32_t i = 0; i < coarser->most && !code
 			&& sweep.bytes > (sweep.last ? SWEEP_LAST_LEAST : 1) * (double)coarser->least; i++) {
 		double ratio = next_ratio(s, &sweep);

@@ -40,6 +40,8 @@
 #define FINER_TIMES 3            /* levels above 0; the last opens all */
 #define SMALL_STEPS 4            /* levels below 0 that are one octave apart */
 #define COARSEST -12
+#define EXACT_PART 8             /* answers within bytes solve the knapsack of few plants, too, if the plan for the
+                                  * vertices took less than this part of the work */
 #define SPARE_REACH 2            /* answers of so many times the bytes may fit without what nobody misses */
 #define PLACES_MOST 100000u      /* plants that one level walks over */
 #define CELLS_WORK 64            /* of a plan, for each cell of a plant, where all are drawn */
@@ -280,7 +282,7 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 		lod_fill_free(&fill);
 		code = fix_structure(s, lod_lambda_at(s->first - 1), budget, &fill, &wrong, error);
 	}
-	if (!code && m->few_plants && lambda > 0 && !is_enough(s))
+	if (!code && s->exact && lambda > 0)
 		code = lod_fill_few(&fill, budget, error);
 	m->p->converged = fill.converged;
 	if (!code)
@@ -311,7 +313,7 @@ static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, s
 	double below = 0;
 	s->lambda = s->index == LOD_LAMBDA_COUNT ? lod_lambda_at(s->index) : exact_lambda(s, budget, &below);
 	enum eco_code code = lod_search_fill(s, s->lambda, budget, error);
-	if (code || !s->allocation->few_plants || !(below > 0) || is_enough(s))
+	if (code || !s->exact || !(below > 0) || is_enough(s))
 		return code;
 	double wrong = p->wrong;
 	code = lod_search_fill(s, below, budget, error);
@@ -359,7 +361,9 @@ static enum eco_code fill_level(struct lod_lambda_search *s, struct lod_planner 
 	s->price = 0;
 	free(p->texture_levels);
 	p->texture_levels = NULL;
+	s->exact = s->allocation->few_plants && !is_enough(s);
 	enum eco_code code = fill_budget(s, budget, error);
+	s->exact = s->exact && (!p->work_most || p->work < p->work_most / EXACT_PART);
 	if (!code && p->input->size)
 		code = lod_bytes_size(p, error);
 	if (!code && p->input->size && p->bytes / SPARE_REACH <= p->input->request->bytes && !is_enough(s))

@@ -24,24 +24,23 @@ static double price_of(double octave)
 	return octave < 0 ? lod_exp_minus(-LN_2 * octave) : 1 / lod_exp_minus(LN_2 * octave);
 }
 
-double lod_price_relax(struct lod_allocation *m, double lambda, const struct lod_price *at)
+double lod_price_relax(struct lod_allocation *m, double lambda, double octave, const struct lod_mix *mix)
 {
-	double lists = price_of(at->lists), tiles = price_of(at->tiles);
-	m->price = lists;
+	m->price = price_of(mix && mix->used ? mix->octave : octave);
 	m->limited = false;
-	if (tiles == lists || (!lod_allocation_is_relaxed(m, lambda, tiles, lists)
-			&& !lod_prices_restore(m, lambda)))
-		lod_allocation_relax(m, lambda);
-	if (tiles != lists) {
-		m->price = tiles;
+	lod_allocation_relax(m, lambda);         /* levels of impostors are those of the price, too */
+	if (mix && mix->used) {
+		lod_kinds_set(m, mix);
 		m->limited = true;
+		m->relaxed.lambda = NAN;
 		lod_allocation_relax(m, lambda);
 		lod_prices_levels(m);
+		m->relaxed.lambda = NAN;
 	}
 	if (m->spares)
 		return lod_prices_bytes(m);
-	m->p->image_price = lists;
-	return lod_prices_bytes(m) + lod_image_bytes(&m->p->image, m->p->scene, m->p->input->holdings, lists);
+	m->p->image_price = m->price;
+	return lod_prices_bytes(m) + lod_image_bytes(&m->p->image, m->p->scene, m->p->input->holdings, m->price);
 }
 
 double lod_price_wrong(const struct lod_allocation *m)
@@ -52,7 +51,7 @@ double lod_price_wrong(const struct lod_allocation *m)
 static void remember(struct lod_allocation *m, double lambda, double octave, double bytes)
 {
 	struct lod_price_tries *tries = &m->tries;
-	if (memchr(lod_prices_kept(m), true, m->p->scene->plant_count) || tries->count == LOD_PRICE_TRIES)
+	if (tries->count == LOD_PRICE_TRIES)
 		return;
 	tries->at[tries->count].lambda = lambda;
 	tries->at[tries->count].octave = octave;
@@ -61,7 +60,7 @@ static void remember(struct lod_allocation *m, double lambda, double octave, dou
 
 double lod_price_relax_alike(struct lod_allocation *m, double lambda, double octave)
 {
-	double bytes = lod_price_relax(m, lambda, &(struct lod_price){ octave, octave });
+	double bytes = lod_price_relax(m, lambda, octave, NULL);
 	remember(m, lambda, octave, bytes);
 	return bytes;
 }
@@ -87,25 +86,22 @@ static const struct closely roughly = { 0.5, 0.1 }, exactly = { PRICE_STEP, LOD_
 
 /* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most
  * `target`: a secant on bytes, or their middle where that moves one end alone, until they are nearly that
- * many or the octaves are close together. `lists` NAN: the same for what plants share. */
-static struct lod_price search_price(struct lod_allocation *m, double lambda, double target, double lists,
-	const struct closely *closely, double *low, double high)
+ * many or the octaves are close together. */
+static double search_price(struct lod_allocation *m, double lambda, double target, const struct closely *closely,
+	double low, double high)
 {
-	bool alike = isnan(lists);
-	double over = alike ? beyond_at(m, lambda, target, *low) : 1,
-		under = alike ? beyond_at(m, lambda, target, high) : 1, bytes = 0;
+	double over = beyond_at(m, lambda, target, low), under = beyond_at(m, lambda, target, high), bytes = 0;
 	int side = 0;                    /* tries that moved the same end */
-	for (int tries = 0; high - *low > closely->octaves && bytes < target * (1 - closely->slack)
+	for (int tries = 0; high - low > closely->octaves && bytes < target * (1 - closely->slack)
 			&& (tries < PRICE_TRIES || !lod_planner_over(m->p, 4)); tries++) {
 		double part = over / (over + under),
-			from = *low < PRICE_LITTLE && high > PRICE_LITTLE + 1 ? PRICE_LITTLE : *low;
-		bool halves = high - *low < PRICE_CLOSE || abs(side) > 1;
+			from = low < PRICE_LITTLE && high > PRICE_LITTLE + 1 ? PRICE_LITTLE : low;
+		bool halves = high - low < PRICE_CLOSE || abs(side) > 1;
 		part = halves ? 0.5 : part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
 		double middle = from + part * (high - from);
-		double now = alike ? lod_price_relax_alike(m, lambda, middle)
-			: lod_price_relax(m, lambda, &(struct lod_price){ lists, middle });
+		double now = lod_price_relax_alike(m, lambda, middle);
 		if (now > target) {
-			*low = middle;
+			low = middle;
 			over = beyond(now, target);
 			side = side < 0 ? side - 1 : -1;
 		} else {
@@ -115,7 +111,7 @@ static struct lod_price search_price(struct lod_allocation *m, double lambda, do
 			side = side > 0 ? side + 1 : 1;
 		}
 	}
-	return (struct lod_price){ alike ? high : lists, high };
+	return high;
 }
 
 /* Two such prices, by trying, from one that nearly fits. *high <= *low: everything fits at *low, the lowest.
@@ -143,69 +139,6 @@ static void seek(struct lod_allocation *m, double lambda, double target, double 
 	}
 }
 
-static bool is_better(struct lod_allocation *m, double lambda, double target, const struct lod_price *try,
-	double wrong, struct lod_price *at, double *bytes)
-{
-	double now = lod_price_relax(m, lambda, try);
-	if (now > target || lod_price_wrong(m) >= wrong
-			|| m->cost.vertices > (double)m->p->input->request->vertices)
-		return false;
-	*at = *try;
-	*bytes = now;
-	return true;
-}
-
-/* Prices with a plant's organs kept. False, and all is as it was, where that leaves no less wrong. */
-static bool keep(struct lod_allocation *m, double lambda, double target, uint32_t plant, double near,
-	struct lod_price *at, double *over, double *bytes)
-{
-	double low, high;
-	lod_price_relax(m, lambda, at);
-	double wrong = lod_price_wrong(m);
-	lod_prices_keep_organs(m, plant, true);
-	seek(m, lambda, target, near, &low, &high);
-	struct lod_price try = high > low ? search_price(m, lambda, target, NAN, &exactly, &low, high)
-		: (struct lod_price){ low, low };
-	if (is_better(m, lambda, target, &try, wrong, at, bytes)) {
-		*over = low;
-		return true;
-	}
-	lod_prices_keep_organs(m, plant, false);
-	return false;
-}
-
-/* At the price `over` there are too many bytes, at `at`, little higher, many are left: there lists come that
- * many plants or all tiles draw. Either tiles pay less where these are not, or more where they are; or the
- * dearest organs that come there are kept, and all else pays more, first levels of textures. False where none
- * of it leaves less wrong, or the bytes are used. */
-static bool fill_gap(struct lod_allocation *m, double lambda, double target, struct lod_price *at,
-	double *over, double *bytes)
-{
-	double wrong = lod_price_wrong(m), lists = *over, low = LOD_PRICE_LOWEST;
-	struct lod_price try = { at->lists, LOD_PRICE_LOWEST };
-	bool better = false;
-	double most = lod_price_relax(m, lambda, &try);
-	if (most > target)
-		try = search_price(m, lambda, target, at->lists, &exactly, &low, at->tiles);
-	if (most > *bytes)
-		better = is_better(m, lambda, target, &try, wrong, at, bytes);
-	wrong = better ? lod_price_wrong(m) : wrong;
-	try = (struct lod_price){ lists, lists };
-	lod_price_relax(m, lambda, &try);
-	if (lod_prices_lists(m) < target) {      /* else nothing that tiles and textures give is enough */
-		low = lists;
-		try = search_price(m, lambda, target, lists, &exactly, &low, LOD_PRICE_HIGHEST);
-		better |= is_better(m, lambda, target, &try, wrong, at, bytes);
-	}
-	if (better && *bytes >= target * (1 - LOD_PRICE_SLACK))
-		return false;
-	lod_price_relax(m, lambda, at);
-	lod_prices_note_off(m);
-	lod_price_relax(m, lambda, &(struct lod_price){ lists, lists });
-	uint32_t dearest = lod_prices_dearest(m);
-	return dearest != ECO_NONE && keep(m, lambda, target, dearest, lists, at, over, bytes);
-}
-
 /* The highest price tried at which there are too many bytes, and the next one tried above it, at which there
  * are not. False where one of both is not known. */
 static bool recall(const struct lod_allocation *m, double lambda, double target, double *low, double *high)
@@ -222,27 +155,15 @@ static bool recall(const struct lod_allocation *m, double lambda, double target,
 	return *low > -INFINITY && *high < INFINITY;
 }
 
-double lod_price_find(struct lod_allocation *m, double lambda, double target,
-	const struct lod_price_near *near, struct lod_price *at, double *over)
+double lod_price_find(struct lod_allocation *m, double lambda, double target, const struct lod_price_near *near,
+	double *octave)
 {
-	const struct closely *closely = near->is_enough ? &roughly : &exactly;
 	double low, high;
-	lod_prices_set_kept(m, NULL);
 	if (!recall(m, lambda, target, &low, &high))
 		seek(m, lambda, target, near->octave, &low, &high);
-	*at = high > low ? search_price(m, lambda, target, NAN, closely, &low, high)
-		: (struct lod_price){ low, low };
-	*over = low;
-	return lod_price_relax(m, lambda, at);
-}
-
-double lod_price_fill(struct lod_allocation *m, double lambda, double target, struct lod_price *at,
-	double over, int gaps)
-{
-	double bytes = lod_price_relax(m, lambda, at);
-	for (int i = 0; i < gaps && bytes < target * (1 - LOD_PRICE_SLACK) && over > LOD_PRICE_LOWEST;
-		i++)
-		if (!fill_gap(m, lambda, target, at, &over, &bytes))
-			break;
-	return lod_price_relax(m, lambda, at);
+	*octave = high > low ? search_price(m, lambda, target, near->is_enough ? &roughly : &exactly, low, high) : low;
+	double bytes = lod_price_relax(m, lambda, *octave, NULL);
+	if (bytes > target)      /* what was computed of summaries since then changes the choice: results are obsolete */
+		m->tries.count = 0;
+	return bytes;
 }

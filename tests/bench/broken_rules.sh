@@ -20,6 +20,9 @@ Deussen: a blend of half the triangles @ s,(uint32_t)(asked - 2 \* (uint64_t)k),
 Deussen: lines whatever the distance @ s,return width / (r \* d),return width / d + 0 * r,
 @ test_importance lod/plan/planner_deussen.c
 Deussen: importance is 1 @ s,double importance = .*,double importance = 1;,
+@ test_byte_budget lod/plan/byte_kinds.c
+kinds: none share bytes @ s,if (now <= target && worth < best->worth,if (now < 0 \&\& worth < best->worth,
+kinds: a mix beyond the bytes @ s,if (now <= target && worth,if (now <= 2 * target \&\& worth,
 @ test_best lod/plan/fill_few.c
 few plants: no ladder for the whole plant @ s,for (uint32_t k = 0\, id = s->ladder_choice_first,for (uint32_t k = s->whole_count\, id = s->ladder_choice_first,
 few plants: hull points alone @ s,if (k + 1 < hull->count),if (k + 1 < hull->count \&\& k > hull->count),
