@@ -51,7 +51,7 @@ void lod_kinds_set(struct lod_allocation *allocation, const struct lod_mix *mix)
 uint32_t lod_prices_kind(const struct lod_allocation *allocation, uint32_t ladder);
 void lod_prices_of_kinds(struct lod_allocation *allocation, double *bytes, double *wrong);
 uint32_t lod_prices_ladders(const struct lod_allocation *allocation);
-/* Where a price, log2, leaves some of `target` bytes: the mix of limits that leaves least wrong within them. Relaxes
+/* Finds the mix of limits that leaves least wrong within `target` bytes, where a price, log2, leaves some. Relaxes
  * with it, or without where it is no better, and returns the bytes. */
 double lod_kinds_share(struct lod_allocation *allocation, double lambda, double target, double octave,
 	struct lod_mix *mix);

@@ -16,7 +16,7 @@
 #define CELL_STEP 0.917004       /* ... */
 #define CELL_HIGHEST 8           /* ... so many times that of the relaxation on */
 
-/* What the plants of a candidate may draw: `each`, but `ahead` of them the next hull point; cells what `lambda`
+/* The plants of a candidate may draw this: `each`, but `ahead` of them the next hull point; cells what `lambda`
  * says. */
 struct option { double wrong; uint64_t vertices, each, ahead; double lambda; };
 

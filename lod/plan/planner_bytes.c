@@ -84,7 +84,6 @@ struct fitted {
 	bool first;                  /* tells what is beside: kinds share bytes in the next answer */
 	double wrong;                /* pixels that it leaves */
 	double beside;               /* bytes of the answer beside those that are priced */
-	bool both;                   /* vertices bind, too */
 };
 
 /* Kinds share what a price leaves. */
@@ -146,7 +145,6 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 		fit->lambda = lambda;
 		fit->octave = near;
 	}
-	fit->both |= both;
 	if (both && !lod_planner_over(m->p, 3))
 		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false },
 			&fit->octave);
@@ -261,7 +259,7 @@ static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod
 	return code;
 }
 
-/* What an answer has beside what is priced, records and the plan itself, is learnt from the answers tried. */
+/* Records and the plan itself, which are not priced, are learnt from the answers tried. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget, struct fitted *now,
 	struct fitted *best, struct eco_error *error)
 {
