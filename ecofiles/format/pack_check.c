@@ -176,6 +176,8 @@ static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, u
 	}
 	if (!code && (primitives != list->primitive_count || elements != list->element_count))
 		code = BAD("list %u: its chunks hold other counts than it says", id);
+	if (!code && list->chunk_count && !s->chunks[list->chunk_first + list->chunk_count - 1].primitive_count)
+		code = BAD("list %u: a strip follows its last level", id);
 	return code;
 }
 

@@ -23,6 +23,12 @@ void eco_texture_part_free(struct eco_texture_part *part)
 	*part = (struct eco_texture_part){ 0 };
 }
 
+static bool sides_fit(uint64_t width, uint64_t height)
+{
+	return width >= 1 && height >= 1 && width <= ECO_TEXTURE_SIDE_MAX && height <= ECO_TEXTURE_SIDE_MAX
+		&& width * height <= ECO_PIXELS_MAX;
+}
+
 enum eco_code eco_texture_part_add(struct eco_texture_part *part, const struct eco_texture_part *strip,
 	struct eco_error *error)
 {
@@ -30,7 +36,7 @@ enum eco_code eco_texture_part_add(struct eco_texture_part *part, const struct e
 	if (!strip->height)
 		return ECO_OK;
 	if (part->height && (part->width != strip->width || part->channels != strip->channels
-			|| strip->height > ECO_TEXTURE_SIDE_MAX - part->height))
+			|| !sides_fit(part->width, (uint64_t)part->height + strip->height)))
 		return BAD("texture: a strip of %u x %u texels below %u x %u", strip->width, strip->height,
 			part->width, part->height);
 	uint8_t *texels = realloc(part->texels, row * ((size_t)part->height + strip->height));
@@ -101,12 +107,6 @@ enum eco_code eco_texture_write_outline(struct eco_writer *w, const struct eco_t
 		eco_write_u8(w, (uint8_t)eco_range_end(&range));
 	}
 	return w->failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for an outline") : ECO_OK;
-}
-
-static bool sides_fit(uint64_t width, uint64_t height)
-{
-	return width >= 1 && height >= 1 && width <= ECO_TEXTURE_SIDE_MAX && height <= ECO_TEXTURE_SIDE_MAX
-		&& width * height <= ECO_PIXELS_MAX;
 }
 
 static enum eco_code read_outline(struct eco_texture_part *part, const uint8_t *bytes, size_t size,

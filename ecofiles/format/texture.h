@@ -34,8 +34,8 @@
  * alpha, once they are read), rows from the top. */
 struct eco_texture_part { uint32_t width, height, channels; uint8_t *texels; };
 void eco_texture_part_free(struct eco_texture_part *part);
-/* Adds the rows of a strip below those of `part`, which may be empty. ECO_DAMAGED: it is not as wide, or has
- * other channels; *part is as it was. */
+/* Adds the rows of a strip below those of `part`, which may be empty. ECO_DAMAGED: it is not as wide, has other
+ * channels, or there are too many texels; *part is as it was. */
 enum eco_code eco_texture_part_add(struct eco_texture_part *part, const struct eco_texture_part *strip,
 	struct eco_error *error);
 

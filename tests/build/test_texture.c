@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
 #include "lod/build/texture.h"
 #include "lod/light.h"
@@ -137,6 +138,10 @@ UNIT_TEST(large_levels_are_strips_of_few_bytes)
 		const struct eco_texture_part narrow = { 399, 1, all.channels, all.texels };
 		assert_int_equal(eco_texture_part_add(&all, &narrow, NULL), ECO_DAMAGED);
 		assert_int_equal(all.height, 312);
+		/* more texels than a picture may have */
+		struct eco_texture_part large = { ECO_TEXTURE_SIDE_MAX, ECO_PIXELS_MAX / ECO_TEXTURE_SIDE_MAX, 1, NULL };
+		const struct eco_texture_part more = { ECO_TEXTURE_SIDE_MAX, 1, 1, all.texels };
+		assert_int_equal(eco_texture_part_add(&large, &more, NULL), ECO_DAMAGED);
 	}
 	eco_texture_part_free(&colors);
 	eco_texture_part_free(&outline);

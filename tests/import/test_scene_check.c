@@ -19,7 +19,7 @@
 	}
 #define BREAK(id, what) BREAK_OF(false, id, what)
 #define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
-#define BREAKS 163
+#define BREAKS 165
 
 static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
@@ -169,9 +169,9 @@ BREAK(reach_nan, l->curves[1].reach = NAN)
 
 /* ---- Splats ---- */
 
-enum { SPLATS, WOOD, IMPOSTOR, WHOLE = 0, ORGAN };
+enum { SPLATS, WOOD, IMPOSTOR, TEXTURE, WHOLE = 0, ORGAN };
 
-/* A plant of wood, with one cell, and all of it as 4, 8 and 24 splats. */
+/* A plant of wood, with one cell, and all of it as 4, 8 and 24 splats; and a texture. */
 static void make_splats(struct scene_builder *l)
 {
 	*l = (struct scene_builder){ .scene = { .needs = ECO_NEEDS_ALL, .near_m = 0.1 },
@@ -181,6 +181,8 @@ static void make_splats(struct scene_builder *l)
 	scene_add_bare(l, &(struct scene_row){ .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
 		.other = ECO_NONE }, 50, 50);
 	scene_add_bare(l, &(struct scene_row){ .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES,
+		.other = ECO_NONE }, 1, 1);
+	scene_add_bare(l, &(struct scene_row){ .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES,
 		.other = ECO_NONE }, 1, 1);
 	scene_add_plant(l, (struct eco_plant){ .height_m = 10 });
 	scene_add_anchor(l, (struct eco_anchor){ { 0, 0, 5 }, 6 });
@@ -221,10 +223,13 @@ BREAK_SPLATS(impostor_kind, l->ladders[WHOLE].impostor = WOOD)
 BREAK_SPLATS(impostor_of_organ, l->ladders[ORGAN].impostor = IMPOSTOR)
 BREAK_SPLATS(impostor_without_splats, l->lists[SPLATS].attributes = 0)
 BREAK_SPLATS(impostor_without_samples, l->ladders[WHOLE].curve_count = 0)
-BREAK_SPLATS(impostor_missing, l->ladders[WHOLE].impostor = 3)
+BREAK_SPLATS(impostor_missing, l->ladders[WHOLE].impostor = 4)
 BREAK_SPLATS(impostor_levels, l->lists[IMPOSTOR].primitive_count = l->lists[IMPOSTOR].element_count = 2)
 BREAK_SPLATS(impostor_coder, l->lists[IMPOSTOR].coder = ECO_CODER_ROWS)
 BREAK_SPLATS(splats_kind, l->lists[SPLATS].kind = ECO_LIST_LINES)
+BREAK_SPLATS(wood_without_a_color, l->lists[SPLATS].wood = 1)
+BREAK_SPLATS(strip_behind_the_last_level, scene_add_chunk(l, (struct eco_chunk){ .size_bytes = 8 });
+	l->lists[TEXTURE].chunk_count++)
 
 /* ---- Tiles that no view can close ---- */
 
