@@ -320,7 +320,9 @@ void view_list_pop(struct view_list *list)
 	} else if (is_texture(list)) {
 		struct eco_texture_part *part = &list->parts[levels_of(list, last)];
 		part->height -= list->marks[last].rows;
-		if (!part->height)
+		if (part->height)
+			resize(&part->texels, part->height, (size_t)part->width * part->channels);
+		else
 			eco_texture_part_free(part);
 		if (list->shown[0] > levels_of(list, last))
 			hide_image(list);

@@ -91,6 +91,36 @@ UNIT_TEST(what_was_needed_least_recently_goes_first_and_what_is_wanted_stays)
 	assert_true(cache.list_count == 1 && view_cache_wanted_bytes(&cache) == cache.memory_bytes);
 }
 
+/* Two levels, of 16 + 8 rows and of 16 + 16: rows of a level go one strip after the other, and come again. */
+UNIT_TEST(strips_of_a_texture_come_and_go)
+{
+	static const uint32_t rows[] = { 16, 8, 16, 16 }, heights[][2] = { { 16, 0 }, { 24, 0 }, { 24, 16 }, { 24, 32 } };
+	const struct eco_list record = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .chunk_count = 4,
+		.element_count = 2, .primitive_count = 2 };
+	struct view_list *list = view_list_new(0, &record, NULL, NULL);
+	uint64_t empty = list->bytes;
+	for (int turn = 0; turn < 2; turn++) {
+		for (uint32_t i = 0; i < 4; i++) {
+			FREED(view_piece) piece = { .part = { 5, rows[i], 3, malloc(15 * rows[i]) }, .bytes = 100 };
+			const struct eco_chunk chunk = { .primitive_count = i % 2, .element_count = i % 2 };
+			memset(piece.part.texels, (int)i, 15 * rows[i]);
+			assert_int_equal(view_list_push(list, &piece, &chunk, NULL), ECO_OK);
+			assert_int_equal(list->parts[0].height, heights[i][0]);
+			assert_int_equal(list->parts[1].height, heights[i][1]);
+			if (i == 3)
+				assert_int_equal(view_list_push(list, &piece, &chunk, NULL), ECO_DAMAGED);
+		}
+		assert_true(list->parts[0].texels[15 * 16 - 1] == 0 && list->parts[0].texels[15 * 16] == 1);
+		for (uint32_t i = 4; i-- > 0;) {
+			view_list_pop(list);
+			assert_int_equal(list->parts[0].height, i ? heights[i - 1][0] : 0);
+			assert_int_equal(list->parts[1].height, i ? heights[i - 1][1] : 0);
+		}
+		assert_true(list->bytes == empty && !list->parts[0].texels && !list->parts[1].texels);
+	}
+	view_list_free(list);
+}
+
 /* ---- A client that asks a server's half in this process ---- */
 
 struct client { struct view_store *store; uint64_t memory_max, bytes; uint32_t requests, answers; };
