@@ -595,6 +595,14 @@ static bool is_first_visit(const struct srv_stream *stream)
 		&& !(stream->input.holdings && stream->input.holdings->count);
 }
 
+static enum eco_code check_body(const struct srv_stream *stream, struct eco_error *error)
+{
+	uint64_t most = stream->input.body_max ? stream->input.body_max : BODY_MAX_DEFAULT;
+	return !stream->fits || stream->body_bytes - stream->named_bytes <= most ? ECO_OK
+		: eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are sent: ask for "
+		"fewer vertices, or set 'bytes'", (unsigned long long)stream->body_bytes, (unsigned long long)most);
+}
+
 static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
 {
 	const struct eco_request *request = stream->input.request;
@@ -615,14 +623,7 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	code = fit_steps(stream, dry, error);
 	if (!code && request->next.given && srv_work_left(stream) >= stream->input.work_max / AHEAD_PART)
 		code = srv_plan_next(stream, dry, error);
-	if (!code)
-		code = srv_send_rest(stream, dry, error);
-	uint64_t most = stream->input.body_max ? stream->input.body_max : BODY_MAX_DEFAULT;
-	if (!code && stream->body_bytes - stream->named_bytes > most)
-		code = eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are "
-			"sent: ask for fewer vertices, or "
-			"set 'bytes'", (unsigned long long)stream->body_bytes, (unsigned long long)most);
-	return code;
+	return code ? code : srv_send_rest(stream, dry, error);
 }
 
 static void trace_cuts(const struct srv_stream *stream)
@@ -650,6 +651,7 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 		return code;
 	dry.cancelled = input->cancelled;
 	code = plan_all(stream, &dry, error);
+	code = code ? code : check_body(stream, error);
 	srv_emit_free(&dry);
 	if (code) {
 		srv_stream_free(stream);

@@ -177,6 +177,11 @@ UNIT_TEST(a_first_picture_comes_early_within_a_byte_budget)
 			q[1] += eco_predicted_q(&plain.steps[plain.step_count - 1].plan.prediction);
 			bound++;
 			early += stream.steps[0].plan.vertices > 0 && stream.steps[0].end_bytes <= SRV_FIRST_BYTES;
+			/* both together are within what is sent at most */
+			struct srv_stream large;
+			if (bound < 9)
+				assert_code(srv_stream_plan(&large, &(struct srv_stream_input){ .scene = sample,
+					.request = &request, .body_max = stream.body_bytes - 1 }, &cause), ECO_TOO_LARGE, "");
 		}
 		srv_stream_free(&stream);
 		srv_stream_free(&plain);
