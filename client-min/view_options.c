@@ -94,8 +94,8 @@ static const struct eco_option option_table[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
 		.help = "folder for pictures and report.json; made if missing" },
 	{ "bytes", 0, ECO_OPTION_BYTES, "M", &given.bytes, 0, INT64_MAX,
-		.help = "bytes of each response; default: no limit. A limit that cannot hold the whole "
-		"answer leaves out the coarse first pictures" },
+		.help = "bytes of each response; default: no limit. Within a limit the first response begins "
+		"with a picture of at most 14 kB; other coarse pictures come if they fit" },
 	{ "memory", 0, ECO_OPTION_BYTES, "SIZE", &given.memory, VIEW_MEMORY_LEAST, VIEW_MEMORY_MOST,
 		.help = "decoded data to hold, such as 64M; default 8G. The data that was needed longest "
 		"ago leaves first and is fetched again on need. The reference is not counted" },

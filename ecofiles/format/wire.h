@@ -36,14 +36,14 @@
  *   v vertices   pixels in sixteenths: v tp, v fp, v fn   v counts: placements, runs, gates, cuts; then these
  *   placement    v fields: 1, 2, 4: the axis is no whole millimetre; 8, 16: turn, path are not 0; 32: scale is
  *                not 1 but an f32; 64: but an f64. 3 axes: f64, or z millimetres less the axis's last whole ones.
- *                v turn, v path, v bits of the f32 or f64, if they are there
+ *                v turn, v path, scale: v bits of the f32, or f64; if they are there
  *   run          v placement - before's (first: -1). A row: list_first (expected: before's list_end; of another
  *                placement: list_first of the first run of the placement before), list_end - list_first, left
  *   gate         v plant - before's, z end - before's
  *   cut          a row, expected as the cut before (first: drawn once, list 0, [0,1), scale 1), but
- *     of another list: as the first cut of the list before
+ *     of another list or anchor: as the first cut of those before
  *     behind [first, L), L the lowest power of 4 above first > 0: these splats' children, [L, 4 first)
- *     else: the rest of the share in these bands, or all of as many bands behind them
+ *     else: the rest of the share in these bands, or all of as many bands behind them; [first, L) if first > 0
  *     Fields: list, anchor, end (less L), first, band_first, share_end, share_first, scale (its bits with the
  *     low 17 in front), bands, placement, halvings. A cut drawn once has bands [0, ECO_BANDS) and all of the
  *     share; another one has placement 0
