@@ -97,7 +97,7 @@ static uint32_t rotate(uint32_t v, uint32_t left) { return v << left | v >> (32 
 
 double eco_wire_pixels_round(double pixels)
 {
-	return pixels >= 0 && pixels <= PIXELS_MAX ? floor(pixels * 16 + 0.5) / 16 : pixels;
+	return floor(fmin(fmax(pixels, 0), PIXELS_MAX) * 16 + 0.5) / 16;
 }
 
 static double code_pixels(struct coder *c, double value)

@@ -117,7 +117,7 @@ static struct eco_plan small_plan(void)
 
 UNIT_TEST(plans_that_break_a_rule_are_not_written)
 {
-	for (int fault = 0; fault <= 17; fault++) {
+	for (int fault = 0; fault <= 20; fault++) {
 		FREED(eco_plan) plan = small_plan();
 		FREED(eco_writer) w = { 0 };
 		switch (fault) {
@@ -138,8 +138,11 @@ UNIT_TEST(plans_that_break_a_rule_are_not_written)
 		case 14: plan.placements[0].at[1] = INFINITY; break;
 		case 15: plan.sample_distance = -1; break;
 		case 16: plan.runs[3].left = ECO_SHARE_ONE; break;
+		case 17: plan.prediction.tp = -1; break;
+		case 18: plan.prediction.fp = 1e17; break;
+		case 19: plan.prediction.tp = eco_wire_pixels_round(-1), plan.prediction.fp = eco_wire_pixels_round(1e17); break;
 		}
 		eco_wire_write_plan(&w, &plan);
-		assert_int_equal(w.failed, fault < 17);      /* the last one is sound */
+		assert_int_equal(w.failed, fault < 19);      /* the last two are sound */
 	}
 }
