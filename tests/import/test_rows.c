@@ -117,6 +117,8 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 	{ "other_encodings_are_told_by_their_words", "japan.csv", "\x8e\xf7\x8e\xed"",x\n\x83""P\x83\x84\x83""L,1\n", "樹種,x / ケヤキ,1", "CP932", NULL },
 	{ NULL, "china.csv", "\xca\xf7\xb8\xdf"",x\n12,1\n", "树高,x / 12,1", "GB18030", NULL },
 	{ NULL, "russia.csv", "\xc2\xfb\xf1\xee\xf2\xe0"",x\n12,1\n", "Высота,x / 12,1", "CP1251", NULL },
+	{ NULL, "israel.csv", "\xf9\xed \xee\xe3\xf2\xe9"",\xe2\xe5\xe1\xe4"",x\n\xe0\xec\xe5\xef"",12,1\n",
+		"שם מדעי,גובה,x / אלון,12,1", "CP1255", NULL },
 	{ "rows_may_be_short_or_long", "short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,",
 		NULL, NULL },
 	{ NULL, "old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL },

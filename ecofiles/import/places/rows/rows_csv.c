@@ -33,6 +33,7 @@ struct csv {
 	size_t *start;               /* of each field in text */
 	char *converted;             /* the row converted to UTF-8, if it was not */
 	size_t encoding;             /* of such rows */
+	iconv_t converter;           /* of it, from the first such row on */
 	uint64_t first_converted;    /* line; 0: none */
 	uint64_t line;               /* of the next byte */
 	struct eco_rows_point point; /* if has_geometry */
@@ -119,9 +120,8 @@ static const char *const encodings[] = { "CP1252", "CP932", "GB18030", "CP949", 
 
 /* Bytes of UTF-8 that a text takes in `to`, which has room for four times its size. What is not of the encoding becomes a
  * question mark. */
-static size_t convert(size_t encoding, const char *text, size_t size, char *to)
+static size_t convert(iconv_t state, const char *text, size_t size, char *to)
 {
-	iconv_t state = iconv_open("UTF-8", encodings[encoding]);
 	char *in = (char *)(uintptr_t)text, *out = to;
 	size_t left = size, room = 4 * size;
 	if (state == (iconv_t)-1)                /* a system without that encoding */
@@ -132,7 +132,7 @@ static size_t convert(size_t encoding, const char *text, size_t size, char *to)
 		left--;
 		room--;
 	}
-	iconv_close(state);
+	iconv(state, NULL, NULL, &out, &room);   /* a last letter that waits for its marks, as in CP1255 */
 	return (size_t)(out - to);
 }
 
@@ -169,7 +169,10 @@ static size_t find_encoding(const char *head, size_t size)
 	size_t best = 0;
 	int most = -INT_MAX;
 	for (size_t i = 0; i < ENCODINGS; i++) {
-		text[convert(i, head, size, text)] = 0;
+		iconv_t state = iconv_open("UTF-8", encodings[i]);
+		text[convert(state, head, size, text)] = 0;
+		if (state != (iconv_t)-1)
+			iconv_close(state);
 		int own = words_known(text);
 		best = own > most ? i : best;
 		most = own > most ? own : most;
@@ -182,10 +185,12 @@ static void convert_fields(struct csv *csv)
 {
 	char *grown = csv->converted = eco_realloc(csv->converted, 4 * csv->used + 1, 1);
 	size_t used = 0;
+	if (csv->first_converted == 0)
+		csv->converter = iconv_open("UTF-8", encodings[csv->encoding]);
 	for (uint32_t i = 0; i < csv->rows.field_count; i++) {
 		const char *text = csv->text + csv->start[i];
 		csv->rows.fields[i] = grown + used;
-		used += convert(csv->encoding, text, strlen(text), grown + used);
+		used += convert(csv->converter, text, strlen(text), grown + used);
 		grown[used++] = 0;
 	}
 	if (csv->first_converted == 0) {
@@ -269,6 +274,8 @@ static void close_csv(struct eco_rows *rows)
 	free(csv->start);
 	free(csv->text);
 	free(csv->converted);
+	if (csv->first_converted && csv->converter != (iconv_t)-1)
+		iconv_close(csv->converter);
 	free(csv->path);
 	if (csv->file)
 		fclose(csv->file);
