@@ -364,7 +364,8 @@ UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
 		{ "30 40", '.', ECO_FORM_STEMS, 50, 0 }, { "20 20 10", '.', ECO_FORM_STEMS, 30, 0 }, { "30 et 40", '.', ECO_FORM_STEMS, 50, 0 },
 		{ "[20, 20, 10]", '.', ECO_FORM_STEMS, 30, 0 }, { "30;40;", '.', ECO_FORM_STEMS, 50, 0 },
 		{ "30、40", '.', ECO_FORM_STEMS, 50, 0 }, { "30,0;40,0", ',', ECO_FORM_STEMS, 50, 0 },
-		{ "entre 5 et 10 m", '.', ECO_FORM_RANGE, 7.5, 1 } };
+		{ "entre 5 et 10 m", '.', ECO_FORM_RANGE, 7.5, 1 }, { "4.5 x 8", '.', ECO_FORM_STEMS, 6, 0 },
+		{ "45cm x 20cm", '.', ECO_FORM_STEMS, 30, 0.01 } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double number = 0, unit_m = 0;
@@ -383,7 +384,8 @@ UNIT_TEST(widths_are_means_and_years_stand_in_dates)
 	static const struct { const char *text; double width, year; } cases[] = { { "6 x 8 m", 7, NAN }, { "6×8", 7, NAN },
 		{ "6/8", 7, NAN }, { "7", 7, NAN }, { "1987", 1987, 1987 }, { "12.04.1987", NAN, 1987 }, { "19870412", 19870412, 1987 },
 		{ "1987-04-12T00:00:00Z", NAN, 1987 }, { "545184000000", 545184000000, 1987 }, { "昭和62年", NAN, 1987 },
-		{ "S62", NAN, 1987 }, { "12", 12, NAN }, { "Spring", NAN, NAN } };
+		{ "S62", NAN, 1987 }, { "19870412093000", 19870412093000, 1987 }, { "15041987", 15041987, NAN },
+		{ "M500", NAN, NAN }, { "t99999999999", NAN, NAN }, { "20012345", 20012345, NAN }, { "12", 12, NAN }, { "Spring", NAN, NAN } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double width, unit_m, year = eco_text_year(cases[i].text);
 		bool good = eco_text_width(cases[i].text, '.', &width, &unit_m) != ECO_FORM_NONE;

@@ -251,22 +251,35 @@ bool eco_text_grouped(const char *text, char thousands, double *number)
 		&& eco_text_number(plain, thousands == ',' ? '.' : ',', number);
 }
 
+static bool is_year(double year) { return year >= 1500 && year < 2100; }
+
+/* Whether the digits behind a year may be a month and a day; 0: not known. */
+static bool is_month_day(const char *at)
+{
+	return (at[0] - '0') * 10 + at[1] - '0' <= 12 && (at[2] - '0') * 10 + at[3] - '0' <= 31;
+}
+
 double eco_text_year(const char *text)
 {
 	char folded[40];
-	double number, since;
-	if (eco_text_number(text, '.', &number) && fabs(number) > 1e10)    /* milliseconds since 1970 */
-		return 1970 + floor(number / (365.2425 * 86400e3));
+	double number, year;
+	if (eco_text_number(text, '.', &number) && fabs(number) > 1e10) {  /* milliseconds since 1970 */
+		year = 1970 + floor(number / (365.2425 * 86400e3));
+		if (is_year(year))
+			return year;
+	}
 	if (eco_text_fold(text, folded, sizeof folded) + 1 < sizeof folded) {
 		const char *at = folded;
-		since = take_phrase(&at, "era");
-		if (since >= 0 && *(at = eco_text_skip_spaces(at)) >= '0' && *at <= '9')
-			return since + atoi(at);
+		year = take_phrase(&at, "era");
+		size_t digits = year >= 0 ? strspn(at = eco_text_skip_spaces(at), "0123456789") : 0;
+		if (digits > 0 && digits <= 3 && is_year(year + atoi(at)))
+			return year + atoi(at);
 	}
 	for (const char *at = text; *at != 0; at++) {
 		size_t digits = strspn(at, "0123456789");
-		if ((digits == 4 || digits == 8) && (at[0] == '1' ? at[1] >= '5' : at[0] == '2' && at[1] == '0'))
-			return strtod((char[5]){ at[0], at[1], at[2], at[3], 0 }, NULL);
+		year = digits < 4 ? 0 : strtod((char[5]){ at[0], at[1], at[2], at[3], 0 }, NULL);
+		if ((digits == 4 || ((digits == 8 || digits == 14) && is_month_day(at + 4))) && is_year(year))
+			return year;
 		at += digits > 0 ? digits - 1 : 0;
 	}
 	return NAN;
@@ -387,7 +400,6 @@ static enum eco_size_form stems_at(const char *at, char decimal, double *number,
 	unsigned stems = 0, numbers = 0;
 	bool loose = false, dated = false, listed = decimal == '.' && !strpbrk(at, ";/+&|");
 	for (*unit_m = 0; *at != 0 && !strchr(")]}", *at);) {
-		double times = 1;
 		size_t digits = strspn(at = eco_text_skip_spaces(at), "0123456789");
 		if (listed && digits > 0 && digits < 4 && at[digits] == ',') {      /* "12,15,9" */
 			stem = atoi(at);
@@ -399,8 +411,8 @@ static enum eco_size_form stems_at(const char *at, char decimal, double *number,
 		all += stem;
 		numbers++;
 		size_t cross = *at == 'x' || *at == '*' ? 1 : strncmp(at, "\u00d7", 2) == 0 ? 2 : 0;
-		if (cross > 0 && unit == 0 && stem >= 1 && stem <= 50 && stem == floor(stem))
-			times = stem;
+		double first = stem;
+		bool counts = cross > 0 && unit == 0 && stem >= 1 && stem <= 50 && stem == floor(stem);
 		if (cross > 0) {
 			at += cross;
 			if (!take_number(&at, decimal, &stem))
@@ -410,10 +422,11 @@ static enum eco_size_form stems_at(const char *at, char decimal, double *number,
 			unit = fmax(take_unit(&at), unit);
 		}
 		*unit_m = unit != 0 ? unit : *unit_m;
-		sum += times * stem * stem;
+		/* "6.5 x 8" are the axes of one stem */
+		sum += !cross ? stem * stem : first * (counts ? stem * stem : stem);
 		high = fmax(high, stem);
 		low = fmin(low, stem);
-		stems += (unsigned)times;
+		stems += counts ? (unsigned)first : 1;
 		if (!take_parting(&at, &loose, &dated))
 			break;
 		at = eco_text_skip_spaces(at);

@@ -44,8 +44,8 @@ enum eco_size_form eco_text_size(const char *text, char decimal, double *number,
 /* A width: as a size, but "6 x 8" and "6/8" are the mean of several. */
 enum eco_size_form eco_text_width(const char *text, char decimal, double *number, double *unit_m);
 
-/* The year of a date: "1987", "1987-04-12", "12.04.1987", "19870412", milliseconds since 1970, "Heisei 7" in Japanese;
- * NaN: none. */
+/* The year of a date, 1500 to 2099: "1987", "1987-04-12", "12.04.1987", "19870412", "19870412123456", milliseconds since
+ * 1970, "Heisei 7" in Japanese; NaN: none. */
 double eco_text_year(const char *text);
 
 #define ECO_FILTERS_MAX 64u
