@@ -107,20 +107,32 @@ static int64_t twice_area(const struct gen_ring *r)
 	return sum;
 }
 
-/* Whether the middle of the other ring's first edge is inside: coordinates are doubled. */
-static bool is_around(const struct gen_ring *r, const struct gen_ring *other)
+/* Where a place is: 1 inside a ring, -1 outside, 0 on it. Coordinates of the ring are doubled. */
+static int side_of(const struct gen_ring *r, struct gen_corner p)
 {
-	struct gen_corner p = { other->corners[0].x + other->corners[1].x,
-		other->corners[0].y + other->corners[1].y };
-	bool inside = false;
+	int inside = -1;
 	for (uint32_t i = 0; i < r->count; i++) {
 		struct gen_corner a = r->corners[i], c = r->corners[(i + 1) % r->count];
 		a = (struct gen_corner){ 2 * a.x, 2 * a.y };
 		c = (struct gen_corner){ 2 * c.x, 2 * c.y };
-		if ((a.y > p.y) != (c.y > p.y))
-			inside ^= (cross(a, c, p) > 0) == (c.y > a.y);
+		int64_t left = cross(a, c, p);
+		if (left == 0 && (a.x - p.x) * (c.x - p.x) + (a.y - p.y) * (c.y - p.y) <= 0)
+			return 0;
+		if ((a.y > p.y) != (c.y > p.y) && (left > 0) == (c.y > a.y))
+			inside = -inside;
 	}
 	return inside;
+}
+
+/* Whether the other ring is inside, by the first middle of its edges that is not on this one, as parts may share walls. */
+static bool is_around(const struct gen_ring *r, const struct gen_ring *other)
+{
+	int side = 0;
+	for (uint32_t i = 0; i < other->count && side == 0; i++) {
+		struct gen_corner a = other->corners[i], b = other->corners[(i + 1) % other->count];
+		side = side_of(r, (struct gen_corner){ a.x + b.x, a.y + b.y });
+	}
+	return side > 0;
 }
 
 /* A ring within an odd number of others is a hole of the smallest of them. Surfaces run counter-clockwise, holes

@@ -16,7 +16,7 @@
 
 #define RISE 0.7 /* of a pitched roof, metres a metre: 35 degrees */
 #define SHED_RISE 0.2
-#define ROOF_MOST 0.5 /* of a height to the ridge that is the roof's */
+#define ROOF_MOST 0.5 /* of the height of the ridge */
 #define PLANES_MAX 4
 #define GRID 4096.0 /* steps a metre */
 
@@ -104,7 +104,6 @@ static struct point meeting(const struct builder *b, int one, int other, struct 
 	return (struct point){ p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), 0 };
 }
 
-#define PIECE_MAX (ECO_BUILDING_CORNERS_MAX + 2 * PLANES_MAX)
 #define NEARLY 1e-9 /* metres: planes that differ by less meet there */
 
 /* The part of a convex polygon, or of a line of two points, where plane `one` is not above `other`. */
@@ -159,8 +158,8 @@ static void put_on_roof(const struct builder *b, struct point *p)
 static void cover_piece(void *ctx, const struct gen_corner *corners, uint32_t count)
 {
 	struct builder *b = ctx;
-	struct point *points[2] = { eco_alloc(PIECE_MAX, sizeof(struct point)),
-		eco_alloc(PIECE_MAX, sizeof(struct point)) };
+	size_t most = count + 2 * PLANES_MAX;
+	struct point *points[2] = { eco_alloc(most, sizeof(struct point)), eco_alloc(most, sizeof(struct point)) };
 	for (int plane = 0; plane < (b->plane_count ? b->plane_count : 1); plane++) {
 		uint32_t kept = count;
 		for (uint32_t i = 0; i < count; i++)
@@ -229,8 +228,7 @@ static void choose_planes(struct builder *b, const struct gen_ring *r)
 	struct frame f = frame_of(r);
 	double across = f.high[1] - f.low[1], along = f.high[0] - f.low[0], half = across / 2;
 	double rise = building->roof == ECO_ROOF_SHED ? SHED_RISE * across : RISE * half;
-	if (!building->to_eaves)
-		rise = fmin(rise, ROOF_MOST * building->height_m);
+	rise = fmin(rise, ROOF_MOST / (building->to_eaves ? 1 - ROOF_MOST : 1) * building->height_m);
 	b->eaves_m = building->height_m - (building->to_eaves ? 0 : rise);
 	if (building->roof == ECO_ROOF_SHED) {
 		add_plane(b, &f, 1, f.low[1], rise / across);

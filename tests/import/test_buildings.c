@@ -141,6 +141,33 @@ UNIT_TEST(direction_and_order_of_rings_do_not_matter)
 	}
 }
 
+/* A square of 10 m whose ring begins at one of its corners. */
+static void square(double x, double y, uint32_t first)
+{
+	const double all[4][2] = { { x, y }, { x + 10, y }, { x + 10, y + 10 }, { x, y + 10 } };
+	double corners[4][2];
+	for (uint32_t i = 0; i < 4; i++)
+		memcpy(corners[i], all[(first + i) % 4], sizeof corners[i]);
+	ring((const double(*)[2])corners, 4);
+}
+
+UNIT_TEST(parts_that_share_a_wall_are_both_there)
+{
+	static const double beside[][2] = { { 0, 10 }, { 0, -10 }, { 10, 0 }, { -10, 0 } };
+	for (uint32_t i = 0; i < 64; i++) {
+		square(0, 0, i / 4 % 4);
+		square(beside[i % 4][0], beside[i % 4][1], i / 16);
+		build(ECO_ROOF_FLAT, 4.5, false);
+		assert_int_equal(notes.nothing + notes.crossed, 0);
+		assert_building(5 * 200, 4.5);
+	}
+	box(0, 0, 10, 10);
+	box(3, 0, 4, 4); /* a hole that ends at the wall around it */
+	build(ECO_ROOF_FLAT, 4.5, false);
+	assert_true(fabs(volume() - 5 * (100 - 16)) < 0.1);
+	eco_model_free(&model);
+}
+
 UNIT_TEST(a_ring_that_crosses_itself_is_cut_there)
 {
 	ring((const double[][2]){ { 0, 0 }, { 10, 10 }, { 10, 0 }, { 0, 10 } }, 4);
@@ -206,6 +233,9 @@ UNIT_TEST(a_roof_takes_no_more_than_half_of_a_low_building)
 	box(0, 0, 30, 20);
 	build(ECO_ROOF_GABLED, 4, false);
 	assert_building(600 * 2.5 + 600 * 2 / 2.0, 4);
+	box(0, 0, 300, 200); /* a hall of one storey */
+	build(ECO_ROOF_GABLED, 4, true);
+	assert_building(60000 * 4.5 + 60000 * 4 / 2.0, 8);
 }
 
 UNIT_TEST(a_footprint_with_a_hole_has_a_flat_roof)
