@@ -96,13 +96,15 @@ UNIT_TEST(holes_and_parts_are_one_footprint_and_other_features_are_counted)
 	char *path = features("shapes.geojson",
 		"{\"type\":\"Feature\",\"properties\":{\"roof\":null},\"geometry\":{\"type\":\"MultiPolygon\",\"coordinates\":"
 		"[[[[0,0],[9,0],[9,9],[0,9],[0,0]],[[2,2],[2,4],[4,4],[4,2],[2,2]]],[[[20,0],[29,0],[29,9],[20,0]]]]}},"
-		"{\"type\":\"Feature\",\"properties\":{\"roof\":null},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,0],[5,5]]}},"
+		"{\"type\":\"Feature\",\"properties\":{\"roof\":\"dome\"},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,0],[5,5]]}},"
 		"{\"type\":\"Feature\",\"properties\":{\"roof\":null},\"geometry\":null}");
 	struct eco_footprints_spec spec = heights_of(path, NULL, 0);
 	take(&spec);
 	assert_int_equal(read_footprints.areas.count, 1);
 	assert_int_equal(read_footprints.areas.items[0].ring_edges, 11);
 	assert_footprint(0, ECO_BUILDING_M, false);
+	assert_non_null(strstr(import_said, "1 of them are told no height"));
+	assert_null(strstr(import_said, "dome")); /* no footprint has that roof */
 	assert_non_null(strstr(import_said, "1 feature left out: not a polygon (first: feature 2)"));
 	assert_non_null(strstr(import_said, "1 feature left out: no geometry (first: feature 3)"));
 	eco_footprints_free(&read_footprints);

@@ -39,6 +39,8 @@ static struct scattered scatter(const struct eco_scatter_spec *spec)
 	"[[[200,0],[300,0],[200,100],[200,0]]]}}"
 #define LINE "{\"type\":\"Feature\",\"properties\":{\"kind\":\"line\"}," \
 	"\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,0],[9,9]]}}"
+#define UNTOLD "{\"type\":\"Feature\",\"properties\":{\"kind\":\"field\"},\"geometry\":{\"type\":\"Polygon\"," \
+	"\"coordinates\":[[[0,0],[9,0],[9,9],[0,0]]]}}"
 #define NOTHING "{\"type\":\"Feature\",\"properties\":{\"kind\":\"nothing\"},\"geometry\":null}"
 
 static char *areas(const char *name, const char *features)
@@ -180,7 +182,9 @@ static struct eco_filter only = { "kind", true, values, 3 };
 static const struct { const char *name, *features, *count_column, *density_column; struct eco_filter *filter; double distance_m;
 	uint32_t low, high; const char *says; } rows[] = {
 	{ "columns_say_how_many", ALL, "n", NULL, NULL, 0, 82, 82,
-		"~82 plants of 82 wanted|~1 feature left out: no usable number in its column (first: feature 3)" },
+		"~82 plants of 82 wanted|~1 feature left out: not a polygon (first: feature 3)" },
+	{ NULL, ALL "," UNTOLD, "n", NULL, NULL, 0, 82, 82,
+		"~1 feature left out: no usable number in its column (first: feature 5)" },
 	/* 1.5 ha of 20, half a hectare of 400 */
 	{ NULL, ALL, NULL, "d", NULL, 0, 229, 231, "" },
 	{ "what_is_left_out_is_counted_by_reason", ALL, NULL, NULL, &only, 0, 600, 600, "~1 feature left out: not a polygon "

@@ -12,9 +12,9 @@
 #define POLYGON 3      /* kinds of well-known binary */
 #define POLYGONS 6
 
-/* Sums over the features looked at; per column: texts, sizes of buildings, forms of roofs. */
+/* Sums over the features looked at; per column: texts, sizes of buildings, forms of roofs. Plants have crowns. */
 struct look {
-	uint32_t features, polygons;
+	uint32_t features, polygons, plants;
 	uint32_t filled[ECO_COLUMNS_MAX], sizes[ECO_COLUMNS_MAX], roofs[ECO_COLUMNS_MAX];
 };
 
@@ -22,6 +22,7 @@ static void look_at_row(struct look *look, const struct eco_rows *rows)
 {
 	const struct eco_rows_place *place = &rows->place;
 	bool area = place->kind == ECO_PLACE_AREA && place->wkb_bytes > 4;
+	bool plant = false;
 	look->features++;
 	look->polygons += area && (place->wkb[1] == POLYGON || place->wkb[1] == POLYGONS);
 	for (uint32_t i = 0; i < rows->column_count; i++) {
@@ -30,9 +31,12 @@ static void look_at_row(struct look *look, const struct eco_rows *rows)
 		if (eco_text_is_missing(text))
 			continue;
 		look->filled[i]++;
+		plant = plant || (eco_column_points(ECO_ROLE_SPECIES, rows->columns[i]) >= ECO_COLUMN_ENOUGH &&
+					 eco_flora_of(text, NULL).genus);
 		look->sizes[i] += eco_text_size(text, '.', &size, &unit_m) != ECO_FORM_NONE && size > 0;
 		look->roofs[i] += eco_roof_of(text) != ECO_ROOF_COUNT;
 	}
+	look->plants += plant;
 }
 
 static bool says(const char *name, const char *set)
@@ -90,7 +94,7 @@ static void take_columns(struct start *s, json_t *entry, const struct eco_rows *
 		json_object_set_new(entry, "roof", json_string(rows->columns[roof]));
 }
 
-/* An entry of "instances" for a file of footprints; NULL: its features are no polygons, or GDAL reads none. */
+/* An entry of "instances" for a file of footprints; NULL: its features are no polygons, or crowns, or GDAL reads none. */
 static json_t *look_at(struct start *s, const char *path)
 {
 	struct eco_rows *rows = NULL;
@@ -100,7 +104,7 @@ static json_t *look_at(struct start *s, const char *path)
 	bool more = !eco_rows_open(&rows, &(struct eco_rows_source){ .path = path, .areas = true }, &own);
 	while (more && look->features < LOOKED_AT && !rows->next(rows, &more, &own) && more)
 		look_at_row(look, rows);
-	if (2 * look->polygons > look->features) {
+	if (2 * look->polygons > look->features && 2 * look->plants < look->features) {
 		entry = json_object();
 		start_guess(s, "buildings", path, "\"extrude\" in the scene",
 			"a table beside that of the trees; %u of the first %u "
@@ -142,7 +146,9 @@ void start_buildings_add(const struct start *s, json_t *instances)
 		json_t *entry = json_deep_copy(own);
 		char *seen = start_path(s, json_string_value(json_object_get(own, "extrude")));
 		json_object_set_new(entry, "extrude", json_string(seen));
-		if (json_is_null(json_object_get(own, "crs")))
+		if (json_is_null(json_object_get(own, "crs")) && s->place.crs[0] == 0)
+			json_object_del(entry, "crs"); /* all are metres of a plot */
+		else if (json_is_null(json_object_get(own, "crs")))
 			json_object_set_new(entry, "crs", json_string(s->place.crs));
 		json_array_append_new(instances, entry);
 		free(seen);

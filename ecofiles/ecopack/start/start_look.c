@@ -336,7 +336,11 @@ void start_image_crs(struct start *s)
 
 enum kind { ABSENT, FOLDER, MODEL, RASTER, TABLE };
 
-static int is_model_entry(const struct dirent *entry) { return start_is_model(entry->d_name); }
+/* Folders within a folder may hold models beside their previews. */
+static int is_model_entry(const struct dirent *entry)
+{
+	return start_is_model(entry->d_name) || (entry->d_type == DT_DIR && entry->d_name[0] != '.');
+}
 
 static bool has_rasters_alone(const char *folder)
 {

@@ -402,12 +402,13 @@ static bool passes(const struct row_reading *r)
 	return true;
 }
 
+/* Of the area added last. */
 static bool take_texts(const struct row_reading *r)
 {
 	const char *texts[ECO_AREAS_COLUMNS] = { NULL };
 	for (uint32_t i = 0; i < r->request->column_count; i++)
 		texts[i] = r->column[i] == ECO_NONE ? NULL : r->rows->fields[r->column[i]];
-	return !r->request->take || r->request->take(r->request->ctx, r->areas->count, r->rows->line, texts);
+	return !r->request->take || r->request->take(r->request->ctx, r->areas->count - 1, r->rows->line, texts);
 }
 
 static enum eco_code take_row(struct row_reading *r, struct eco_error *error)
@@ -420,8 +421,6 @@ static enum eco_code take_row(struct row_reading *r, struct eco_error *error)
 		return skip(r, ECO_AREA_FILTERED), ECO_OK;
 	if (place->kind != ECO_PLACE_AREA)
 		return skip(r, ECO_AREA_NO_GEOMETRY), ECO_OK;
-	if (!take_texts(r))
-		return skip(r, ECO_AREA_NO_NUMBER), ECO_OK;
 	r->converted = r->near = true;
 	enum eco_code code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
 	if (code)
@@ -429,9 +428,10 @@ static enum eco_code take_row(struct row_reading *r, struct eco_error *error)
 	if (!kept)
 		return skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY
 			: ECO_AREA_TOO_FAR), ECO_OK;
-	if (r->request->surfaces && areas->items[areas->count - 1].ring_edges == 0) {
+	bool surface = !r->request->surfaces || areas->items[areas->count - 1].ring_edges > 0;
+	if (!surface || !take_texts(r)) {
 		areas->edge_count = areas->items[--areas->count].edge_first;
-		return skip(r, ECO_AREA_NOT_A_SURFACE), ECO_OK;
+		skip(r, surface ? ECO_AREA_NO_NUMBER : ECO_AREA_NOT_A_SURFACE);
 	}
 	return ECO_OK;
 }

@@ -74,8 +74,8 @@ struct eco_areas_request {
 	const char *path, *layer, *crs;      /* layer, crs: NULL: not stated */
 	const struct eco_filter *filters; uint32_t filter_count;
 	const char *const *columns; uint32_t column_count;   /* up to ECO_AREAS_COLUMNS names; NULL: not asked for */
-	/* Texts of a feature's columns, before it becomes area number `area`: if it does not, the next feature has the
-	 * same number. False: it is left out, as ECO_AREA_NO_NUMBER. May be NULL */
+	/* Texts of a feature's columns, once it is area number `area`. False: it is left out, as ECO_AREA_NO_NUMBER, and the
+	 * next has the same number. May be NULL */
 	bool (*take)(void *ctx, uint32_t area, uint64_t line, const char *const *texts);
 	void *ctx;
 	bool surfaces;               /* features without a surface are left out, and what is left out is counted */
