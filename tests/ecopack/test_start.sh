@@ -460,9 +460,9 @@ is '.instances | length' 1
 # crowns are no buildings; a plot without a CRS has footprints without one
 start 0 'buildings .*/houses.geojson' crowns.geojson "$DIR/houses.geojson"
 is '.instances[1].extrude' '"../houses.geojson"'
-awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 30; i++) printf "oak,%d,%d,12\n", i, 2 * i }' >"$DIR/plot.csv"
+awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 30; i++) printf "oak,%d,%d,12\n", i, 2 * i }' >"$DIR/plain.csv"
 { printf '{"type":"FeatureCollection","crs":null,"features":['; square '"levels":2' 20; printf ']}'; } >"$DIR/plot_houses.geojson"
-start 0 'buildings .*/plot_houses.geojson' plot.csv "$DIR/plot_houses.geojson"
+start 0 'buildings .*/plot_houses.geojson' plain.csv "$DIR/plot_houses.geojson"
 is '.instances[1] | has("crs")' false
 # a preview beside folders of models is no terrain
 mkdir -p "$DIR/sorts/oak" && cp "$DIR/models/stieleiche.obj" "$DIR/sorts/oak" && : >"$DIR/sorts/preview.jpg"

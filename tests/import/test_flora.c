@@ -197,6 +197,19 @@ UNIT_TEST(curves_are_those_that_were_published)
 	}
 }
 
+UNIT_TEST(a_felling_that_is_planned_leaves_its_tree)
+{
+	static const struct { const char *text; bool any, whole; } cases[] = { { "geplant", true, true }, { "Planned", true, true },
+		{ "F\u00e4llung geplant", false, false }, { "planned removal", false, false }, { "Retirada de ramas", false, false },
+		{ "Pflanzung geplant", true, true }, { "Stubben", true, true }, { "Stubben daneben entfernt", true, false },
+		{ "boom in bos", false, false }, { "", false, false } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		if (eco_flora_is_no_plant(cases[i].text, false) != cases[i].any || eco_flora_is_no_plant(cases[i].text, true) != cases[i].whole)
+			fail_msg("\"%s\"", cases[i].text);
+	assert_string_equal(eco_flora_of("Gewone es bos", NULL).genus, "fraxinus");
+	assert_int_equal(eco_flora_of("Gewone es bos", NULL).form, ECO_FORM_BROAD);
+}
+
 UNIT_TEST(plants_grow_and_end_where_their_like_end)
 {
 	static const char *const names[] = { "Quercus robur", "Abies alba", "Prunus laurocerasus", "Malus", "Phoenix",

@@ -117,7 +117,7 @@ static void check_field(struct table *t, const char *name, char *text, const cha
 		say(t, "no form is \"%s\"", text);
 	if (strcmp(name, "leaf") == 0 && !is_one_of(text, (const char *const[]){ "evergreen", "deciduous", "-" }, 3))
 		say(t, "no leaf is \"%s\"", text);
-	if (strcmp(name, "where") == 0 && !is_one_of(text, (const char *const[]){ "all", "always", "alone", "america",
+	if (strcmp(name, "where") == 0 && !is_one_of(text, (const char *const[]){ "all", "always", "whole", "alone", "america",
 			"europe", "africa", "asia", "oceania", "for people" }, 9) && !strstr(t->path, "grids.tsv"))
 		say(t, "no place is \"%s\"", text);
 	if ((strcmp(name, "genus") == 0 || strcmp(name, "taxon") == 0) && !eco_flora_of(text, NULL).genus

@@ -613,10 +613,22 @@ static bool says_form(const char *words, const char *phrases, const char *except
 	return false;
 }
 
+/* Whether words are one of a list of phrases, and nothing else. */
+static bool is_phrase(const char *words, const char *phrases)
+{
+	for (size_t bytes, length = strlen(words); *phrases != 0; phrases += bytes + (phrases[bytes] == '|')) {
+		bytes = strcspn(phrases, "|");
+		if (bytes == length && strncmp(words, phrases, bytes) == 0)
+			return true;
+	}
+	return false;
+}
+
 static enum eco_form form_by_word(const char *words, bool known, const char *except)
 {
 	for (size_t i = 0; i < COUNT(forms_rows); i++) {
-		if (known && strcmp(forms_rows[i].where, "always") != 0)
+		bool whole = strcmp(forms_rows[i].where, "whole") == 0;
+		if (whole ? !is_phrase(words, forms_rows[i].phrases) : known && strcmp(forms_rows[i].where, "always") != 0)
 			continue;
 		enum eco_form form = form_named(forms_rows[i].form);
 		/* an epithet may begin like a word of the vacant: "mortonii" */
@@ -647,16 +659,11 @@ enum eco_form eco_form_of(const char *text, enum eco_leaf *leaf)
 
 bool eco_flora_is_no_plant(const char *text, bool whole)
 {
-	char words[ECO_WORDS_BYTES], phrase[ECO_WORDS_BYTES];
+	char words[ECO_WORDS_BYTES];
 	bool is = eco_words_of(text, words, sizeof words) > 0 && form_by_word(words, true, "") == ECO_FORM_NOTHING;
 	for (size_t i = 0; whole && is && i < COUNT(forms_rows); i++)
-		for (const char *at = forms_rows[i].phrases; *at != 0 && form_named(forms_rows[i].form) == ECO_FORM_NOTHING;) {
-			size_t bytes = strcspn(at, "|");
-			snprintf(phrase, sizeof phrase, "%.*s", (int)bytes, at);
-			if (strcmp(phrase, words) == 0)
-				return true;
-			at += bytes + (at[bytes] == '|');
-		}
+		if (form_named(forms_rows[i].form) == ECO_FORM_NOTHING && is_phrase(words, forms_rows[i].phrases))
+			return true;
 	return is && !whole;
 }
 
