@@ -107,7 +107,7 @@ static int64_t twice_area(const struct gen_ring *r)
 	return sum;
 }
 
-/* Where a place is: 1 inside a ring, -1 outside, 0 on it. Coordinates of the ring are doubled. */
+/* The side of a place: 1 inside a ring, -1 outside, 0 on it. Coordinates of the ring are doubled. */
 static int side_of(const struct gen_ring *r, struct gen_corner p)
 {
 	int inside = -1;

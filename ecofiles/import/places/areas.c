@@ -402,7 +402,7 @@ static bool passes(const struct row_reading *r)
 	return true;
 }
 
-/* Of the area added last. */
+/* Words and numbers of the area added last. */
 static bool take_texts(const struct row_reading *r)
 {
 	const char *texts[ECO_AREAS_COLUMNS] = { NULL };
