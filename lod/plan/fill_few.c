@@ -258,7 +258,7 @@ static enum eco_code take(struct few *f, const uint32_t *chosen, struct eco_erro
 		for (c = 1; c < f->class_count && (f->classes[c].candidate.ladder_choice != to->ladder_choice
 				|| f->classes[c].candidate.node != to->node); c++)
 			;
-		if (c == f->class_count)
+		if (c == f->class_count || chosen[c] == ECO_NONE)
 			continue;
 		fill->vertices -= lod_candidate_vertices(to);
 		to->step = 0;
