@@ -66,7 +66,7 @@ else ifeq ($(config),coverage)
 else ifeq ($(config),fuzz)
   CC := clang
   CXX := clang++
-  OPT := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize=vptr -fno-sanitize-recover=undefined
+  OPT := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize=vptr,function -fno-sanitize-recover=undefined
 else
   $(error config=$(config) is not one of debug, release, sanitize, thread, coverage, fuzz)
 endif
