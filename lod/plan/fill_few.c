@@ -195,15 +195,16 @@ static void choose(struct few *f, uint32_t *chosen)
 	f->wholes = calloc(f->class_count * row, 1);
 	f->failed |= !least || !f->picks || !f->wholes;
 	for (uint32_t c = 0; !f->failed && c < f->class_count; c++) {
+		const double *before = least + c * row;
 		double *next = least + (c + 1) * row;
 		if (!f->classes[c].whole) {
-			add_to_bins(f, c, next - row, next);
+			add_to_bins(f, c, before, next);
 			continue;
 		}
 		add_to_bins(f, c, least + f->classes[c].from * row, whole);
 		for (uint64_t b = 0; b < row; b++) {
-			f->wholes[c * row + b] = whole[b] < next[b - row];
-			next[b] = fmin(whole[b], next[b - row]);
+			f->wholes[c * row + b] = whole[b] < before[b];
+			next[b] = fmin(whole[b], before[b]);
 		}
 	}
 	uint64_t left = f->bins;
