@@ -550,7 +550,7 @@ static const char *ground_image_fault(const struct eco_scene *s, uint32_t id)
 {
 	uint32_t list = s->ground_images[id].list;
 	return list >= s->list_count || s->lists[list].kind != ECO_LIST_GROUND_IMAGE
-		|| s->lists[list].chunk_count != ECO_GROUND_IMAGE_LEVELS || s->lists[list].image != ECO_NONE
+		|| s->lists[list].primitive_count != ECO_GROUND_IMAGE_LEVELS || s->lists[list].image != ECO_NONE
 		|| s->lists[list].grid_step[0] != s->lists[list].grid_step[1]
 		? "its list is not an image of the ground, with all levels and square texels" : NULL;
 }

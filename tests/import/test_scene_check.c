@@ -1,6 +1,7 @@
 /* Agreement of a scene's tables: a small pack's are sound, and each way to break one of them is found and
  * said. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -264,6 +265,28 @@ UNIT_TEST(a_summary_stands_for_any_number_of_plants)
 	assert_good(eco_pack_open(&pack, PATH, &cause));
 	scene_copy(&l, &pack->scene);
 	place_often(&l, true);
+	assert_good(eco_scene_check(&l.scene, &cause));
+	scene_free(&l);
+	eco_pack_close(pack);
+	unlink(PATH);
+}
+
+/* The last level of the ground's image is two chunks. */
+UNIT_TEST(a_level_of_an_image_may_be_strips)
+{
+	struct scene_builder made, l;
+	struct eco_pack *pack;
+	assert_good(small_pack_write(&made, PATH, NULL, &cause));
+	scene_free(&made);
+	assert_good(eco_pack_open(&pack, PATH, &cause));
+	scene_copy(&l, &pack->scene);
+	struct eco_list *list = &l.lists[l.ground_images[0].list];
+	uint32_t end = list->chunk_first + list->chunk_count++;
+	l.scene.chunks = l.chunks = realloc(l.chunks, ++l.scene.chunk_count * sizeof *l.chunks);
+	memmove(&l.chunks[end], &l.chunks[end - 1], (l.scene.chunk_count - end) * sizeof *l.chunks);
+	l.chunks[end - 1].primitive_count = l.chunks[end - 1].element_count = 0;
+	for (uint32_t i = 0; i < l.scene.list_count; i++)
+		l.lists[i].chunk_first += l.lists[i].chunk_first >= end;
 	assert_good(eco_scene_check(&l.scene, &cause));
 	scene_free(&l);
 	eco_pack_close(pack);
