@@ -317,7 +317,7 @@ static void add_textures(const struct eco_scene *scene, struct eco_plan *plan)
 		if ((scene->lists[i].kind == ECO_LIST_IMAGE || scene->lists[i].kind == ECO_LIST_OUTLINE)
 				&& !has_cut(plan, i))
 			plan->cuts[plan->cut_count++] = (struct eco_cut){ .list = i,
-				.end = scene->lists[i].chunk_count, .scale = 1, .anchor = ECO_NONE,
+				.end = scene->lists[i].primitive_count, .scale = 1, .anchor = ECO_NONE,
 				.share_end = ECO_SHARE_ONE };
 }
 
