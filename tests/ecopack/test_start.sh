@@ -390,6 +390,7 @@ species,lon,lat,removal_year|oak,11.5,48.1#,~oak,11.5,48.1#,2019|32 plants|.inst
 essence,lon,lat|POPNIG,2.3,48.8#~ACEPLA,2.3,48.8#|codes of letters|.instances[0].codes|"letters"
 species,geom|oak,0101000020E6100000000000000000F83F0000000000000440||.crs|"EPSG:32631"
 species,geom|oak,50°06'#"N 8°39'#"E||.crs|"EPSG:32632"
+species,lon,lat,crown_dim2|oak,11.5,48.1#,#|a diameter|.instances[0].crown_m.is|"diameter"
 species,lon,lat,canopy_m2|oak,11.5,48.1#,#|an area, in squares|.instances[0].crown_m|{"column":"canopy_m2","is":"area","unit":"m"}
 Art,lon,lat,Krone_N,Krone_O,Krone_S,Krone_W|Eiche,11.5,48.1#,2,3,4,5||.instances[0].crown_m.column|["Krone_N","Krone_O","Krone_S","Krone_W"]
 Art,lon,lat,Bemerkung|Eiche,11.5,48.1#,Stubben daneben entfernt~Eiche,11.5,48.1#,Stubben|32 plants|.instances[0].skip|{"Bemerkung":["Stubben"]}

@@ -56,7 +56,8 @@ UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 		{ "\uff72\uff81\uff72", "taxus", ECO_FORM_CONIFER }, { "\uff76\uff7c\uff9c", "quercus", ECO_FORM_BROAD },
 		{ "\u94f6\u674f\u6811", "ginkgo", ECO_FORM_BROAD }, { "\u30b5\u30af\u30e9\u985e", "prunus", ECO_FORM_BROAD },
 		{ "Skogsl\u00f6nn", "acer", ECO_FORM_BROAD }, { "El Nogal", "juglans", ECO_FORM_BROAD },
-		{ "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN },
+		{ "Fountain grass", NULL, ECO_FORM_GRASS }, { "Fountain palm", NULL, ECO_FORM_PALM }, { "Bench 3", NULL, ECO_FORM_NOTHING },
+		{ "Dead tree", NULL, ECO_FORM_NOTHING }, { "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN },
 		{ "", NULL, ECO_FORM_UNKNOWN } };
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		struct eco_flora flora = spelt(names[i].name);

@@ -277,10 +277,12 @@ static void find_several(struct start *s)
 
 #define CROWN_AREA_M 60.0        /* wider polygons are stands, for a scatter */
 
-/* "canopy_m2", "crown area". */
+/* "canopy_m2", "crown area"; "crown_dim2" is a second width. */
 static bool says_area(const char *name)
 {
-	return eco_column_says(name, "area") || strstr(name, "m2") || strstr(name, "m\u00b2") || strstr(name, "ft2")
+	char words[ECO_WORDS_BYTES];
+	eco_words_of(name, words, sizeof words);
+	return eco_column_says(name, "area") || strstr(words, " m 2") || strstr(words, " ft 2") || strstr(name, "m\u00b2")
 		|| strstr(name, "ft\u00b2") || eco_words_any(name, "sqm qm sqft sq");
 }
 
