@@ -448,6 +448,7 @@ for order in "trees.csv models houses.geojson" "houses.geojson trees.csv models"
 	rm -rf "$DIR/my"; table="buildings: $order"
 	(cd "$DIR" && "$OLDPWD/$PACK" start $order --crs EPSG:25832 -o my) >"$DIR/out" 2>&1 || complain "$table: $(cat "$DIR/out")"
 	grep -q '2 of the first 2' "$DIR/out" || complain "$table: not said: $(cat "$DIR/out")"
+	grep -q '"height" in m ' "$DIR/out" && grep -q '"building:levels", 3 m each ' "$DIR/out" || complain "$table: units: $(cat "$DIR/out")"
 	is '.instances | length' 2
 	is '.instances[1]' '{"height_m":[{"column":"height","unit":"m"},{"storeys":"building:levels","storey_m":3},6],"roof":"roof:shape","extrude":"../houses.geojson"}'
 done

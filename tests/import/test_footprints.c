@@ -88,6 +88,8 @@ UNIT_TEST(columns_have_units_and_a_number_is_for_the_rest)
 	assert_footprint(0, 9.144, false);
 	assert_footprint(1, 4.5, false);
 	assert_null(strstr(import_said, "told no height"));
+	assert_non_null(strstr(import_said, "1 of them have no height in a column"));
+	assert_non_null(strstr(import_said, "is taken (first: feature 2)"));
 	eco_footprints_free(&read_footprints);
 }
 

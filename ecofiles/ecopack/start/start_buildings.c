@@ -63,12 +63,13 @@ static uint32_t find(const struct eco_rows *rows, const struct look *look, enum 
 	return ECO_NONE;
 }
 
-static void say_column(struct start *s, const char *what, const char *name, const char *none)
+/* name NULL: no column, `other` is taken. */
+static void say_column(struct start *s, const char *what, const char *name, const char *unit, const char *other,
+	const char *option)
 {
-	char took[80];
-	snprintf(took, sizeof took, name ? "\"%.70s\"" : "%.70s", name ? name : none);
-	start_guess(s, what, took, "the scene", "%s",
-		name ? "by its name and what stands in it" : "no column says it");
+	char took[120];
+	snprintf(took, sizeof took, "%s%.70s%s%s", name ? "\"" : "", name ? name : other, name ? "\"" : "", name ? unit : "");
+	start_guess(s, what, took, option, "%s", name ? "by its name and what stands in it" : "no column says it");
 }
 
 static void take_columns(struct start *s, json_t *entry, const struct eco_rows *rows, const struct look *look)
@@ -77,6 +78,7 @@ static void take_columns(struct start *s, json_t *entry, const struct eco_rows *
 	uint32_t height = find(rows, look, HEIGHT), storeys = find(rows, look, STOREYS),
 		 roof = find(rows, look, ROOF);
 	const char *unit = height == ECO_NONE ? NULL : eco_unit_of_name(rows->columns[height]);
+	char in[16];
 	if (height != ECO_NONE)
 		json_array_append_new(heights,
 			json_pack("{s:s, s:s}", "column", rows->columns[height], "unit", unit ? unit : "m"));
@@ -85,11 +87,12 @@ static void take_columns(struct start *s, json_t *entry, const struct eco_rows *
 			json_pack("{s:s, s:f}", "storeys", rows->columns[storeys], "storey_m", ECO_STOREY_M));
 	json_array_append_new(heights, json_real(ECO_BUILDING_M));
 	json_object_set_new(entry, "height_m", heights);
-	say_column(s, "their heights", height == ECO_NONE ? NULL : rows->columns[height],
-		storeys == ECO_NONE ? "6 m" : "by storeys");
+	snprintf(in, sizeof in, " in %s", unit ? unit : "m");
+	say_column(s, "their heights", height == ECO_NONE ? NULL : rows->columns[height], in,
+		storeys == ECO_NONE ? "6 m" : "by storeys", "\"height_m\" in the scene");
 	if (storeys != ECO_NONE)
-		say_column(s, "their storeys", rows->columns[storeys], "");
-	say_column(s, "their roofs", roof == ECO_NONE ? NULL : rows->columns[roof], "flat");
+		say_column(s, "their storeys", rows->columns[storeys], ", 3 m each", "", "\"storey_m\" in the scene");
+	say_column(s, "their roofs", roof == ECO_NONE ? NULL : rows->columns[roof], "", "flat", "\"roof\" in the scene");
 	if (roof != ECO_NONE)
 		json_object_set_new(entry, "roof", json_string(rows->columns[roof]));
 }

@@ -72,6 +72,8 @@ static bool take(void *ctx, uint32_t area, uint64_t line, const char *const *tex
 	for (uint32_t i = 0; i < r->spec->height_count && !(item.height_m > 0); i++) {
 		item.height_m = height_of(f, &r->spec->heights[i], texts[i], line);
 		item.to_eaves = r->spec->heights[i].storeys;
+		if (i > 0 && !r->spec->heights[i].column)
+			NOTE(&f->by_number, line, "");
 	}
 	if (!(item.height_m > 0)) {
 		NOTE(&f->untold, line, "");
@@ -135,6 +137,12 @@ void eco_footprints_report(const struct eco_footprints *f, void (*say)(void *ctx
 			"another (first: feature %llu)",
 			eco_phrase_count(f->untold.count, counts[0]), ECO_BUILDING_M,
 			(unsigned long long)f->untold.first_line);
+		say(ctx, line);
+	}
+	if (f->by_number.count) {
+		snprintf(line, sizeof line,
+			"  %s of them have no height in a column: the number in \"height_m\" is taken (first: feature %llu)",
+			eco_phrase_count(f->by_number.count, counts[0]), (unsigned long long)f->by_number.first_line);
 		say(ctx, line);
 	}
 	if (f->unknown.count) {
