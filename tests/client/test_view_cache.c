@@ -94,7 +94,8 @@ UNIT_TEST(what_was_needed_least_recently_goes_first_and_what_is_wanted_stays)
 /* Two levels, of 16 + 8 rows and of 16 + 16: rows of a level go one strip after the other, and come again. */
 UNIT_TEST(strips_of_a_texture_come_and_go)
 {
-	static const uint32_t rows[] = { 16, 8, 16, 16 }, heights[][2] = { { 16, 0 }, { 24, 0 }, { 24, 16 }, { 24, 32 } };
+	static const uint32_t rows[] = { 16, 8, 16, 16 },
+		heights[][2] = { { 16, 0 }, { 24, 0 }, { 24, 16 }, { 24, 32 } };
 	const struct eco_list record = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .chunk_count = 4,
 		.element_count = 2, .primitive_count = 2 };
 	struct view_list *list = view_list_new(0, &record, NULL, NULL);

@@ -34,8 +34,8 @@ static void write_seed(const char *name, const struct eco_list *list, const stru
 /* Connected wood, which no kind has: a strip of bark. */
 static void write_bark(void)
 {
-	const struct kind wood = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 3, 200, 0, 9,
-		SCATTERED };
+	const struct kind wood = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 3,
+		200, 0, 9, SCATTERED };
 	const struct eco_list list = kind_list(&wood);
 	FREED(eco_elements) e = kind_elements(&wood, wood.count, 1);
 	for (uint32_t i = 0; i < 3 * wood.count; i++) {

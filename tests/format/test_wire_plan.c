@@ -140,7 +140,10 @@ UNIT_TEST(plans_that_break_a_rule_are_not_written)
 		case 16: plan.runs[3].left = ECO_SHARE_ONE; break;
 		case 17: plan.prediction.tp = -1; break;
 		case 18: plan.prediction.fp = 1e17; break;
-		case 19: plan.prediction.tp = eco_wire_pixels_round(-1), plan.prediction.fp = eco_wire_pixels_round(1e17); break;
+		case 19:
+			plan.prediction.tp = eco_wire_pixels_round(-1);
+			plan.prediction.fp = eco_wire_pixels_round(1e17);
+			break;
 		}
 		eco_wire_write_plan(&w, &plan);
 		assert_int_equal(w.failed, fault < 19);      /* the last two are sound */
