@@ -156,6 +156,7 @@ UNIT_TEST(objects_stand_as_their_files_say)
 	assert_true(m.object);
 	assert_int_equal(m.triangle_count, 5);
 	assert_true(m.scale == 1 && m.source.up == ECO_UP_Y);
+	assert_non_null(strstr(import_said, "taken for metres"));
 	assert_true(has_place(100, 0, 5) && has_place(10, -2, 0) && has_place(150, -50, 0));
 	import_file(path, &(struct eco_model_options){ .object = true, .unit_m = 0.3048, .up = ECO_UP_Z });
 	assert_true(has_place(30.48, 1.524, 0));

@@ -246,10 +246,9 @@ static const struct known_unit *guess_unit(double height)
 static enum eco_code find_scale(struct model_clean *c, double top)
 {
 	const struct eco_model_options *options = c->options;
-	const struct known_unit *guess = guess_unit(top);
+	const struct known_unit *guess = options->object ? known_units : guess_unit(top);
 	struct eco_model_source *source = &c->model->source;
-	const double stated_m = options->unit_m > 0 ? options->unit_m
-		: c->frame->unit_m > 0 || !options->object || options->height_m > 0 ? c->frame->unit_m : 1;
+	const double stated_m = options->unit_m > 0 ? options->unit_m : c->frame->unit_m;
 	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : stated_m > 0 ? ECO_HOW_FORMAT
 		: options->height_m > 0 ? ECO_HOW_HEIGHT : ECO_HOW_GUESSED;
 	if (options->height_m > 0 && !(top > 0))
