@@ -390,6 +390,7 @@ species,lon,lat,removal_year|oak,11.5,48.1#,~oak,11.5,48.1#,2019|32 plants|.inst
 essence,lon,lat|POPNIG,2.3,48.8#~ACEPLA,2.3,48.8#|codes of letters|.instances[0].codes|"letters"
 species,geom|oak,0101000020E6100000000000000000F83F0000000000000440||.crs|"EPSG:32631"
 species,geom|oak,50°06'#"N 8°39'#"E||.crs|"EPSG:32632"
+species,lon,lat,Removal cost|oak,11.5,48.1#,250#||.instances[0].skip|null
 species,lon,lat,crown_dim2|oak,11.5,48.1#,#|a diameter|.instances[0].crown_m.is|"diameter"
 species,lon,lat,canopy_m2|oak,11.5,48.1#,#|an area, in squares|.instances[0].crown_m|{"column":"canopy_m2","is":"area","unit":"m"}
 Art,lon,lat,Krone_N,Krone_O,Krone_S,Krone_W|Eiche,11.5,48.1#,2,3,4,5||.instances[0].crown_m.column|["Krone_N","Krone_O","Krone_S","Krone_W"]
@@ -400,6 +401,7 @@ leaf_type,lon,lat|broadleaved,11.5,48.1#~needleleaved,11.5,48.1#||.instances[0].
 species,lon,lat,height,dbh|oak,11.5,48.1#,30,#0|may be a girth|.instances[0].height_m[1].from_dbh|"dbh"
 TABLE
 start 0 'trunk girth "dbh"' towns.csv --girth-column dbh --dbh-unit cm
+start 1 'give one' towns.csv --girth-column dbh --dbh-column dbh
 awk 'BEGIN { print "lon,lat,zmax"; for (i = 0; i < 40; i++) printf "11.5,48.1%d,%d.25\n", 10 + i, 10 + i }' >"$DIR/tops.csv"
 start 0 'normalised cloud' tops.csv --plant linden
 is '.instances[0].height_m[0].column' '"zmax"'

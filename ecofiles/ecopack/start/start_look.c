@@ -33,6 +33,8 @@ static void find_columns(struct start *s)
 		{ ECO_ROLE_Y, o->y, "--y" }, { ECO_ROLE_SPECIES, o->species, "--species-column" },
 		{ ECO_ROLE_HEIGHT, o->height, "--height-column" }, { ECO_ROLE_DBH, o->dbh, "--dbh-column" },
 		{ ECO_ROLE_GIRTH, o->girth, "--girth-column" } };
+	if (o->dbh && o->girth)
+		eco_stop(ECO_BAD_INPUT, "--dbh-column and --girth-column: give one, trunks have one size");
 	for (int i = 0; i < ECO_ROLE_COUNT; i++)
 		s->columns.of[i] = ECO_NONE;
 	s->columns.decimal = o->decimal ? o->decimal[0] : 0;

@@ -412,9 +412,10 @@ static bool is_type(const char *name)
 
 static enum gone kind_of(const char *name)
 {
-	return eco_column_says(name, "removal") ? BY_DATE : eco_words_any(name, eco_words_set("present"))
-		? BY_PRESENCE : eco_column_says(name, "status") || is_type(name) ? BY_STATUS
-		: eco_words_any(name, eco_words_set("remark")) ? BY_REMARK : STAYS;
+	if (eco_column_says(name, "removal"))
+		return eco_words_any(name, eco_words_set("no date")) ? STAYS : BY_DATE;
+	return eco_words_any(name, eco_words_set("present")) ? BY_PRESENCE : eco_column_says(name, "status") || is_type(name)
+		? BY_STATUS : eco_words_any(name, eco_words_set("remark")) ? BY_REMARK : STAYS;
 }
 
 static bool is_gone(enum gone kind, const char *text)
