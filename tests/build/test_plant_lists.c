@@ -117,13 +117,15 @@ static const struct lod_plant_options draft = { .name = "p", .seed = 1, .order =
 static const struct lod_plant_options quick = { .name = "tree", .grid_bits = 14, .cell_triangles = 400,
 	.order = LOD_ORDER_STOCHASTIC, .views = 6, .pixels = 96 };
 
-/* The list of splats, which comes last; its colours lie behind those of the other lists. */
+/* The list of splats, which comes last; its colours lie behind those of the other lists, and the color of wood behind
+ * these. */
 static const struct lod_list_draft *splats_of_plant(void)
 {
 	const struct lod_list_draft *last = &plant.lists[plant.list_count - 1];
 	assert_true(last->list.attributes & ECO_ATTR_SPLAT);
 	assert_in_range(last->list.palette_count, 1, MOST);
-	assert_int_equal(last->list.palette_first + last->list.palette_count, plant.palette_count);
+	assert_int_equal(last->list.palette_first + last->list.palette_count + (last->list.wood != 0),
+		plant.palette_count);
 	for (uint32_t i = 0; i + 1 < plant.list_count; i++)
 		assert_true(plant.lists[i].list.palette_first + plant.lists[i].list.palette_count
 			<= last->list.palette_first);

@@ -78,7 +78,7 @@ static const struct { enum eco_code code; const char *says; } faults[FAULTS] = {
 	[TWO_ELEMENTS] = { ECO_DAMAGED, LIST ", chunk 0: chunk: a file is one element, not 2" },
 	[NOT_HELD] = { ECO_DAMAGED, "cut 0 of the plan draws [2,3) of " LIST ", of which 2 are held" },
 	[BOTH_LEVELS] = { ECO_DAMAGED, "cut 0 of the plan draws 2 levels of " LIST ", an impostor, not one" },
-	[TOO_MANY_CHUNKS] = { ECO_DAMAGED, LIST ": its levels are too many, or not a chunk each" },
+	[TOO_MANY_CHUNKS] = { ECO_DAMAGED, LIST ": its levels are too many, or not an element each" },
 };
 
 /* The first two levels of the grove, with copies of payloads that may be written to, under hashes that are right. */
