@@ -28,6 +28,24 @@ static void join(struct srv_stream *stream, struct srv_stream *first, struct srv
 	stream->steps[0] = picture;
 }
 
+static bool draws(const struct srv_stream *stream)
+{
+	return stream->fits && stream->steps[stream->step_count - 1].plan.vertices;
+}
+
+/* The first picture is all of the answer. */
+static void keep(struct srv_stream *stream, struct srv_stream *first, uint64_t work)
+{
+	const struct srv_stream_input input = stream->input;
+	work += stream->work;
+	*stream = *first;
+	*first = (struct srv_stream){ .step_count = 0 };
+	stream->input = input;
+	stream->work = work;
+	stream->cut_short = true;
+}
+
+/* Little work is left where the rest draws nothing. */
 static enum eco_code plan_rest(struct srv_stream *stream, struct srv_stream *first, struct srv_emit *dry,
 	struct eco_error *error)
 {
@@ -40,10 +58,12 @@ static enum eco_code plan_rest(struct srv_stream *stream, struct srv_stream *fir
 	input.work_max = input.work_max ? srv_work_left(stream) + 1 : 0;
 	request.bytes -= picture->end_bytes;
 	enum eco_code code = srv_stream_plan(&rest, &input, error);
-	if (!code && rest.fits && rest.step_count < SRV_STEPS_MAX) {
+	if (!code && draws(&rest) && rest.step_count < SRV_STEPS_MAX)
 		join(stream, first, &rest);
+	else if (!code && rest.cut_short)
+		keep(stream, first, rest.work);
+	if (!code && stream->step_count)
 		code = srv_size_all(stream, dry, error);
-	}
 	if (!code)
 		srv_stream_free(&rest);
 	return code;
@@ -63,7 +83,7 @@ enum eco_code srv_plan_first(struct srv_stream *stream, struct srv_emit *dry, st
 	if (code)
 		return code;
 	stream->work += first.work;
-	if (first.fits && first.steps[first.step_count - 1].plan.vertices)
+	if (draws(&first))
 		code = plan_rest(stream, &first, dry, error);
 	srv_stream_free(&first);
 	if (!code && stream->body_bytes > stream->input.request->bytes) {
