@@ -223,8 +223,8 @@ static double open_share(const struct lod_allocation *m, const struct lod_tile_c
 	if (!choice->has_summary || m->lambda <= 0)
 		return 1;
 	double share = fine_share(m, plants - summary, TIE_SHARE * (choice->weight_px - plants)),
-		least = m->few_plants || !(plants > 0) ? 0 : 1 - choice->closed_most;
-	return share < least ? least : share;
+		least = m->few_plants ? 0 : 1 - choice->closed_most;
+	return !(plants > 0) ? 0 : share < least ? least : share;
 }
 
 /* Share of a summary's points that are drawn. Points stand for the plants that are not drawn yet, but nothing
