@@ -30,8 +30,8 @@
  * (not of its instances) knows the plant.
  *
  * PLAN. Varints, and f64 where so said. A plan has one encoding: arrays are in the order of eco_plan_sort, a
- * field that is said differs from what is expected of it. Everything else is refused. What only a server reports
- * (visible plants, the sample distance) does not travel. A usual cut takes 3 to 6 bytes, a plant none.
+ * field that is said differs from what is expected of it. Everything else is refused. Figures that only a server
+ * reports (visible plants, the sample distance) do not travel. A usual cut takes 3 to 6 bytes, a plant none.
  *
  *   v vertices   pixels in sixteenths: v tp, v fp, v fn   v counts: placements, runs, gates, cuts; then these
  *   placement    v fields: 1, 2, 4: the axis is no whole millimetre; 8, 16: turn, path are not 0; 32: scale is

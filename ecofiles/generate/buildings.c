@@ -141,8 +141,8 @@ static struct point metres(struct gen_corner c)
 	return (struct point){ (double)c.x / 1000, (double)c.y / 1000, 0 };
 }
 
-/* Puts a point on the least of the planes. What comes to one point by two ways differs in its last bits: pitched roofs have a
- * grid. */
+/* Puts a point on the least of the planes. A point reached by two ways differs in its last bits: pitched roofs
+ * have a grid. */
 static void put_on_roof(const struct builder *b, struct point *p)
 {
 	double z = b->plane_count ? INFINITY : 0;

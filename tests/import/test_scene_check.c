@@ -256,14 +256,21 @@ static void place_often(struct scene_builder *l, bool summary)
 BREAK_SPLATS(open_tiles, nest_tiles(l))
 BREAK(open_plants, place_often(l, false))
 
-UNIT_TEST(a_summary_stands_for_any_number_of_plants)
+static struct eco_pack *open_small(struct scene_builder *l)
 {
-	struct scene_builder made, l;
+	struct scene_builder made;
 	struct eco_pack *pack;
 	assert_good(small_pack_write(&made, PATH, NULL, &cause));
 	scene_free(&made);
 	assert_good(eco_pack_open(&pack, PATH, &cause));
-	scene_copy(&l, &pack->scene);
+	scene_copy(l, &pack->scene);
+	return pack;
+}
+
+UNIT_TEST(a_summary_stands_for_any_number_of_plants)
+{
+	struct scene_builder l;
+	struct eco_pack *pack = open_small(&l);
 	place_often(&l, true);
 	assert_good(eco_scene_check(&l.scene, &cause));
 	scene_free(&l);
@@ -274,12 +281,8 @@ UNIT_TEST(a_summary_stands_for_any_number_of_plants)
 /* The last level of the ground's image is two chunks. */
 UNIT_TEST(a_level_of_an_image_may_be_strips)
 {
-	struct scene_builder made, l;
-	struct eco_pack *pack;
-	assert_good(small_pack_write(&made, PATH, NULL, &cause));
-	scene_free(&made);
-	assert_good(eco_pack_open(&pack, PATH, &cause));
-	scene_copy(&l, &pack->scene);
+	struct scene_builder l;
+	struct eco_pack *pack = open_small(&l);
 	struct eco_list *list = &l.lists[l.ground_images[0].list];
 	uint32_t end = list->chunk_first + list->chunk_count++;
 	l.scene.chunks = l.chunks = realloc(l.chunks, ++l.scene.chunk_count * sizeof *l.chunks);

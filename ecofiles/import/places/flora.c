@@ -1,7 +1,7 @@
 /* From a name to a genus. A Latin name is surest: a genus where a part of the name begins, or one with an epithet
  * of its own behind it. Next come common names, the longest phrase first. In Germanic languages and those of East Asia
  * the noun ends a name ("cedar elm", "Stieleiche"), in others it begins it ("pin noir"). Codes and misspellings are
- * looked for last. More than 600 lines: each step of one search, in its order. */
+ * looked for last. Longer than 600 lines: each step of one search, in its order. */
 #include "ecofiles/import/places/flora.h"
 
 #include <math.h>

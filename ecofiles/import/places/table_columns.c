@@ -1,6 +1,6 @@
 /* A column's role by the words of its name, in points, and by its content: a place or a size is made of
  * numbers, a species is a text, best one that names plants. An even selection of a table's rows shows the
- * content. More than 600 lines: choice, joined species, signs of numbers and rows share the table. */
+ * content. Longer than 600 lines: choice, joined species, signs of numbers and rows share the table. */
 #include "ecofiles/import/places/table_columns.h"
 
 #include <math.h>

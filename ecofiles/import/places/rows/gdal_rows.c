@@ -1,6 +1,6 @@
 /* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs
  * in the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
- * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. More than 600 lines: what
+ * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. Longer than 600 lines: what
  * one reader does for a dozen formats shares its struct. */
 #include "ecofiles/import/places/rows/rows.h"
 

@@ -118,8 +118,8 @@ static const char *const encodings[] = { "CP1252", "CP932", "GB18030", "CP949", 
 	"CP1255" };
 #define ENCODINGS (sizeof encodings / sizeof *encodings)
 
-/* Bytes of UTF-8 that a text takes in `to`, which has room for four times its size. What is not of the encoding becomes a
- * question mark. */
+/* Bytes of UTF-8 that a text takes in `to`, which has room for four times its size. Bytes that the encoding lacks become
+ * question marks. */
 static size_t convert(iconv_t state, const char *text, size_t size, char *to)
 {
 	char *in = (char *)(uintptr_t)text, *out = to;
