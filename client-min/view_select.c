@@ -147,14 +147,17 @@ static enum eco_code add_pair(struct walk *w, uint32_t cut)
 	return ECO_OK;
 }
 
-/* Out of sight a plant may be in a band that no cut is for. */
-static uint8_t caster_band(const struct walk *w, const struct lod_anchor_band *seen)
+/* The band nearest to the anchor's that some cut is for, of those from `from` on: out of sight a plant may be in a
+ * band that no cut is for. */
+static uint8_t caster_band(const struct walk *w, const struct lod_anchor_band *seen, uint32_t from)
 {
 	const struct eco_cut *cuts = w->plan->cuts;
 	uint32_t i = view_table_get(&w->anchors, seen->anchor), band = seen->band, least = UINT32_MAX;
 	for (; i < w->plan->cut_count && cuts[i].anchor == seen->anchor && least; i++) {
 		const struct eco_cut *cut = &cuts[i];
-		uint32_t nearest = seen->band < cut->band_first ? cut->band_first
+		if (cut->band_end <= from)
+			continue;
+		uint32_t first = cut->band_first > from ? cut->band_first : from, nearest = seen->band < first ? first
 			: seen->band >= cut->band_end ? cut->band_end - 1u : seen->band;
 		uint32_t off = nearest > seen->band ? nearest - seen->band : seen->band - nearest;
 		band = off < least ? nearest : band;
@@ -163,11 +166,9 @@ static uint8_t caster_band(const struct walk *w, const struct lod_anchor_band *s
 	return (uint8_t)band;
 }
 
-static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *anchor, uint32_t hash)
+static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *seen, uint32_t hash)
 {
 	const struct eco_cut *cuts = w->plan->cuts;
-	const struct lod_anchor_band at = { anchor->anchor, w->casters ? caster_band(w, anchor)
-		: anchor->band }, *seen = &at;
 	uint32_t i = view_table_get(&w->anchors, seen->anchor);
 	for (; i < w->plan->cut_count && cuts[i].anchor == seen->anchor; i++) {
 		const struct eco_cut *cut = &cuts[i];
@@ -179,6 +180,25 @@ static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *anch
 		}
 	}
 	return ECO_OK;
+}
+
+/* The cuts of a plant that casts a shadow. Cells out of sight are seldom held. If one is not, the whole plant casts
+ * too, as it is drawn beyond its gate. */
+static enum eco_code add_caster(struct walk *w, uint32_t count, uint32_t hash, uint32_t gate)
+{
+	struct lod_anchor_band whole = w->seen[0];
+	bool all = true;
+	for (uint32_t s = 0; s < count; s++) {
+		all = all && view_table_get(&w->anchors, w->seen[s].anchor) != UINT32_MAX;
+		w->seen[s].band = caster_band(w, &w->seen[s], 0);
+		enum eco_code code = add_cuts(w, &w->seen[s], hash);
+		if (code)
+			return code;
+	}
+	if (all)
+		return ECO_OK;
+	whole.band = caster_band(w, &whole, (gate + ECO_SHARE_ONE - 1) / ECO_SHARE_ONE);
+	return add_cuts(w, &whole, hash);
 }
 
 static double distance_m(const struct lod_eye *eye, const double p[3])
@@ -228,14 +248,17 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 		lod_place_point(&instance.place, plant->anchors[0].center, center);
 		instance.distance_m = distance_m(w->eye, center);
 		instance.owner = eco_owner_instance(key, group->plant, i);
+		uint8_t band = w->seen[0].band;
 		enum eco_code code = add_instance(w, &instance);
-		for (uint32_t s = 0; s < count && !code; s++)
+		if (!code && w->casters)
+			code = add_caster(w, count, instance.hash, gate);
+		for (uint32_t s = 0; s < count && !w->casters && !code; s++)
 			code = add_cuts(w, &w->seen[s], instance.hash);
 		if (code)
 			return code;
 		w->out->visible_plants++;
 		w->out->coarse += plant->plant.anchor_count > 1
-			&& eco_gate_place(w->seen[0].band, instance.hash) >= gate;
+			&& eco_gate_place(band, instance.hash) >= gate;
 	}
 	return ECO_OK;
 }

@@ -321,6 +321,39 @@ UNIT_TEST(plants_out_of_sight_cast_shadows)
 	close_view(&l);
 }
 
+/* Without cuts of its crown, a near tree casts as a far one too. */
+UNIT_TEST(a_plant_whose_cells_are_not_held_casts_as_a_whole)
+{
+	uint32_t near = 0, as_far = 0;
+	for (int held = 1; held >= 0; held--) {
+		struct scene_held h = { .view = standing() };
+		struct view_selection casters;
+		lod_eye_make(&h.eye, &h.view);
+		scene_plan(&grove, &h.view, 1, &h.plan);
+		uint32_t kept = 0;
+		for (uint32_t i = 0; i < h.plan.cut_count; i++)
+			if (held || h.plan.cuts[i].anchor != A_HIGH)
+				h.plan.cuts[kept++] = h.plan.cuts[i];
+		h.plan.cut_count = kept;
+		h.store = scene_store(&grove, &h.plan, &cause);
+		assert_good(view_select_casters(&casters, h.store, &h.eye, &cause));
+		for (uint32_t i = 0; i < casters.instance_count; i++) {
+			bool low = false, far = false;
+			for (uint32_t c = casters.cut_first[i]; c < casters.cut_first[i + 1]; c++) {
+				const struct eco_cut *cut = &casters.plan_cuts[casters.cuts[c]];
+				low |= cut->anchor == A_LOW;
+				far |= cut->list == L_POINTS;
+			}
+			near += held && low;
+			as_far += low && far;
+		}
+		assert_int_equal(as_far, held ? 0 : near);
+		view_select_free(&casters);
+		scene_release(&h);
+	}
+	assert_true(near > 3);
+}
+
 /* ---- Maps by OpenGL ---- */
 
 /* One cut of what casts. */
