@@ -6,7 +6,7 @@ BUILD=${BUILD:-build}
 out=build/tmp/determinism-$$
 trap 'rm -rf "$out"' EXIT INT TERM
 mkdir -p "$out"
-"$BUILD/ecopack" generate sunflowers --plants 12 -o "$out/scene" --quiet >/dev/null
+"$BUILD/ecopack" generate palms --plants 3 --detail 0.1 -o "$out/scene" --quiet >/dev/null
 for one in "$BUILD" "$BUILD/o0"; do
 	name=$(basename "$one")
 	"$one/ecopack" make "$out/scene/scene.json" -o "$out/$name.eco" --order combined --no-cache --quiet >/dev/null
