@@ -151,35 +151,19 @@ double bench_plan_time(struct lod_planner_stats *stats, struct eco_plan *plan, c
 struct bench_truth { double cpu_ms, floor, floor_one, ceiling; };
 #define BENCH_TRUTH_FIGURES 4u
 
-/* Splats and balls of a picture (bench_wide.c). widest_px: the widest that is nearest at its own centre; 0
- * where there is none, the picture's width where the eye stands in one. ellipses: those of foliage wider than
- * BENCH_WIDE_PX; flat: of these, L* inside deviates by less than half of the truth's; chance: as many would be flat in the
- * truth itself, moved by half an ellipse's width, as leaves lie elsewhere there. */
-#define BENCH_WIDE_PX 12.0
-struct bench_wide { double widest_px, chance; uint32_t ellipses, flat; };
-/* smooth: the job's picture with one sample a pixel and no leaves, for its depths. */
-void bench_find_wide(const struct view_draw_job *job, const struct view_picture *smooth,
-	const struct view_picture *picture, const struct view_picture *truth, struct bench_wide *wide);
-
-/* zero with rule, occlusion, compared, look and request set asks; the rest is the answer */
+/* zero with rule, occlusion, look and request set asks; the rest is the answer */
 struct bench_frame {
 	const char *method;          /* for the tables */
 	lod_rule *rule;
 	bool ignore_occlusion;
-	/* asks for start, smooth and wide; and for bias, whose 64 samples take long */
-	bool compared, biased;
 	/* called with the job of the picture, while it can be drawn; may be NULL */
 	void (*look)(void *ctx, const struct view_draw_job *job);
 	void *ctx;
 	struct eco_request request;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
-	/* Against the truth; all but the score is NaN of a client that does not see. With BENCH_SAMPLES samples a
-	 * pixel; with one and without leaves on splats; with BENCH_SAMPLES and without leaves; bias: picture
-	 * error with 64 (B). */
-	struct view_measures measures, start, smooth;
+	/* Against the truth, with BENCH_SAMPLES samples a pixel; all but the score is NaN of a client that does not see. */
+	struct view_measures measures;
 	struct bench_truth truth;
-	struct bench_wide wide;
-	double bias;
 	uint64_t vertices, bytes;
 	double plan_ms, decode_ms, draw_ms;
 };

@@ -293,27 +293,6 @@ double bench_client_sample(const struct bench_client *client, const struct view_
 	return cpu_ms;
 }
 
-/* Draws what is compared with a picture of BENCH_SAMPLES samples. */
-static void compare(const struct bench_client *client, struct bench_frame *frame,
-	const struct view_draw_job *seen, const struct view_picture *picture)
-{
-	const struct view_picture *truth = &client->reference;
-	struct view_draw_job job = *seen;
-	struct view_picture start = { 0 };
-	must(view_picture_init(&start, picture->width, picture->height, must_error));
-	if (frame->biased) {
-		must(view_reference_fine(&job, VIEW_TRUTH_SIDE, &start, must_error));
-		frame->bias = view_picture_error(&start, truth);
-	}
-	job.smooth = true;
-	job.samples = 1;
-	must(view_reference_draw(&job, &start, must_error));
-	view_measure_pair(&start, truth, NULL, &frame->start);
-	bench_find_wide(&job, &start, picture, truth, &frame->wide);
-	view_picture_free(&start);
-	bench_client_sample(client, &job, BENCH_SAMPLES, &frame->smooth);
-}
-
 /* One answer into a new store. False where no answer has so few bytes. */
 static bool answer(struct bench_client *client, struct bench_frame *frame, struct view_store **store)
 {
@@ -347,11 +326,8 @@ bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, 
 		double gl_ms = client->untimed ? NAN : bench_gl_ms(store, &drawing.selection, view);
 		frame->vertices = drawn.vertices;
 		frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
-		frame->bias = NAN;
 		if (client->bench)
 			draw_samples(&drawing.job, &drawn);
-		if (client->bench && frame->compared)
-			compare(client, frame, &drawing.job, &drawn);
 		bench_client_score(client, frame, &drawn);
 		if (frame->look)
 			frame->look(frame->ctx, &drawing.job);

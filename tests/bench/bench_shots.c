@@ -82,13 +82,8 @@ json_t *bench_shot_row(const struct bench_frame *f)
 		{ "wrong", (double)(m->score.fp + m->score.fn) }, { "skill", m->score.skill },
 		{ "owner_q", m->score.owner_q }, { "colour", f->colour_rms }, { "soft_q", m->soft_q },
 		{ "picture_error", m->picture_error }, { "m16", m->blocks.color }, { "s16", m->blocks.contrast },
-		{ "s16_abs", m->blocks.contrast_abs }, { "start_error", f->start.picture_error },
-		{ "start_m16", f->start.blocks.color }, { "start_s16", f->start.blocks.contrast },
-		{ "start_s16_abs", f->start.blocks.contrast_abs },
-		{ "smooth_error", f->smooth.picture_error }, { "wide", f->wide.ellipses }, { "flat", f->wide.flat },
-		{ "flat_by_chance", f->wide.chance }, { "bias_error", f->bias },
-		{ "floor_error", t->floor }, { "one_floor", t->floor_one }, { "ceiling", t->ceiling },
-		{ "truth_cpu_ms", t->cpu_ms }, { "widest_px", f->wide.widest_px },
+		{ "s16_abs", m->blocks.contrast_abs }, { "floor_error", t->floor }, { "one_floor", t->floor_one },
+		{ "ceiling", t->ceiling }, { "truth_cpu_ms", t->cpu_ms },
 		{ "predicted_q", f->predicted_q }, { "plan_ms", f->plan_ms },
 		{ "decode_ms", f->decode_ms }, { "draw_ms", f->draw_ms } };
 	json_t *row = json_object();
@@ -108,12 +103,11 @@ static json_t *make_row(const struct work *w, struct bench_client *client, uint3
 	const struct bench_shoot *shoot = w->shoot;
 	const struct bench_method *method = shoot->method ? shoot->method : &bench_methods[BENCH_OURS];
 	struct bench_frame frame = { .method = method->name, .rule = method->rule,
-		.ignore_occlusion = method->ignore_occlusion, .compared = shoot->compared,
+		.ignore_occlusion = method->ignore_occlusion,
 		.request = { .view = w->view->view,
 			.vertices = shoot->vertices ? shoot->vertices[row] : 1000000,
 		.bytes = shoot->bytes ? shoot->bytes[row] : ECO_BYTES_UNBOUNDED } };
 	struct view_picture picture = { 0 };
-	frame.biased = shoot->biased && shoot->biased == frame.request.vertices && w->bench->full;
 	if (!bench_client_frame(client, &frame, &picture))
 		return json_null();
 	if (shoot->show)
@@ -141,9 +135,8 @@ json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, cons
 	const struct eco_view *v = &view->view;
 	char unit[96], stamp[512];
 	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
-	snprintf(stamp, sizeof stamp, "%s %u %d %g %g %g %g %g %g %g", bench_pack_stamp(view->pack),
-		shoot->count, shoot->biased && bench->full, v->eye[0],
-		v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
+	snprintf(stamp, sizeof stamp, "%s %u %g %g %g %g %g %g %g", bench_pack_stamp(view->pack),
+		shoot->count, v->eye[0], v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
 	return bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot });
 }
 

@@ -28,10 +28,8 @@ uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t bu
 uint32_t bench_shot_views(struct bench *bench, const char *scene,
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX]);
 /* An object with vertices, bytes, q, p, r, wrong (pixels), skill, owner_q, colour, soft_q,
- * picture_error (S8), m16, s16, s16_abs, bias_error (B), floor_error (F8), one_floor (F1), ceiling,
- * truth_cpu_ms, predicted_q, plan_ms, decode_ms, draw_ms; of the start start_error (S1), start_m16, start_s16,
- * start_s16_abs; without leaves smooth_error; widest_px, wide and flat of struct bench_wide; null where a
- * figure was not asked for. */
+ * picture_error (S8), m16, s16, s16_abs, floor_error (F8), one_floor (F1), ceiling, truth_cpu_ms, predicted_q,
+ * plan_ms, decode_ms, draw_ms; null where there is no such figure. */
 json_t *bench_shot_row(const struct bench_frame *frame);
 double bench_shot_number(const json_t *row, const char *key);        /* NaN where there is none */
 
@@ -57,8 +55,6 @@ struct bench_shoot {
 	/* of each row. NULL: a million; no budget */
 	const uint64_t *vertices, *bytes;
 	const struct bench_method *method;   /* NULL: ours, whose frames are not timed */
-	bool compared;                       /* start_error and what follows it in a row */
-	uint64_t biased;             /* vertices of the row that has bias_error, with FULL=1; 0: none */
 	/* Writes the picture; NULL: none is seen. */
 	void (*show)(struct bench *bench, struct bench_client *client, const struct bench_view *view, uint32_t row,
 		const struct bench_frame *frame, const struct view_picture *picture);

@@ -3,8 +3,7 @@
 
 #define SECTIONS(each) each(frames) each(pictures) each(bytes) each(rules) each(curves) each(species) each(ladders) \
 	each(path) each(drawn) each(collapse) each(lee) each(scale) each(hierarchy) each(importance) each(tints) \
-	each(steadiness) each(switches) each(extreme) each(billboards) each(deussen) each(neubert) each(cache) \
-	each(planner) each(visibility)
+	each(switches) each(extreme) each(billboards) each(deussen) each(neubert) each(cache) each(planner) each(visibility)
 #define DECLARE(name) extern const struct bench_section bench_##name;
 #define LIST(name) &bench_##name,
 SECTIONS(DECLARE)
