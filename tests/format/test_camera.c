@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/format/view.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
@@ -119,71 +120,17 @@ UNIT_TEST(between_keyframes_lies_a_catmull_rom_spline)
 
 UNIT_TEST(impossible_scripts_are_refused_by_name)
 {
-	static const struct { const char *json, *text; } rows[] = {
-		{ "", "tour.json:1:" },
-		{ "{\"fps\": 2,\n \"keyframes\": [}", "tour.json:2:16: " },
-		{ SCRIPT("2", KEY("0", "1")) "x", "tour.json:1:" },
-		{ "{\"fps\": 2, \"fps\": 3, \"keyframes\": []}", "tour.json:1:" },
-		{ "[]", "tour.json:1:1: the document must be an object" },
-		{ "{\"keyframes\": [" KEY("0", "1") "]}", "tour.json:1:1: \"fps\" is missing" },
-		{ "\n{\"fps\": 2}", "tour.json:2:1: \"keyframes\" is missing" },
-		{ "{\"fps\": 2,\n\"keyframes\": []}", "tour.json:2:14: there are no keyframes" },
-		{ "{\"fps\": 2,\n\"keyframes\": {}}", "tour.json:2:14: \"keyframes\" must be an array" },
-		{ "{\"fps\": 2,\n \"loop\": true, \"keyframes\": []}",
-			"tour.json:2:2: unknown field \"loop\"; known here: fps, above_ground, "
-			"keyframes" },
-		{ "{\"fps\": 2,\n \"above_ground\": 1, \"keyframes\": []}",
-			"tour.json:2:18: \"above_ground\" must be true or false" },
-		{ SCRIPT("0", KEY("0", "1")), "tour.json:1:9: fps is 0, it must be" },
-		{ SCRIPT("-1", KEY("0", "1")), "tour.json:1:9: fps is -1" },
-		{ SCRIPT("\"2\"", KEY("0", "1")), "tour.json:1:9: \"fps\" must be a number" },
-		{ SCRIPT("2", "\n1"), "tour.json:2:1: this must be an object" },
-		{ SCRIPT("2", KEY("0", "1") ",\n{\"time_s\": 1, \"eye\": [0, 0], \"target\": [1, 2, 3], "
-			"\"fov_y_deg\": 9}"),
-			"tour.json:2:22: \"eye\" has 2 numbers" },
-		{ SCRIPT("2", "\n" KEY("0", "\"a\"")), "tour.json:2:23: this must be a number" },
-		{ SCRIPT("2", "\n" KEY("0", "1e13")), "tour.json:2:23: the number is 1" },
-		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"fov_y_deg\": 9}"),
-			"tour.json:2:1: \"target\" is missing" },
-		{ SCRIPT("2", "\n{\"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": 9}"),
-			"tour.json:2:1: \"time_s\" is missing" },
-		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3]}"),
-			"tour.json:2:1: \"fov_y_deg\" is missing" },
-		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": "
-			"181}"),
-			"tour.json:3:14: fov_y_deg is 181" },
-		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": "
-			"180}"),
-			"tour.json:3:14: fov_y_deg is 180, it must be between 1e-09 and 179.999999999" },
-		{ SCRIPT("2", "{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": "
-			"9,\n\"roll\": 1}"),
-			"tour.json:2:1: unknown field \"roll\"" },
-		{ SCRIPT("2", KEY("1", "1") ",\n" KEY("1", "2")),
-			"tour.json:2:12: time_s is 1, but the keyframe before it is at 1" },
-		{ SCRIPT("2", KEY("0", "1") "," KEY("1", "2") ",\n" KEY("0.5", "2")),
-			"tour.json:2:12: time_s is 0.5, but" },
-		{ SCRIPT("1000", KEY("0", "1") "," KEY("1000", "2")),
-			"tour.json:1:1: 1000 s at 1000 frames a second are 1000001 frames" },
-		{ SCRIPT("1", KEY("0", "1") ",\n" KEY("1e10", "2")), "tour.json:2:12: time_s is 1" },
-		{ SCRIPT("2", "\n{\"time_s\": 0, \"eye\": [0, 0, 1], \"target\": [0, 0, 1], \"fov_y_deg\": "
-			"9}"),
-			"tour.json:2:1: frame 0 at 0 s, from this keyframe on, cannot be drawn: target: it "
-			"is the same point as eye" },
-		/* eye and target meet half-way */
-		{ SCRIPT("1", "\n{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": "
-			"9},"
-			"\n{\"time_s\": 2, \"eye\": [2, 0, 0], \"target\": [0, 0, 0], \"fov_y_deg\": 9}"),
-			"tour.json:2:1: frame 1 at 1 s, from this keyframe on, cannot be drawn: target: it "
-			"is the same point as eye (1, 0, 0)" },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct fault { const char *json, *text; };
+	uint32_t count;
+	const struct fault *rows = cases_read("tests/format/cases/camera_faults.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct eco_camera *camera = (void *)1;
 		struct eco_error error = { 0 };
 		enum eco_code code = eco_camera_parse(&camera, rows[i].json, strlen(rows[i].json),
 			"tour.json", &error);
 		if (code == ECO_OK || code != error.code || camera
 				|| strncmp(error.text, rows[i].text, strlen(rows[i].text)) != 0)
-			fail_msg("row %zu: code %d, \"%s\" where \"%s\" was expected", i, code, error.text,
+			fail_msg("row %u: code %d, \"%s\" where \"%s\" was expected", i, code, error.text,
 				rows[i].text);
 	}
 }

@@ -6,6 +6,7 @@
 #include "ecofiles/format/image.h"
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/import/model/model_import.h"
+#include "tests/support/cases.h"
 #include "tests/support/gltf_writer.h"
 #include "tests/support/model_try.h"
 
@@ -107,108 +108,22 @@ static void tell(const char *key, uint32_t number, const char *wanted, char *to,
 		model_told(key, number, wanted, to, size);
 }
 
-#define ONE_MESH(attributes, more) ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0}]," \
-	"'meshes':[{'primitives':[{'attributes':{" attributes "}" more "}]}]"
-#define MESH ",'meshes':[{'primitives':[{'attributes':{'POSITION':1}}]}]"
-#define INSTANCED(node, attributes) ",'extensionsRequired':['EXT_mesh_gpu_instancing'],'nodes':[{'mesh':0" \
-node "," \
-	"'extensions':{'EXT_mesh_gpu_instancing':{" attributes "}}}]" MESH
-#define THREE "'attributes':{'TRANSLATION':9,'SCALE':10,'ROTATION':11}"
-
-/* Refused where code is not ECO_OK, with the words of `wanted`. */
-static const struct { const char *name, *rest, *wanted; enum eco_code code; uint32_t most; } models[] = {
-	{ "indices_of_every_type_or_none_make_triangles", ONE_MESH("'POSITION':0", ",'indices':2"),
-		"triangles=2|c1=1,0,0|c5=1,1,0", .code = ECO_OK },
-	{ NULL, ONE_MESH("'POSITION':0", ",'indices':3"), "triangles=2|c1=1,0,0|c5=1,1,0", .code = ECO_OK },
-	{ NULL, ONE_MESH("'POSITION':0", ",'indices':4"), "triangles=2|c1=1,0,0|c5=1,1,0", .code = ECO_OK },
-	{ NULL, ONE_MESH("'POSITION':1", ""), "triangles=1|c1=1,0,0", .code = ECO_OK },
-	/* three and one behind the restart; the second keeps the first's winding */
-	{ "strips_and_fans_become_triangles", ONE_MESH("'POSITION':0", ",'indices':5,'mode':5"),
-		"triangles=3|c2=0,1,0|c3=0,1,0|c4=1,0,0|c5=1,1,0|c6=1,1,0", .code = ECO_OK },
-	{ NULL, ONE_MESH("'POSITION':0", ",'indices':6,'mode':6"), "triangles=2|c3=0,0,0|c4=1,1,0|c5=0,1,0",
-		.code = ECO_OK },
-	{ "points_and_lines_are_counted_and_said", ",'nodes':[{'mesh':0}],'meshes':[{'primitives':["
-		"{'attributes':{'POSITION':0}},{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode':3},"
-		"{'attributes':{}}]}]",
-		"triangles=1|~4 points are left out: only triangles are drawn\n3 lines are left out|"
-		"~1 primitives without positions|~1 corners", .code = ECO_OK },
-	{ NULL, ONE_MESH("'POSITION':0", ",'mode':0"), "only 4 points", .code = ECO_BAD_INPUT },
-	{ NULL, ONE_MESH("'POSITION':0", ",'mode':9"), "meshes[0].primitives[0]: its mode",
-		.code = ECO_DAMAGED },
-	{ NULL, "", "no triangles in its scene", .code = ECO_BAD_INPUT },
-	/* what nobody names is left behind */
-	{ "a_broken_index_is_kept_apart", ONE_MESH("'POSITION':0", ",'indices':7"),
-		"triangles=2|index5=none|vertices=3", .code = ECO_OK },
-	{ "places_far_from_the_origin_keep_their_detail", ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,"
-		"'translation':[5000000.25,100,0]}]" MESH,
-		"base=5000000|x0=0.25|x1=1.25|!in single precision", .code = ECO_OK },
-	{ NULL, ONE_MESH("'POSITION':8", ""), "~in single precision", .code = ECO_OK },
-	{ "parts_are_nodes_and_meshes",
-		",'nodes':[{'mesh':0,'name':'Tree'},{'mesh':0},{'mesh':0,'name':'Leaves'},"
-		"{'mesh':1,'name':'Pot'},{'mesh':1,'name':'Pot'}],'meshes':[{'name':'Leaves','primitives':["
-		"{'attributes':{'POSITION':1}}]},{'primitives':[{'attributes':{'POSITION':1}}]}]",
-		"parts=3|part0=Tree/Leaves|part1=Leaves|part2=Leaves|part3=Pot|part4=Pot", .code = ECO_OK },
-	{ "instances_of_a_model_are_expanded", INSTANCED(",'translation':[0,1,0]", THREE),
-		"triangles=3|c1=1,1,0|c4=12,1,0|c7=0,1,9|~3 instances", .code = ECO_OK },
-	{ NULL, INSTANCED("", THREE), "", .code = ECO_TOO_LARGE, .most = 2 },
-	{ "instances_without_end_are_refused_at_once", INSTANCED("", "'attributes':{'TRANSLATION':12}"), "",
-		.code = ECO_TOO_LARGE, .most = 100 },
-	/* a joint a hundred times as large, whose inverse bind matrix takes that back, 5 to the right; the
-	 * node's own place
-	 * does not count; corner 1 is between 6 and 8 */
-	{ "skins_stand_where_their_joints_hold_them",
-		",'nodes':[{'mesh':0,'skin':0,'translation':[1000,0,0]},"
-		"{'translation':[5,0,0],'scale':[100,100,100]},{'translation':[7,0,0]}],'skins':[{'joints':[1,2],"
-		"'inverseBindMatrices':15}],'meshes':[{'primitives':[{'attributes':{'POSITION':1,'JOINTS_0':13,"
-		"'WEIGHTS_0':14}}]}]", "c0=5,0,0|c1=7,0,0|c2=7,1,0", .code = ECO_OK },
-	{ "vertex_colours_count_in_linear_light", ONE_MESH("'POSITION':1,'COLOR_0':16", ",'material':0")
-		",'materials':["
-		"{'pbrMetallicRoughness':{'baseColorFactor':[0.5,1,1,1]}}]",
-		"rgb0=188,0,0|~1 vertices have colours with alpha below 0.5", .code = ECO_OK },
-	{ "the_older_materials_and_those_without_any_have_colours",
-		",'nodes':[{'mesh':0}],'meshes':[{'primitives':["
-		"{'attributes':{'POSITION':1},'material':0},{'attributes':{'POSITION':1}},{'attributes':{'POSITION':1},"
-		"'material':1}]}],'materials':[{'name':'old','pbrMetallicRoughness':{'baseColorFactor':[1,0,0,1]},"
-		"'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[0,1,0,1]}}},{'name':'thin',"
-		"'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,0,0,0.2]}}]",
-		"triangles=2|clear=1|material0=old|rgb0=0,255,0|rgb1=255,255,255", .code = ECO_OK },
-	{ "what_a_file_requires_and_is_not_read_is_named", ONE_MESH("'POSITION':1", "")
-		",'extensionsRequired':['KHR_texture_basisu']", "KHR_texture_basisu",
-		.code = ECO_UNSUPPORTED },
-	{ NULL, ONE_MESH("'POSITION':1", "")
-		",'extensionsRequired':['KHR_mesh_quantization','VENDOR_secret']",
-		"VENDOR_secret", .code = ECO_UNSUPPORTED },
-	{ NULL, ONE_MESH("'POSITION':1", "") ",'extensionsRequired':[3]", "not a name",
-		.code = ECO_UNSUPPORTED },
-	{ NULL, ONE_MESH("'POSITION':1", "") ",'extensionsUsed':['VENDOR_secret']", "triangles=1",
-		.code = ECO_OK },
-	{ NULL, ONE_MESH("'POSITION':1", "") ",'extensionsRequired':['KHR_materials_anything']",
-		"triangles=1", .code = ECO_OK },
-	{ "coarser_levels_of_msft_lod_are_left_out", ",'nodes':[{'mesh':0,'extensions':{'MSFT_lod':{'ids':[1,2]}}},"
-		"{'mesh':0},{'children':[3]},{'mesh':0}]" MESH, "triangles=1", .code = ECO_OK },
-	{ "references_to_nothing_are_refused", ",'nodes':[{'mesh':4}]", "mesh 4", .code = ECO_DAMAGED },
-	{ NULL, ONE_MESH("'POSITION':99", ""), "accessor 99", .code = ECO_DAMAGED },
-	{ NULL, ONE_MESH("'POSITION':1", ",'indices':88"), "accessor 88", .code = ECO_DAMAGED },
-	{ NULL, ONE_MESH("'POSITION':17", ""), "components", .code = ECO_DAMAGED },
-	{ NULL, ",'nodes':[{'mesh':0,'skin':2}]" MESH, "skin", .code = ECO_DAMAGED },
-	{ NULL, INSTANCED("", ""), "instances without", .code = ECO_DAMAGED },
-	{ NULL, INSTANCED("", "'attributes':{'TRANSLATION':9,'SCALE':18}"), "3 and 2 places",
-		.code = ECO_DAMAGED },
-	{ NULL, ONE_MESH("'POSITION':1", ",'extensions':{'KHR_draco_mesh_compression':{'bufferView':0,"
-		"'attributes':{'POSITION':0}}}"), "Draco", .code = ECO_DAMAGED },
-};
+struct gltf_case { const char *name, *rest, *wanted, *code, *most; };
 
 UNIT_TEST(what_a_viewer_shows_at_rest_arrives_or_is_refused)
 {
+	static const char *const codes[] = { "bad input", "damaged", "too large", "unsupported", NULL };
+	static const enum eco_code code_of[] = { ECO_BAD_INPUT, ECO_DAMAGED, ECO_TOO_LARGE, ECO_UNSUPPORTED };
 	const char *name = "";
+	uint32_t count;
+	const struct gltf_case *models = cases_read("tests/import/cases/gltf_model.tsv", sizeof *models, &count);
 	gw_document();
-	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
+	for (uint32_t i = 0; i < count; i++) {
 		name = models[i].name ? models[i].name : name;
 		print_message("# %s, %s\n", name, models[i].wanted);
 		if (models[i].code) {
-			assert_code(read_model(models[i].rest, models[i].most ? models[i].most : 1000,
-				&cause), models[i].code,
-				models[i].wanted);
+			assert_code(read_model(models[i].rest, models[i].most ? (uint32_t)cases_number(models[i].most) : 1000,
+				&cause), code_of[cases_choice(models[i].code, codes)], models[i].wanted);
 			continue;
 		}
 		read_good(models[i].rest);

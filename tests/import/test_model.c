@@ -10,21 +10,9 @@
 #include "tests/support/model_try.h"
 #include "tests/support/unit_test.h"
 
-static const struct model_case models[] = {
-	/* a square tube from (10, 5, -20), 1 wide and 8 high along Y */
-	{ "y_up_becomes_z_up_on_its_foot_at_its_height", "tube.obj", "v 9.5 5 -20.5\nv 10.5 5 -20.5\nv 10.5 5 -19.5\n"
-		"v 9.5 5 -19.5\nv 9.5 13 -20.5\nv 10.5 13 -20.5\nv 10.5 13 -19.5\nv 9.5 13 -19.5\nf 1 2 6 5\nf 2 3 7 6\n"
-		"f 3 4 8 7\nf 4 1 5 8\n", .wanted = "in=8|triangles=8|at=-0.5,0.5,0|at=0.5,-0.5,8|foot=10,20,5|scale=1|high=8" },
-	{ NULL, "tube.obj", .options = { .height_m = 2 }, .wanted = "high=2|scale=0.25|at=-0.125,0.125,2" },
-	/* the same thrice: turned, and with a twin of a vertex; in a line, twice one corner, twice one place */
-	{ "what_covers_nothing_is_dropped_and_counted", "drop.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nv 1 0 0\n"
-		"f 1 2 3\nf 3 1 2\nf 3 6 1\nf 1 2 4\nf 1 2 2\nf 2 6 3\nf 1 2 5\n",
-		.wanted = "in=7|triangles=1|twice=2|degenerate=3|infinite=1|vertices=3" },
-};
-
 UNIT_TEST(objs_are_moved_and_cleaned)
 {
-	expect_models("model", models, sizeof models / sizeof *models);
+	expect_models("model", "tests/import/cases/model.tsv");
 	assert_null(m.uv);
 }
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/import/places/rows/rows.h"
+#include "tests/support/cases.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
@@ -89,128 +90,18 @@ static void expect_error(const char *path, const char *layer, const char *says)
 #define POINT(coordinates) "{\"type\":\"Point\",\"coordinates\":[" coordinates "]}"
 #define COLLECTION(crs, features) "{\"type\":\"FeatureCollection\"," crs "\"features\":[" features "]}"
 
-#define SAYS(name) "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"" name "\"}},"
 #define GML(crs, at) "<?xml version=\"1.0\"?><ogr:FeatureCollection xmlns:ogr=\"http://ogr.maptools.org/\" " \
 	"xmlns:gml=\"http://www.opengis.net/gml/3.2\"><ogr:featureMember><ogr:boom gml:id=\"b1\"><ogr:geometry>" \
 	"<gml:Point srsName=\"" crs "\"><gml:pos>" at "</gml:pos></gml:Point></ogr:geometry>" \
 	"<ogr:soort>Tilia</ogr:soort></ogr:boom></ogr:featureMember></ogr:FeatureCollection>"
 
-#define KML(description) "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>7</name>" \
-	"<description>" description "</description><Point><coordinates>11.5,48.1</coordinates></Point></Placemark>" \
-	"</Document></kml>"
-#define KML_COLUMNS "Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,"
-
-/* name: NULL: as above; note, crs NULL: none */
-static const struct { const char *name, *file, *text, *wanted, *note, *crs; } cases[] = {
-	{ "separators_are_found_in_the_header", "a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL },
-	{ NULL, "b.csv", "x;y;\"a,b,c,d\"\n1,5;2,5;z\n", "x,y,a,b,c,d / 1,5,2,5,z", "separated by \";\"",
-		NULL },
-	{ NULL, "c.txt", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL },
-	{ NULL, "d.psv", "x|y\n1|2\n", "x,y / 1,2", "separated by \"|\"", NULL },
-	{ NULL, "e.csv", "sep=;\r\nx;y\r\n1;2\r\n", "x,y / 1,2", NULL, NULL },
-	{ NULL, "f.csv", "x\n1\n", "x / 1", NULL, NULL },
-	{ NULL, "noextension", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL },
-	{ NULL, "g.tab", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL },
-	{ "text_of_western_pages_becomes_utf8", "latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n"
-		"\x80\x84\x93,3\n", "Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL },
-	{ NULL, "header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL },
-	{ "other_encodings_are_told_by_their_words", "japan.csv", "\x8e\xf7\x8e\xed"",x\n\x83""P\x83\x84\x83""L,1\n", "樹種,x / ケヤキ,1", "CP932", NULL },
-	{ NULL, "china.csv", "\xca\xf7\xb8\xdf"",x\n12,1\n", "树高,x / 12,1", "GB18030", NULL },
-	{ NULL, "russia.csv", "\xc2\xfb\xf1\xee\xf2\xe0"",x\n12,1\n", "Высота,x / 12,1", "CP1251", NULL },
-	{ NULL, "israel.csv", "\xf9\xed \xee\xe3\xf2\xe9"",\xe2\xe5\xe1\xe4"",x\n\xe0\xec\xe5\xef"",12,1\n",
-		"שם מדעי,גובה,x / אלון,12,1", "CP1255", NULL },
-	{ "rows_may_be_short_or_long", "short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,",
-		NULL, NULL },
-	{ NULL, "old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL },
-	{ "points_as_text_are_the_geometry", "wkt.csv",
-		"WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\n"
-		"red\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n", "WKT,species / (11.5 48.1) POINT (11.5 48.1),"
-		"oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / "
-		"POINT POINT (x y),bad", NULL, NULL },
-	{ NULL, "crown.csv", "id,WKT\n1,\"POLYGON ((0 0,4 0,4 4,0 4,0 0))\"\n",
-		"id,WKT / (2 2, 4.51 m wide) 1,POLYGON ((0 0,4 0,4 4,0 4,0 0))", NULL, NULL },
-	{ NULL, "degrees.csv", "WKT\n\"POLYGON Z ((0 60 9,0 60.0001 9,0.0002 60.0001 9,0.0002 60 9,0 60 9))\"\n",
-		"WKT / (0.0001 60.00005, 12.5 m wide) POLYGON Z ((0 60 9,0 60.0001 9,0.0002 60.0001 9,0.0002 60 9,0 60 9))",
-		NULL, NULL },
-	{ NULL, "several.csv", "id,WKT\n1,MULTIPOINT ((1 2))\n", "id,WKT / (1 2) 1,MULTIPOINT ((1 2))", NULL, NULL },
-	{ NULL, "postgis.csv", "id,geom\n1,0101000020E6100000000000000000F83F0000000000000440\n",
-		"id,geom / (1.5 2.5) 1,0101000020E6100000000000000000F83F0000000000000440", NULL, NULL },
-	{ NULL, "the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n",
-		"id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL },
-	{ NULL, "ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n",
-		"id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL },
-	{ "latitude_and_longitude_in_one_field_are_the_geometry", "pair.csv",
-		"id,geo_point_2d\n1,\n2,\"48.88398, 2.36\"\n3,\"-33.5,151.25\"\n4,\"n.n., 5\"\n",
-		"id,geo_point_2d / empty 1, / (2.36 48.88398) 2,48.88398, 2.36 / (151.25 -33.5) 3,-33.5,"
-		"151.25 / n.n., 4,n.n., 5", "latitude and longitude in one field", "EPSG:4326" },
-	{ NULL, "address.csv", "id,Location\n1,\"5 Elm (rear)\n(40.7128, -74.0060)\"\n",
-		"id,Location / (-74.006 40.7128) 1,5 Elm (rear)\n(40.7128, -74.0060)",
-		"latitude and longitude in one field", "EPSG:4326" },
-	{ NULL, "both.csv", "a,b\n\"48.8839, 2.3600\",POINT (1 2)\n",
-		"a,b / (1 2) 48.8839, 2.3600,POINT (1 2)", NULL, NULL },
-	{ NULL, "numbers.csv", "a,b,c\n\"12, 14\",\"1.5, 2.5\",\"91.0000, 2.3600\"\n",
-		"a,b,c / 12, 14,1.5, 2.5,91.0000, 2.3600", NULL, NULL },
-	{ "each_feature_is_a_row_whatever_its_geometry", "e.geojson",
-		COLLECTION("", FEATURE("null", "\"id\":1") ","
-		FEATURE("{\"type\":\"Point\",\"coordinates\":[]}", "\"id\":2") ","
-		FEATURE("{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,0],[1,1],[0,0]]]}", "\"id\":3") ","
-		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":4") ","
-		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[]}", "\"id\":5") ","
-		FEATURE("{\"type\":\"LineString\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":6") ","
-		FEATURE("{\"type\":\"GeometryCollection\",\"geometries\":[" POINT("1,2") "]}", "\"id\":7")),
-		"id / empty 1 / empty 2 / Polygon 3 / (5 6) 4 / (7 8) 4 / empty 5 / Line String 6 / "
-		"Geometry Collec 7", NULL, "EPSG:4326" },
-	{ NULL, "f.geojsonl", FEATURE(POINT("1,2"), "\"s\":\"oak\"") "\n"
-		FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n", "s / (1 2) oak / (3 4) ash", NULL, "EPSG:4326" },
-	{ NULL, "g.geojson", "\xef\xbb\xbf" COLLECTION("", FEATURE(POINT("1,2"), "\"Größe\":3.5")),
-		"Größe / (1 2) 3.5", NULL, "EPSG:4326" },
-	{ "geojson_is_degrees_unless_it_says_otherwise", "a.geojson", COLLECTION("",
-		FEATURE(POINT("2.35,48.85"),
-		"\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
-		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326" },
-	{ NULL, "b.geojson", COLLECTION(SAYS("urn:ogc:def:crs:EPSG::28992"), FEATURE(POINT("121000,487000"),
-		"\"id\":1")),
-		"id / (121000 487000) 1", NULL, "EPSG:28992" },
-	{ NULL, "c.geojson", COLLECTION(SAYS("urn:ogc:def:crs:OGC:1.3:CRS84"), FEATURE(POINT("2,48"),
-		"\"id\":1")),
-		"id / (2 48) 1", NULL, "EPSG:4326" },
-	{ NULL, "d.json", FEATURE(POINT("2,48,35.5"), "\"id\":1"), "id / (2 48 35.5) 1", NULL, "EPSG:4979" },
-	{ "gml_has_easting_or_longitude_first_in_the_end", "boom.gml", GML("urn:ogc:def:crs:EPSG::28992",
-		"121000 487000"),
-		"gml_id,soort / (121000 487000) b1,Tilia", NULL, "EPSG:28992" },
-	{ NULL, "degrees.gml", GML("urn:ogc:def:crs:EPSG::4326", "52.4 4.9"),
-		"gml_id,soort / (4.9 52.4) b1,Tilia", NULL,
-		"EPSG:4326" },
-	{ NULL, "short.gml", GML("EPSG:4326", "4.9 52.4"), "gml_id,soort / (4.9 52.4) b1,Tilia", NULL,
-		"EPSG:4326" },
-	{ NULL, "north.gml", GML("urn:ogc:def:crs:EPSG::31467", "5335000 3560000"),
-		"gml_id,soort / (3560000 5335000) b1,Tilia", NULL, "EPSG:31467" },
-	{ "fields_of_kml_are_columns", "a.kml",
-		"<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>"
-		"<name>oak</name><ExtendedData><Data name=\"dbh\"><value>30</value></Data></ExtendedData><Point>"
-		"<coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
-		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / "
-		"(11.5 48.1 0) oak,,,,,,-1,0,-1,,,30", NULL, "EPSG:4326" },
-	{ "lines_and_tables_of_kml_descriptions_are_columns", "lines.kml", KML("Art: Linde&lt;br&gt;Höhe: 12 m"),
-		KML_COLUMNS "Art,Höhe / (11.5 48.1) 7,Art: Linde<br>Höhe: 12 m,,,,,-1,0,-1,,,Linde,12 m",
-		"its 2 rows are columns", "EPSG:4326" },
-	{ NULL, "table.kml", KML("<![CDATA[<table><tr><td>x</td></tr><tr><td><table><tr><td>Art</td><td>Linde</td></tr>"
-		"<tr><td>H</td><td>9</td></tr></table></td></tr></table>]]>"), KML_COLUMNS "Art,H / (11.5 48.1) 7,"
-		"<table><tr><td>x</td></tr><tr><td><table><tr><td>Art</td><td>Linde</td></tr><tr><td>H</td><td>9</td>"
-		"</tr></table></td></tr></table>,,,,,-1,0,-1,,,Linde,9", "its 2 rows are columns", "EPSG:4326" },
-	{ "attributes_of_a_plans_blocks_are_columns_and_lettering_is_none", "plan.dxf", "0\nSECTION\n2\nHEADER\n9\n"
-		"$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nTREE\n10\n0\n20\n0\n0\nPOINT\n"
-		"8\n0\n10\n0\n20\n0\n0\nENDBLK\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nINSERT\n8\nT\n66\n1\n2\nTREE\n10\n"
-		"5\n20\n6\n0\nATTRIB\n8\nT\n10\n5\n20\n6\n40\n1\n1\nTilia\n2\nART\n0\nSEQEND\n8\nT\n0\nTEXT\n8\nT\n10\n1\n20\n"
-		"2\n40\n1\n1\nGate\n0\nENDSEC\n0\nEOF\n",
-		"Layer,PaperSpace,SubClasses,Linetype,EntityHandle,Text,BlockName,scale,yaw_deg,BlockOCSNormal,"
-		"BlockOCSCoords,BlockAttributes,Block,AttributeTag,ART / (5 6 0) T,,,,,,TREE,1,0,(3:0,0,1),"
-		"(3:5,6,0),(1:ART Tilia),,,Tilia / text T,,,,,Gate,,,,,,,,,", "\"entities\" is taken", NULL },
-};
+struct rows_case { const char *name, *file, *text, *wanted, *note, *crs; };
 
 UNIT_TEST(files_become_rows)
 {
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+	uint32_t count;
+	const struct rows_case *cases = cases_read("tests/import/cases/rows.tsv", sizeof *cases, &count);
+	for (uint32_t i = 0; i < count; i++)
 		expect(cases[i].file, cases[i].text, cases[i].wanted, cases[i].note, cases[i].crs);
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/scene/scene.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
@@ -161,129 +162,9 @@ UNIT_TEST(footprints_have_sources_of_heights)
 }
 
 #define PLANTS "'plants': {'oak': {'model': 'o.obj'}}"
-#define LONG(n) "'a23456789b23456789c23456789d23456789-" #n "': {'model': 'o.obj'}"
-#define MANY_PLANTS \
-	"'plants': {" LONG(1) ", " LONG(2) ", " LONG(3) ", " LONG(4) ", " LONG(5) ", " LONG(6) "}"
 #define ROWS "'from': 't.csv', 'x': 'x', 'y': 'y'"
 
-static const struct { const char *json, *place, *says; } bad[] = {
-	{ "", ":1:", "" },
-	{ "[1]", ":1:1:", "must be an object" },
-	{ "{'name': 'a',\n  'nam': 1}", ":2:3:", "unknown field \"nam\"; known here: name, crs" },
-	{ "{'name': 'a', 'name': 'b'}", ":1:", "duplicate" },
-	{ "{'name':\n\n   3}", ":3:4:", "\"name\" must be a text, not a number" },
-	{ "{'\\u00e9': 1, 'x': 2}", ":1:2:", "unknown field" },
-	{ "{'name': ''}", ":1:10:", "1 to 63" },
-	{ "{'name': 'a\\u001bb'}", ":1:10:", "control character" },
-	{ "{'name': 'a\\u009b31m'}", ":1:10:", "control character" },
-	{ "{'name': 'a\\u202eb'}", ":1:10:", "steers the direction" },
-	{ "{'name': 'a\\u2028b'}", ":1:10:", "the lines of text" },
-	{ "{'plants': {'o\\u2066ak': {'model': 'o'}}}", ":1:", "control character" },
-	{ "{'plants': {'o\\u0085ak': {'model': 'o'}}}", ":1:", "control character" },
-	{ "{'crs': 'EPSG:1'}", ":1:1:", "\"origin\" is missing" },
-	{ "{'origin': [1]}", ":1:12:", "2 or 3" },
-	{ "{'origin': [1, '2', 3]}", ":1:16:", "must be a number, not a text" },
-	{ "{'origin': [1, 1e300, 3]}", ":1:16:", "between" },
-	{ "{'tile': {'instances': 0}}", ":1:24:", "between 1 and 65536" },
-	{ "{'tile': {'instances': 1.5}}", ":1:24:", "whole number" },
-	{ "{'ground': {'band': 1}}", ":1:12:", "\"heights\" is missing" },
-	{ "{'ground': {'heights': 'a', 'crs': 'EPSG:1'}}", ":1:36:", "add \"crs\": \"EPSG:1\"" },
-	{ "{'ground': {'heights': []}}", ":1:24:", "names no raster" },
-	{ "{'ground': {'heights': ['a', 3]}}", ":1:30:", "must be a text" },
-	{ "{'ground': {'heights': 'a', 'scale': 0}}", ":1:38:", "would make all heights one" },
-	{ "{'ground': {'heights': 'a', 'unit': 'yd'}}", ":1:37:", "is not one of m, dm, cm" },
-	{ "{'ground': {'heights': 'a', 'pixel': 3}}", ":1:12:", "go together" },
-	{ "{'ground': {'heights': ['a', 'b'], 'pixel': 3, 'north_west': [1, 2]}}", ":1:62:", "a world file" },
-	{ "{'plants': {'oak': {'model': 'o', 'height': 3}}}", ":1:35:",
-		"known here: model, variants, height_m, unit, up, grade, foot, object, parts, importance" },
-	{ "{'plants': {'oak': {'library': 'oak'}}}", ":1:32:", "in the library: round, oval, conical" },
-	{ "{'plants': {'oak': {'library': 'round', 'model': 'o'}}}", ":1:41:", "known here: library, height_m, crown_m" },
-	{ "{'plants': {'oak': {'library': 'round', 'genus': 'Xyzzy'}}}", ":1:32:", "no genus of \"Xyzzy\" is known" },
-	{ "{'plants': {'oak': {'library': 'round', 'height_m': 0}}}", ":1:32:", "is 0.02 to 150 m high" },
-	{ "{'plants': {'oak': {'library': 'round', 'height_m': [3, 1e9]}}}", ":1:32:", "is 0.02 to 150 m high" },
-	{ "{'plants': {'oak': {'library': 'round', 'height_m': 'tall'}}}", ":1:53:", "is a number, or an array" },
-	{ "{'plants': {'oak': {'library': 'round', 'height_m': []}}}", ":1:53:", "has 1 to 16 numbers" },
-	{ "{'plants': {'oak': {'library': 'round', 'height_m': [3, 4], 'crown_m': [1, 2, 3]}}}", ":1:20:", "each has its own" },
-	{ "{'plants': {'oak': {'library': 'round', 'crown_m': 1e9}}}", ":1:32:", "times as wide" },
-	{ "{'plants': {'oak': {'library': 'round', 'individual': 1.5}}}", ":1:32:", "is a whole number" },
-	{ "{'plants': {'oak': {'library': 'round', 'individual': 17}}}", ":1:32:", "there are 16" },
-	{ "{'plants': {'oak': {'library': 'round', 'season': 'monsoon'}}}", ":1:51:", "\"winter\"" },
-	{ "{'season': 'wet'}", ":1:12:", "\"winter\"" },
-	{ "{'plants': {'oak': {'model': 'o', 'grade': 1}}}", ":1:44:", "is true or false" },
-	{ "{'plants': {'hut': {'model': 'o', 'object': 'yes'}}}", ":1:45:", "is true or false" },
-	{ "{'plants': {'oak': {}}}", ":1:20:", "a plant has either \"model\"" },
-	{ "{'plants': {'oak': {'model': []}}}", ":1:30:", "names no file" },
-	{ "{'plants': {'oak': {'model': ['a', 3]}}}", ":1:36:", "must be a text" },
-	{ "{'plants': {'oak': {'model': 'o', 'height_m': -3}}}", ":1:47:", "between" },
-	{ "{'plants': {'oak': {'model': 'o', 'importance': {'root': 1}}}}", ":1:50:",
-		"wood, foliage, flower" },
-	{ "{" PLANTS ", 'instances': [\n {'plant': 'oak', 'at': [0, 0]},\n {'plant': 'elm', 'at': [0, 0]}]}", ":3:12:",
-		"plant \"elm\" is not among \"plants\": oak" },
-	{ "{" MANY_PLANTS ", 'instances': [{'plant': 'elm', 'at': [0, 0]}]}", ":1:",
-		"plants\": a23456789b23456789c23456789d23456789-1, a23456789b23456789c23456789d23456789-2, "
-		"a23456789b23456789c23456789d23456789-3, a23456789b23456789c23456789d23456789-4 and 2 more" },
-	{ "{'importance': 0}", ":1:16:", "between 0.01 and 100" },
-	{ "{'plants': {'oak': {'model': 'o', 'parts': [{'name': 'p', 'importance': 101}]}}}", ":1:73:", "between 0.01 and 100" },
-	{ "{'plants': {'oak': {'model': 'o', 'parts': [{'name': 'p'}]}}}", ":1:45:", "\"is\" is missing" },
-	{ "{" PLANTS ", 'instances': [{'plant': 'oak'}]}", ":1:", "\"at\" is missing" },
-	{ "{" PLANTS ", 'instances': [{'plant': 'oak', 'at': [0, 0], 'scale': 0}]}", ":1:", "between" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS "}]}", ":2:15:", "say what stands there" },
-	{ "{" PLANTS ",\n'instances': [{'from': 't.csv', 'y': 'y', 'plant': 'oak'}]}", ":2:15:",
-		"\"x\" is missing" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'species': 's'}]}", ":2:62:", "leave out" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'species': 's', 'map': {'a': 'oak', 'b': 'elm'}}]}", ":2:", "\"elm\" is not among" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'crs': 'EPSG:4326'}]}", ":2:",
-		"the scene has no CRS" },
-	{ "{'name': 'a',\n 'notes': {'crs': 3}}", ":2:19:", "a note is a text" },
-	{ "{'notes': ['a', ['b']]}", ":1:17:", "a note is a text" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'from_dbh_mm': 'd'}}]}", ":2:", "needs \"max\"" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'column': 'd', 'value': 3}}]}", ":2:", "exactly one" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'column': 'd', "
-		"'unit': 'yd'}}]}", ":2:",
-		"not one of m, dm, cm" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'from_dbh_mm': "
-		"'d', 'unit': 'cm', 'max': 9, 'rate': 1}}]}", ":2:", "leave out \"unit\"" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': 3}]}", ":2:", "must be an object" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h'}}]}", ":2:", "\"palette\" is missing" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'palette': 'health'}}]}", ":2:", "\"column\" is missing" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h', 'palette': 'rainbow'}}]}", ":2:", "a palette is one of health, age, status, owner" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h', 'palette': {}}}]}", ":2:", "without a colour" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h', 'palette': {'good': 'green'}}}]}", ":2:", "no colour" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h', 'palette': ['#000000'], 'breaks': [1]}}]}", ":2:", "an array of 2 colours" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h', 'palette': 'age', 'breaks': [5, 3]}}]}", ":2:", "ascend" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h', 'palette': 'age', 'breaks': ['NaN']}}]}", ":2:", "ascend" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h', 'palette': {'a': '#000000'}, 'breaks': [1]}}]}", ":2:", "need the name of a palette" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'tint': {'column': 'h', 'palette': 'age', 'break': [1]}}]}", ":2:", "unknown field" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'separator': 'ab'}]}", ":2:",
-		"\"separator\"" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'decimal': ',', 'thousands': ','}]}", ":2:", "are different signs" },
-	{ "{" PLANTS ",\n'instances': [{'from': 't.csv', 'plant': 'oak', 'unit': 'cm'}]}", ":2:",
-		"\"unit\" is that of x and y without" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'polar': {'azimuth': 'a'}}]}", ":2:",
-		"\"distance\" is missing" },
-	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'polar': {'azimuth': 'a', 'distance': "
-		"'d', 'whole_turn': 380}}]}", ":2:", "360 (degrees) or 400 (gon)" },
-	{ "{" PLANTS ",\n'instances': [{'from': 't.csv', 'plant': 'oak', 'quadrat': {'column': 'q', 'size_m': 20}}]}",
-		":2:", "\"x\" is missing" },
-	{ "{'instances': [{'extrude': 'b.gpkg', 'height': 3}]}", ":1:38:", "known here: extrude, layer, crs, roof" },
-	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': 0}]}", ":1:50:", "between 0.1 and 1000" },
-	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': [[]]}]}", ":1:51:", "an object such as" },
-	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': {'column': 'h', 'storeys': 's'}}]}", ":1:50:", "a height's object is" },
-	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': {'storeys': 's', 'unit': 'm'}}]}", ":1:50:", "a height's object is" },
-	{ "{'instances': [{'extrude': 'b.gpkg', 'height_m': {'storeys': 's', 'storey_m': 0}}]}", ":1:79:", "between 0.5 and 100" },
-	{ "{'children': [{'at': [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
-	{ "{'children': {}}", ":1:14:", "must be an array" },
-	{ "{'instances': [[]]}", ":1:16:", "must be an object" },
-	{ "{'origin': [0, 0],\n}", ":2:1:", "(no comma stands before a closing bracket)" },
-	{ "{'origin': [0, 0, ]}", ":1:19:", "(no comma stands before a closing bracket)" },
-	{ "{'name': 'a'\n 'crs': 3}", ":2:6:", "(is a comma missing before it?)" },
-	{ "{'name': 'a', // mine\n}", ":1:15:", "(JSON has no comments)" },
-	{ "ECOPACK1 and more", ":1:1:", "not a JSON file" },
-	{ "glTF\x02 and more", ":1:1:", "a model, not a JSON file" },
-	{ "\x89PNG\r\n and more", ":1:1:", "a picture, not a JSON file" },
-	{ "\xff\xfe{", ":1:1:", "save it as UTF-8" },
-	{ "\xef\xbb\xbf{'name': 3}", ":1:10:", "must be a text" },
-};
+struct scene_fault { const char *json, *place, *says; };
 
 /* Sizes and individuals of a plant of the library are its variants, sizes first. */
 UNIT_TEST(plants_of_the_library_are_read)
@@ -307,7 +188,9 @@ UNIT_TEST(plants_of_the_library_are_read)
 
 UNIT_TEST(what_may_not_be_said_has_a_line_and_a_column)
 {
-	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+	uint32_t count;
+	const struct scene_fault *bad = cases_read("tests/import/cases/scene_faults.tsv", sizeof *bad, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_source s;
 		char start[64];

@@ -1,5 +1,7 @@
 #include "tests/support/model_try.h"
 
+#include "tests/support/cases.h"
+
 struct eco_model m;
 
 void import_file(const char *path, const struct eco_model_options *options)
@@ -94,12 +96,31 @@ void model_told(const char *key, uint32_t t, const char *wanted, char *to, size_
 	to[used] = 0;
 }
 
-void expect_models(const char *folder, const struct model_case *cases, size_t count)
+struct model_case { const char *name, *file, *text, *beside, *beside_text, *options, *wanted; };
+
+/* "up=z unit_m=0.5 height_m=2", of which each may be missing. */
+static struct eco_model_options options_of(const char *text)
+{
+	static const char *const ups[] = { "any", "y", "z", "x", NULL };
+	struct eco_model_options options = { .height_m = 0 };
+	char up[8] = "any";
+	const char *unit = text ? strstr(text, "unit_m=") : NULL, *height = text ? strstr(text, "height_m=") : NULL;
+	if (text)
+		sscanf(text, "up=%7s", up);
+	options.up = (enum eco_up)cases_choice(up, ups);
+	options.unit_m = unit ? strtod(unit + 7, NULL) : 0;
+	options.height_m = height ? strtod(height + 9, NULL) : 0;
+	return options;
+}
+
+void expect_models(const char *folder, const char *table)
 {
 	const char *name = "";
 	char json[4000];
-	for (size_t i = 0; i < count; i++) {
-		const struct model_case *c = &cases[i];
+	uint32_t count;
+	const struct model_case *cases = cases_read(table, sizeof *cases, &count);
+	for (const struct model_case *c = cases; c < cases + count; c++) {
+		const struct eco_model_options options = options_of(c->options);
 		name = c->name ? c->name : name;
 		print_message("# %s, %s\n", name, c->file);
 		if (c->beside)
@@ -108,7 +129,7 @@ void expect_models(const char *folder, const struct model_case *cases, size_t co
 			input_json(folder, c->file, strcpy(json, c->text));
 		else if (c->text)
 			input_text(folder, c->file, c->text);
-		import_file(input_path(folder, c->file), &c->options);
+		import_file(input_path(folder, c->file), &options);
 		expect_told(c->wanted, model_told);
 		if (c->beside)
 			unlink(input_path(folder, c->beside));

@@ -19,14 +19,7 @@ void import_refuses(const char *path, enum eco_code wanted, const char *says);
 bool has_place(double x, double y, double z);
 /* The model, by the keys in model_try.c; their number is a triangle. "at=x,y,z" or "at=x,y,z,u,v": a vertex is there. */
 told_value model_told;
-/* Files of a model and what import makes of them. */
-struct model_case {
-	const char *name;                    /* of the property; NULL: as above */
-	const char *file, *text;             /* text NULL: it is there; ' stands for " in JSON */
-	const char *beside, *beside_text;    /* a file beside it, or NULL; removed afterwards */
-	struct eco_model_options options;
-	const char *wanted;
-};
-void expect_models(const char *folder, const struct model_case *cases, size_t count);
+/* Reads models of a table of cases (tests/import/cases/model*.tsv) in a folder, and checks what is told of them. */
+void expect_models(const char *folder, const char *table);
 
 #endif
