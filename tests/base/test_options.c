@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/options.h"
+#include "tests/support/cases.h"
 #include "tests/support/unit_test.h"
 
 static struct {
@@ -105,37 +106,14 @@ UNIT_TEST(every_kind_of_value_arrives)
 	assert_string_equal(given.scene, "--json");
 }
 
-static const struct { const char *line, *says; } rows[] = {
-	{ "", "the scene file is missing: SCENE.json" }, { "a", "-o OUT.eco is missing" },
-		{ "a -o", "-o: a value must follow it, OUT.eco" },
-	{ "a b c d -o x", "d: one argument too many" },
-	{ "a --nonsense", "program do has no --nonsense" }, { "a -z", "program do has no -z" },
-	{ "a --=3", "program do has no --=3" }, { "a --json=1", "--json takes no value" },
-	{ "a --out b", "has no --out" },
-	{ "a -j 0", "--jobs 0: must be a whole number from 1 to 64" },
-	{ "a -j 65", "--jobs 65: must" }, { "a -j -3", "--jobs -3: must" },
-	{ "a -j 3x", "--jobs 3x: must" }, { "a --jobs=", "--jobs : must" },
-	{ "a -j 99999999999999999999", "must be a whole number" },
-	{ "a --vertices 1T", "--vertices 1T: must be a whole number from 0 to 9223372036854775807, perhaps with "
-		"k, M or G behind it, as in 64M" },
-	{ "a --memory 64MB", "--memory 64MB: must be a whole number of bytes from 64K to 1024G, perhaps with k, M "
-		"or G behind it" },
-	{ "a --memory 63k", "--memory 63k: must be" }, { "a --memory 1025G", "--memory 1025G: must be" },
-	{ "a --pace nan", "--pace nan: must be 1 number from 0.001 to 10" },
-	{ "a --pace 1,2", "must be 1 number" },
-	{ "a --at 1,2", "--at 1,2: must be 3 numbers from -10 to 10, separated by commas" },
-	{ "a --at 1,2,11", "must be 3 numbers" },
-	{ "a --size 640", "--size 640: must be WIDTHxHEIGHT, each from 1 to 4096" },
-	{ "a --size 640x0", "must be WIDTHxHEIGHT" },
-	{ "a --size 640x480x", "must be WIDTHxHEIGHT" },
-	{ "a --size 5000x1", "must be WIDTHxHEIGHT" },
-	{ "a --order none", "--order none: must be one of greedy, stochastic" },
-	{ "a --some-option-with-a-name-that-is-long=bad", "--some bad: cannot be" } };
+struct fault { const char *line, *says; };
 
 UNIT_TEST(what_does_not_fit_is_named)
 {
 	struct eco_error error;
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	uint32_t count;
+	const struct fault *rows = cases_read("tests/base/cases/option_faults.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		assert_int_equal(read_line(rows[i].line, &error), ECO_BAD_USAGE);
 		if (!strstr(error.text, rows[i].says))
 			fail_msg("'%s' says: %s", rows[i].line, error.text);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "ecofiles/import/places/growth.h"
+#include "tests/support/cases.h"
 #include "tests/support/unit_test.h"
 
 static struct eco_flora spelt(const char *name)
@@ -18,50 +19,23 @@ static void check(const char *name, const struct eco_flora *flora, const char *w
 			eco_form_names[form]);
 }
 
+static enum eco_form form_of(const char *name)
+{
+	int form = 0;
+	while (form < ECO_FORM_COUNT && strcmp(eco_form_names[form], name) != 0)
+		form++;
+	assert_int_not_equal(form, ECO_FORM_COUNT);
+	return (enum eco_form)form;
+}
+
 UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 {
-	static const struct { const char *name, *genus; enum eco_form form;
-	} names[] = { { "Quercus robur", "quercus", ECO_FORM_BROAD },
-		{ "Stieleiche", "quercus", ECO_FORM_BROAD }, { "Stiel-Eiche", "quercus", ECO_FORM_BROAD },
-		{ "ch\u00eane p\u00e9doncul\u00e9", "quercus", ECO_FORM_BROAD },
-		{ "oak, pin (Quercus palustris)", "quercus", ECO_FORM_BROAD },
-		{ "d\u0105b szypu\u0142kowy", "quercus", ECO_FORM_BROAD },
-		{ "sosna zwyczajna", "pinus", ECO_FORM_CONIFER }, { "b\u0159\u00edza", "betula", ECO_FORM_BROAD },
-		{ "salgueiro", "salix", ECO_FORM_BROAD }, { "lind", "tilia", ECO_FORM_BROAD },
-		{ "Laburnum anagyroides", "laburnum", ECO_FORM_BROAD },  /* nearly Viburnum, and none */
-		{ "\u0411\u0435\u0440\u0451\u0437\u0430 \u043f\u043e\u0432\u0438\u0441\u043b\u0430\u044f", "betula",
-			ECO_FORM_BROAD },
-		{ "\u0421\u041b\u0418\u0412\u0410", "prunus", ECO_FORM_BROAD },       /* ends as a willow does */
-		{ "maples", "acer", ECO_FORM_BROAD }, { "Rotfichte", "picea", ECO_FORM_CONIFER },
-		{ "Populus nigra 'Italica'", "populus", ECO_FORM_COLUMN }, { "palmera canaria", "phoenix", ECO_FORM_PALM },
-		{ "palmera", NULL, ECO_FORM_PALM }, { "CommonTree_1", NULL, ECO_FORM_BROAD },
-		{ "Bush_1", NULL, ECO_FORM_SHRUB }, { "Rock_2", NULL, ECO_FORM_NOTHING }, { "turf", NULL, ECO_FORM_GRASS },
-		{ "poppy", "papaver", ECO_FORM_HERB }, { "Polyalthia longifolia", "polyalthia", ECO_FORM_COLUMN },
-		{ "Vacant site small (vacant site small)", NULL, ECO_FORM_NOTHING },
-		{ "Planting site", NULL, ECO_FORM_NOTHING }, { "Morta", NULL, ECO_FORM_NOTHING }, { "枯木", NULL, ECO_FORM_NOTHING },
-		{ "Xyzea mortonii", NULL, ECO_FORM_UNKNOWN }, { "Parkia pendula", "parkia", ECO_FORM_BROAD }, { "Proposed", NULL, ECO_FORM_NOTHING },
-		{ "Pinus pinea :: Italian Stone Pine", "pinus", ECO_FORM_CONIFER },
-		{ "Rock elm", "ulmus", ECO_FORM_BROAD }, { "Oak (removed)", "quercus", ECO_FORM_NOTHING },
-		{ "Tabebuia rosea", "tabebuia", ECO_FORM_BROAD },    /* nearly a rose, and none */
-		{ "Terminalia catappa L.", "terminalia", ECO_FORM_BROAD },
-		{ "Thespesia populnea (L.) Sol. ex Correa", "thespesia", ECO_FORM_BROAD },
-		{ "Roystonea regia", "roystonea", ECO_FORM_PALM }, { "Sabal palmetto", "sabal", ECO_FORM_PALM },
-		{ "\u30b1\u30e4\u30ad", "zelkova", ECO_FORM_BROAD }, { "\u3051\u3084\u304d", "zelkova", ECO_FORM_BROAD },
-		{ "\u30a4\u30c1\u30e7\u30a6", "ginkgo", ECO_FORM_BROAD },
-		{ "\u30bd\u30e1\u30a4\u30e8\u30b7\u30ce", "prunus", ECO_FORM_BROAD },
-		{ "\u30ab\u30e9\u30de\u30c4", "larix", ECO_FORM_CONIFER },   /* ends as a pine does */
-		{ "\u96ea\u677e", "cedrus", ECO_FORM_CONIFER }, { "\u6cb9\u677e", "pinus", ECO_FORM_CONIFER },
-		{ "\u843d\u53f6\u677e", "larix", ECO_FORM_CONIFER }, { "\uc18c\ub098\ubb34", "pinus", ECO_FORM_CONIFER },
-		{ "\uff79\uff94\uff77", "zelkova", ECO_FORM_BROAD },          /* narrow kana */
-		{ "\uff72\uff81\uff72", "taxus", ECO_FORM_CONIFER }, { "\uff76\uff7c\uff9c", "quercus", ECO_FORM_BROAD },
-		{ "\u94f6\u674f\u6811", "ginkgo", ECO_FORM_BROAD }, { "\u30b5\u30af\u30e9\u985e", "prunus", ECO_FORM_BROAD },
-		{ "Skogsl\u00f6nn", "acer", ECO_FORM_BROAD }, { "El Nogal", "juglans", ECO_FORM_BROAD },
-		{ "Fountain grass", NULL, ECO_FORM_GRASS }, { "Fountain palm", NULL, ECO_FORM_PALM }, { "Bench 3", NULL, ECO_FORM_NOTHING },
-		{ "Dead tree", NULL, ECO_FORM_NOTHING }, { "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN },
-		{ "", NULL, ECO_FORM_UNKNOWN } };
-	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+	struct species_case { const char *name, *genus, *form; };
+	uint32_t count;
+	const struct species_case *names = cases_read("tests/import/cases/species.tsv", sizeof *names, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct eco_flora flora = spelt(names[i].name);
-		check(names[i].name, &flora, names[i].genus, names[i].form);
+		check(names[i].name, &flora, names[i].genus, form_of(names[i].form));
 		assert_string_equal(flora.misspelt, "");
 	}
 }
@@ -107,25 +81,13 @@ UNIT_TEST(a_region_has_its_own_names)
 
 UNIT_TEST(species_and_cultivars_grow_in_their_own_way)
 {
-	static const struct { const char *name; enum eco_form form; enum eco_leaf leaf; } names[] = {
-		{ "Betula pendula", ECO_FORM_BROAD, ECO_LEAF_DECIDUOUS },
-		{ "Betula pendula 'Youngii'", ECO_FORM_WEEPING, ECO_LEAF_DECIDUOUS },
-		{ "Betula pendula 'Fastigiata'", ECO_FORM_COLUMN, ECO_LEAF_DECIDUOUS },
-		{ "Salix babylonica", ECO_FORM_WEEPING, ECO_LEAF_DECIDUOUS },
-		{ "Salix alba", ECO_FORM_BROAD, ECO_LEAF_DECIDUOUS },
-		{ "Salix alba 'Tristis'", ECO_FORM_WEEPING, ECO_LEAF_DECIDUOUS },
-		{ "Trauerweide", ECO_FORM_WEEPING, ECO_LEAF_DECIDUOUS },
-		{ "S\u00e4ulen-Hainbuche", ECO_FORM_COLUMN, ECO_LEAF_DECIDUOUS },
-		{ "Carpinus betulus Fastigiata", ECO_FORM_COLUMN, ECO_LEAF_DECIDUOUS },
-		{ "Acer palmatum", ECO_FORM_BROAD, ECO_LEAF_DECIDUOUS },
-		{ "Quercus ilex", ECO_FORM_BROAD, ECO_LEAF_EVERGREEN },
-		{ "Quercus robur", ECO_FORM_BROAD, ECO_LEAF_DECIDUOUS },
-		{ "Larix decidua", ECO_FORM_CONIFER, ECO_LEAF_DECIDUOUS },
-		{ "Pinus mugo", ECO_FORM_SHRUB, ECO_LEAF_EVERGREEN },
-		{ "Cupressus sempervirens", ECO_FORM_COLUMN, ECO_LEAF_EVERGREEN } };
-	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+	struct growth_case { const char *name, *form, *leaf; };
+	uint32_t count;
+	const struct growth_case *names = cases_read("tests/import/cases/growth.tsv", sizeof *names, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct eco_flora flora = eco_flora_of(names[i].name, NULL);
-		if (flora.form != names[i].form || flora.leaf != names[i].leaf)
+		if (flora.form != form_of(names[i].form)
+			|| flora.leaf != (*names[i].leaf == 'e' ? ECO_LEAF_EVERGREEN : ECO_LEAF_DECIDUOUS))
 			fail_msg("%s is a %s, leaves %d", names[i].name, eco_form_names[flora.form], flora.leaf);
 		assert_true(flora.height_m > 0);
 	}

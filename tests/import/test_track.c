@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/import/track/track.h"
+#include "tests/support/cases.h"
 #include "tests/support/input_files.h"
 #include "tests/support/told.h"
 #include "tests/support/track_made.h"
@@ -24,67 +25,30 @@ static void fails(const char *text, const char *name, const char *says)
 		fail_msg("%s\n  wanted ... %s", error.text, says);
 }
 
-static void assert_fix(const struct eco_fix *fix, const struct eco_fix *wanted, const char *name)
+/* wanted: the first numbers of a fix, as texts */
+static void assert_fix(const struct eco_fix *fix, const char *const wanted[7], const char *name)
 {
-	if (!near(fix->time_s, wanted->time_s, 1e-6) || !near(fix->at[0], wanted->at[0], 1e-9)
-			|| !near(fix->at[1], wanted->at[1], 1e-9) ||
-		!near(fix->at[2], wanted->at[2], 1e-9) || !near(fix->above_m, wanted->above_m, 1e-9)
-		|| !near(fix->yaw_deg, wanted->yaw_deg, 1e-9)
-		|| !near(fix->pitch_deg, wanted->pitch_deg, 1e-9))
+	bool same = true;
+	for (int i = 0; i < 7; i++)
+		same = same && near(fix->n[i], cases_number(wanted[i]), i ? 1e-9 : 1e-6);
+	if (!same)
 		fail_msg("%s: t %.9g at %.9g %.9g %.9g above %.9g yaw %.9g pitch %.9g", name, fix->time_s,
 			fix->at[0], fix->at[1], fix->at[2], fix->above_m, fix->yaw_deg, fix->pitch_deg);
 }
 
 /* ---- Subtitles ---- */
 
-#define FIX(t, x, y, z, above, yaw, pitch) { .time_s = t, .at = { x, y, z }, .above_m = above, \
-	.yaw_deg = yaw, .pitch_deg = pitch }
-
 UNIT_TEST(subtitles_of_every_drone_are_read)
 {
-	static const struct { const char *name, *text; uint32_t count; struct eco_fix last; } rows[] = {
-		{ "brackets, misspelt", "1\n00:00:00,000 --> 00:00:00,016\n<font size=\"36\">FrameCnt : 1, "
-			"DiffTime : 16ms\n2020-04-02 15:19:58,720,764\n[iso : 120] [shutter : 1/2500.0] "
-			"[latitude : 31.452012] [longtitude : 74.398751] [altitude: 213.983002] </font>\n", 1,
-			FIX(0, 74.398751, 31.452012, 213.983002, NAN, NAN, NAN) },
-		{ "rel_alt, abs_alt, gimbal", "1\r\n00:00:00,000 --> 00:00:00,033\r\n[latitude: 31.2] "
-			"[longitude: 121.6] [rel_alt: 79.969 abs_alt: 96.474]\r\n\r\n2\r\n00:00:00,033 --> "
-			"00:00:00,066\r\n[latitude: 31.3] [longitude: 121.7] [rel_alt: 80 abs_alt: 97] "
-			"[gb_yaw: -67.6 gb_pitch: -30.0 gb_roll: 0.0]\r\n", 2,
-			FIX(0.033, 121.7, 31.3, 97, 80, -67.6, -30) },
-		{ "gimbal in brackets of its own", "1\n00:00:01,500 --> 00:00:02,000\n[latitude : 40.7] "
-			"[longitude : -74.0] [altitude: 150.0]\n"
-			"[gb_yaw : 45.2] [gb_pitch : -15.3] [gb_roll : 0.1]</font>\n", 1,
-			FIX(1.5, -74, 40.7, 150, NAN, 45.2, -15.3) },
-		{ "HOME and BAROMETER", "1\n00:00:01,000 --> 00:00:02,000\nHOME(149.0251,-20.2532) "
-			"2017.08.05 14:11:51\nGPS(149.0251,-20.2533,16) "
-			"BAROMETER:1.9\nISO:100 Shutter:60 EV: Fnum:2.2\n", 1,
-			FIX(1, 149.0251, -20.2533, NAN, 1.9, NAN, NAN) },
-		{ "Hb, Hs", "1\n00:00:01,000 --> 00:00:02,000\nHOME(149.0251,-20.2532) 2017.8.5 "
-			"14:11:51\nGPS(149.0251,-20.2533,16) Hb:1.9 Hs:2.5\n", 1,
-			FIX(1, 149.0251, -20.2533, NAN, 1.9, NAN, NAN) },
-		{ "F.PRY and G.PRY", "1\n00:00:00,000 --> 00:00:01,000\nF/5.6, SS 400, GPS (-58.85, -34.23, "
-			"15), HOME (-58.84, -34.24, -57.98m), D 698.70m, H 85.80m, H.S 0.00m/s, V.S 0.00m/s, "
-			"F.PRY (2.7\xc2\xb0, -7.0\xc2\xb0, 110.1\xc2\xb0), G.PRY (-24.4\xc2\xb0, 0.0\xc2\xb0,"
-			" 110.4\xc2\xb0)\n", 1,
-			FIX(0, -58.85, -34.23, NAN, 85.80, 110.4, -24.4) },
-		{ "RTK in place of GPS", "1\n00:00:35,000 --> 00:00:36,000\nF/6.3, RTK (120.08, 30.21, 28), "
-			"H 76.19m, H.S n/a, V.S n/a\n", 1,
-			FIX(35, 120.08, 30.21, NAN, 76.19, NAN, NAN) },
-		{ "latitude first with a capital M", "1\n00:00:00,000 --> 00:00:01,000\n2022.06.21 "
-			"16:06:17\nGPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M\n", 1,
-			FIX(0, -6.1120, 36.6146, NAN, 0.3, NAN, NAN) },
-		{ "no GPS at first, cut off at the end", "1\n00:00:00,000 --> 00:00:01,000\nF/2.8, GPS (n/a, "
-			"n/a, n/a), H 1.0m\n\n2\n00:00:01,000 --> 00:00:02,000\n[latitude: 0.000000] "
-			"[longitude: 0.000000]\n\n3\n00:00:02,000 --> 00:00:03,000\nGPS (8.2, 47.4, 18), H "
-			"45.60m\n\n4\n00:00:03,000 --> 00:0", 1, FIX(2, 8.2, 47.4, NAN, 45.6, NAN, NAN) },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct srt_case { const char *name, *text, *count, *last[7]; };
+	uint32_t count;
+	const struct srt_case *rows = cases_read("tests/import/cases/track_srt.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct eco_track track = track_of(rows[i].text, "film.SRT");
 		assert_int_equal(track.format, ECO_TRACK_SRT);
 		assert_true(track.degrees && track.timed);
-		assert_int_equal(track.count, rows[i].count);
-		assert_fix(&track.fixes[track.count - 1], &rows[i].last, rows[i].name);
+		assert_int_equal(track.count, (uint32_t)cases_number(rows[i].count));
+		assert_fix(&track.fixes[track.count - 1], rows[i].last, rows[i].name);
 		eco_track_free(&track);
 	}
 }
@@ -157,58 +121,24 @@ UNIT_TEST(gpx_that_breaks_off_is_read_until_there)
 
 UNIT_TEST(tables_are_read_by_the_names_of_their_columns)
 {
-	static const struct { const char *name, *text; bool degrees; struct eco_fix first; } rows[] = {
-		{ "plain", "t,lon,lat,alt\n1,10,50,7\n", true, FIX(1, 10, 50, 7, NAN, NAN, NAN) },
-		{ "airdata", "time(millisecond),datetime(utc),latitude,longitude,height_above_takeoff(feet),"
-			"altitude_above_seaLevel(feet), compass_heading(degrees), pitch(degrees), "
-			"gimbal_heading(degrees),gimbal_pitch(degrees)\n1500,2020-01-01 00:00:00,50,10,100,"
-			"1000,1,2,-170.5,-30\n", true,
-			FIX(1.5, 10, 50, 304.8, 30.48, -170.5, -30) },
-		{ "metres", "t_s,x_east_m,y_north_m,z_up_m,yaw_deg,pitch_deg,roll_deg\n0.5,1,2,3,110,,\n",
-			false, FIX(0.5, 1, 2, 3, NAN, 110, NAN) },
-		{ "quoted, tabs, CRLF",
-		"\"Latitude\"\t\"Longitude\"\t\"Time\"\r\n\"50\"\t\"10\"\t\"2020-01-01T00:00:00Z\"\r\n", true,
-			FIX(1577836800, 10, 50, NAN, NAN, NAN, NAN) },
-		{ "date and time", "Date,Time,Lat,Lon\n2020/01/01,00:00:05.5,50,10\n", true,
-			FIX(1577836805.5, 10, 50, NAN, NAN, NAN, NAN) },
-		{ "thousandths since 1970", "timestamp,lat,lng\n1577836800500,50,10\n", true,
-			FIX(1577836800.5, 10, 50, NAN, NAN, NAN, NAN) },
-		{ "whole ten-millionths", "t,lat,lon\n0,500000000,100000000\n", true,
-			FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
-		{ "preamble, comments, spaces", "log of 2020\n# t, east, north, up\n# a comment\n 1.0 , "
-			"2.0,3.0 ,4.0\n", false, FIX(1, 2, 3, 4, NAN, NAN, NAN) },
-		{ "points as text", "t,wkt\n0,POINT (10 50)\n", true, FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
-		{ "west in 0 to 360", "t,lon,lat\n0,350,50\n", true, FIX(0, -10, 50, NAN, NAN, NAN, NAN) },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct csv_case { const char *name, *text, *degrees, *first[7]; };
+	uint32_t count;
+	const struct csv_case *rows = cases_read("tests/import/cases/track_csv.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct eco_track track = track_of(rows[i].text, "log.csv");
 		assert_int_equal(track.format, ECO_TRACK_CSV);
-		assert_true(track.degrees == rows[i].degrees);
-		assert_fix(&track.fixes[0], &rows[i].first, rows[i].name);
+		assert_true(track.degrees == (*rows[i].degrees == '1'));
+		assert_fix(&track.fixes[0], rows[i].first, rows[i].name);
 		eco_track_free(&track);
 	}
 }
 
 UNIT_TEST(what_is_no_track_is_said_to_be_none)
 {
-	static const struct { const char *text, *path, *says; } rows[] = {
-		{ "", "a.srt", "empty" }, { " \n\n", "a.gpx", "empty" }, { "PK\3\4xxxx", "a.kmz", "unzip" },
-		{ "\xff\xfet", "a.csv", "no columns" }, { "\nhello\nworld\n", "a.txt", "a.txt: no format" },
-		{ "hello\n", "a.txt", "begins \"hello\"" },
-		{ "a,b,c\n1,2,3\n", "a.csv", "name its columns in the first line" },
-		{ "t,lon,lat\n1,NA,\n2,500,3\n", "a.csv", "a.csv:2: read as CSV" },
-		{ "t,lon,lat\n", "a.csv", "no fix found; it was read as CSV. Read are SRT" },
-		{ "1\n", "a.srt", "no fix found" },
-		{ "$GPRMC,081836,A,3751.65,S,14507.36,E,000.0,360.0,130998,011.3,E*62\n", "log.nmea",
-			"GPSBabel converts KML and logs" },
-		{ "AXXX001\nHFDTE270418\nB1101355206343N00006198WA0058700558\n", "a.igc", "Read are SRT" },
-		{ "<html></html>", "a.kml", "a web page, not a track" },
-		{ "<kml><Document/></kml>", "a.kml", "no GPX. Read are SRT" },
-		{ "1 0 0 4 0 1 0 5\n", "00.txt", "name its columns" },
-		{ "{\"type\": \"LineString\"}", "a.geojson", "no \"keyframes\". Read are SRT" },
-		{ "{\"keyframes\": [1,]}", "e.json", "e.json:1:" },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+	struct fault_case { const char *text, *path, *says; };
+	uint32_t count;
+	const struct fault_case *rows = cases_read("tests/import/cases/track_faults.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++)
 		fails(rows[i].text, rows[i].path, rows[i].says);
 	struct eco_track track = track_of("{\"keyframes\": []}", "script.json");
 	assert_true(track.format == ECO_TRACK_SCRIPT && !track.count);

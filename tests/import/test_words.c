@@ -12,6 +12,7 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
@@ -257,37 +258,15 @@ UNIT_TEST(case_and_spaces_do_not_count)
 
 UNIT_TEST(numbers_have_one_meaning_or_none)
 {
-	static const struct { const char *text; char decimal; double number; } cases[] =
-		{ { "1.5", '.', 1.5 }, { " 1.5 ", '.', 1.5 }, { "+2", '.', 2 },
-		{ "-.5", '.', -0.5 }, { "5.", '.', 5 }, { "1e3", '.', 1000 }, { "1.5E-2", '.', 0.015 },
-		{ "1,234.5", '.', 1234.5 },
-		{ "1,234,567", '.', 1234567 }, { "1,5", '.', NAN }, { "1,234", '.', NAN },
-		{ "1.2.3", '.', NAN }, { "12,34.5", '.', NAN }, { "5 334 000", '.', 5334000 },
-		{ "691\u00a0234,5", ',', 691234.5 }, { "691\u202f234.5", '.', 691234.5 },
-		{ "2'600'000", '.', 2600000 }, { "2\u20191234", '.', NAN }, { "1234 567", '.', NAN },
-		{ "1 234,567", '.', NAN }, { "12 34", '.', NAN }, { "-1 234 ", '.', -1234 },
-		{ "1,5", ',', 1.5 },
-		{ "1.234,5", ',', 1234.5 }, { "1.234.567,25", ',', 1234567.25 },
-		{ "565123.45", ',', 565123.45 }, { "565123,45", ',', 565123.45 },
-		{ "-0,5", ',', -0.5 }, { "3", ',', 3 }, { "1.234.567", ',', 1234567 }, { "0x10", '.', NAN },
-		{ "inf", '.', NAN }, { "nan", '.', NAN },
-		{ "1e999", '.', NAN }, { "", '.', NAN }, { "12m", '.', NAN }, { "1 2", '.', NAN },
-		{ "--1", '.', NAN }, { "e5", '.', NAN }, { ",", ',', NAN },
-		{ ".", '.', NAN }, { "1e", '.', NAN },
-		{ "40\u00b024'36\"N", '.', 40.41 }, { "3\u00b0 42' 0,0\" W", ',', -3.7 },
-		{ "-3\u00ba30\u2032", '.', -3.5 }, { "S 33.5\u00b0", '.', -33.5 },
-		{ "-0\u00b030'", '.', -0.5 }, { "12\u00b0", '.', 12 }, { "40\u00b060'", '.', NAN },
-		{ "40\u00b0 24", '.', NAN }, { "40\u00b024'36\"X", '.', NAN }, { "N 40\u00b0 S", '.', NAN },
-		{ "-40\u00b0S", '.', NAN },
-		{ "40\u00b0-5'", '.', NAN }, { "N40", '.', NAN }, { "E8.65", '.', 8.65 }, { "33.5 S", '.', -33.5 }, { "-33.5 S", '.', NAN }, { "5'", '.', NAN },
-		{ "12345678901234567890123456789012345678901234567890123456789012345", '.', NAN } };
+	struct number_case { const char *text, *decimal, *number; };
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		double number = NAN;
-		bool good = eco_text_number(cases[i].text, cases[i].decimal, &number);
-		if (good == isnan(cases[i].number) || (good && number != cases[i].number))
-			fail_msg("\"%s\" with '%c' is %g", cases[i].text, cases[i].decimal,
-				good ? number : NAN);
+	uint32_t count;
+	const struct number_case *cases = cases_read("tests/import/cases/numbers.tsv", sizeof *cases, &count);
+	for (const struct number_case *c = cases; c < cases + count; c++) {
+		double number = NAN, wanted = cases_number(c->number);
+		bool good = eco_text_number(c->text, c->decimal[0], &number);
+		if (good == isnan(wanted) || (good && number != wanted))
+			fail_msg("\"%s\" with '%s' is %g", c->text, c->decimal, good ? number : NAN);
 	}
 }
 
@@ -308,74 +287,18 @@ UNIT_TEST(a_sign_between_thousands_may_be_lone)
 
 UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
 {
-	static const struct { const char *text; char decimal; enum eco_size_form form; double number, unit_m;
-		} cases[] = {
-		{ "12.5", '.', ECO_FORM_EXACT, 12.5, 0 }, { "12,5", ',', ECO_FORM_EXACT, 12.5, 0 },
-			{ "12.5 m", '.', ECO_FORM_EXACT, 12.5, 1 },
-		{ "12.5m", '.', ECO_FORM_EXACT, 12.5, 1 }, { "45 cm", '.', ECO_FORM_EXACT, 45, 0.01 },
-		{ "30 ft.", '.', ECO_FORM_EXACT, 30, 0.3048 },
-		{ "40'", '.', ECO_FORM_EXACT, 40, 0.3048 }, { "12\"", '.', ECO_FORM_EXACT, 12, 0.0254 },
-		{ "5'6\"", '.', ECO_FORM_EXACT, 5.5, 0.3048 },
-		{ "5 ft 6 in", '.', ECO_FORM_EXACT, 5.5, 0.3048 },
-		{ "5\u20326\u2033", '.', ECO_FORM_EXACT, 5.5, 0.3048 },
-		{ "7 Inches", '.', ECO_FORM_EXACT, 7, 0.0254 },
-		{ "21 to 30", '.', ECO_FORM_RANGE, 25.5, 0 }, { "21-30", '.', ECO_FORM_RANGE, 25.5, 0 },
-		{ "21 \u2013 30 ft", '.', ECO_FORM_RANGE, 25.5,
-			0.3048 },
-		{ "5 bis 10 m", ',', ECO_FORM_RANGE, 7.5, 1 }, { "10 à 20 m", ',', ECO_FORM_RANGE, 15, 1 },
-		{ "de 10 m à 20 m", ',', ECO_FORM_RANGE, 15, 1 },
-		{ "0,5-1,5", ',', ECO_FORM_RANGE, 1, 0 }, { "0-3", '.', ECO_FORM_RANGE, 1.5, 0 },
-		{ "< 10", '.', ECO_FORM_RANGE, 5, 0 },
-		{ "unter 5 m", ',', ECO_FORM_RANGE, 2.5, 1 },
-		{ "Greater than 101", '.', ECO_FORM_OPEN, 101, 0 }, { "> 101", '.', ECO_FORM_OPEN, 101, 0 },
-		{ ">=20m", '.', ECO_FORM_OPEN, 20, 1 }, { "101+", '.', ECO_FORM_OPEN, 101, 0 },
-		{ "20 m et plus", ',', ECO_FORM_OPEN, 20, 1 },
-		{ "über 25 m", ',', ECO_FORM_OPEN, 25, 1 }, { "Plus de 20 m", ',', ECO_FORM_OPEN, 20, 1 },
-		{ "ca. 15 m", ',', ECO_FORM_EXACT, 15, 1 },
-		{ "~12", '.', ECO_FORM_EXACT, 12, 0 }, { "(10-15]", '.', ECO_FORM_RANGE, 12.5, 0 },
-		{ "10m-15m", '.', ECO_FORM_RANGE, 12.5, 1 },
-		{ "N/A", '.', ECO_FORM_NONE, 0, 0 }, { "-5", '.', ECO_FORM_NONE, 0, 0 },
-		{ "30 to 21", '.', ECO_FORM_NONE, 0, 0 },
-		{ "5 kg", '.', ECO_FORM_NONE, 0, 0 },
-		{ "10 m - 20 ft", '.', ECO_FORM_NONE, 0, 0 }, { "tall", '.', ECO_FORM_NONE, 0, 0 },
-		{ "", '.', ECO_FORM_NONE, 0, 0 },
-		{ "12 05 2019", '.', ECO_FORM_NONE, 0, 0 }, { "1,5", '.', ECO_FORM_EXACT, 1.5, 0 }, { "1,500", '.', ECO_FORM_NONE, 0, 0 },
-		{ "12,5 m", '.', ECO_FORM_EXACT, 12.5, 1 }, { "(10,15]", '.', ECO_FORM_RANGE, 12.5, 0 },
-		{ "2021-05-03", '.', ECO_FORM_NONE, 0, 0 },
-		{ "3 meter", '.', ECO_FORM_EXACT, 3, 1 }, { "10 Fuß", '.', ECO_FORM_EXACT, 10, 0.3048 },
-		{ "3 metros", '.', ECO_FORM_EXACT, 3, 1 },
-		{ "between 10 and 20 ft", '.', ECO_FORM_RANGE, 15, 0.3048 },
-		{ "30 à 40m", ',', ECO_FORM_RANGE, 35, 1 },
-		{ "10..20", '.', ECO_FORM_RANGE, 15, 0 }, { "a. tot 6 m.", ',', ECO_FORM_RANGE, 3, 1 },
-		{ "c. 9 tot 12 m.", ',', ECO_FORM_RANGE, 10.5, 1 },
-		{ "2: 5-10 m", '.', ECO_FORM_RANGE, 7.5, 1 }, { "3. 10 - 15", '.', ECO_FORM_RANGE, 12.5, 0 },
-		{ "Small (< 10 ft)", '.', ECO_FORM_RANGE, 5, 0.3048 },
-		{ "Large (over 60')", '.', ECO_FORM_OPEN, 60, 0.3048 },
-		{ "30' - 40'", '.', ECO_FORM_RANGE, 35, 0.3048 },
-		{ "q. niet van toepassing", '.', ECO_FORM_NONE, 0, 0 }, { "Small", '.', ECO_FORM_NONE, 0, 0 },
-		{ "12 (estimated)", '.', ECO_FORM_EXACT, 12, 0 }, { "12 m (39 ft)", '.', ECO_FORM_EXACT, 12, 1 },
-		{ "h=12 m", '.', ECO_FORM_EXACT, 12, 1 }, { "12 m hoch", '.', ECO_FORM_EXACT, 12, 1 },
-		{ "2) 10 - 16m", '.', ECO_FORM_RANGE, 13, 1 }, { "2) 20cm< & <=50cm", '.', ECO_FORM_RANGE, 35, 0.01 },
-		{ "10m以上", '.', ECO_FORM_OPEN, 10, 1 }, { "3m未満", '.', ECO_FORM_RANGE, 1.5, 1 },
-		{ "１２．５ｍ", '.', ECO_FORM_EXACT, 12.5, 1 }, { "od 10 do 15 m", ',', ECO_FORM_RANGE, 12.5, 1 },
-		{ "30\n40", '.', ECO_FORM_STEMS, 50, 0 }, { "20-20-10", '.', ECO_FORM_STEMS, 30, 0 },
-		{ "20,20,10", '.', ECO_FORM_STEMS, 30, 0 }, { "2\u00d710", '.', ECO_FORM_STEMS, sqrt(200), 0 },
-		{ "3x10", '.', ECO_FORM_STEMS, sqrt(300), 0 }, { "30 cm + 40 cm", '.', ECO_FORM_STEMS, 50, 0.01 },
-		{ "30 40", '.', ECO_FORM_STEMS, 50, 0 }, { "20 20 10", '.', ECO_FORM_STEMS, 30, 0 }, { "30 et 40", '.', ECO_FORM_STEMS, 50, 0 },
-		{ "[20, 20, 10]", '.', ECO_FORM_STEMS, 30, 0 }, { "30;40;", '.', ECO_FORM_STEMS, 50, 0 },
-		{ "30、40", '.', ECO_FORM_STEMS, 50, 0 }, { "30,0;40,0", ',', ECO_FORM_STEMS, 50, 0 },
-		{ "entre 5 et 10 m", '.', ECO_FORM_RANGE, 7.5, 1 }, { "4.5 x 8", '.', ECO_FORM_STEMS, 6, 0 },
-		{ "45cm x 20cm", '.', ECO_FORM_STEMS, 30, 0.01 } };
+	struct size_case { const char *text, *decimal, *form, *number, *unit_m; };
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	static const char *const forms[] = { "none", "exact", "range", "open", "stems", NULL };
+	uint32_t count;
+	const struct size_case *cases = cases_read("tests/import/cases/sizes.tsv", sizeof *cases, &count);
+	for (const struct size_case *c = cases; c < cases + count; c++) {
 		double number = 0, unit_m = 0;
-		enum eco_size_form form = eco_text_size(cases[i].text, cases[i].decimal, &number, &unit_m);
-		if (form != cases[i].form
-				|| (form != ECO_FORM_NONE
-				&& (fabs(number - cases[i].number) > 1e-12 || fabs(unit_m - cases[i].unit_m)
-				> 1e-12)))
-			fail_msg("\"%s\" is of form %d, %g in units of %g m", cases[i].text, form, number,
-				unit_m);
+		enum eco_size_form form = eco_text_size(c->text, c->decimal[0], &number, &unit_m);
+		if ((int)form != cases_choice(c->form, forms)
+				|| (form != ECO_FORM_NONE && (fabs(number - cases_number(c->number)) > 1e-12
+				|| fabs(unit_m - cases_number(c->unit_m)) > 1e-12)))
+			fail_msg("\"%s\" is of form %d, %g in units of %g m", c->text, form, number, unit_m);
 	}
 }
 
@@ -410,47 +333,20 @@ UNIT_TEST(a_spread_has_the_quantiles_of_its_stream)
 	eco_spread_free(&spread);
 }
 
-static const struct {
-	enum eco_quantity quantity;
-	const char *name, *beside;
-	double middle, high;
-	const char *unit;
-} guesses[] = {
-	/* by the name */
-	{ ECO_QUANTITY_HEIGHT, "Height (ft)", NULL, 35, 80, "ft" }, { ECO_QUANTITY_HEIGHT, "h_m", NULL, 1.2, 4, "m" },
-	{ ECO_QUANTITY_HEIGHT, "H\u00f6he_m", NULL, 12, 25, "m" },
-	{ ECO_QUANTITY_HEIGHT, "height in m", NULL, 12, 25, "m" },
-	{ ECO_QUANTITY_DBH, "dbh_mm", NULL, 30, 500, "mm" },
-	{ ECO_QUANTITY_DBH, "Diameter [inches]", NULL, 10, 30, "in" },
-	/* by the numbers */
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 9, 22, "m" },
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 40, 95, "ft" }, { ECO_QUANTITY_HEIGHT, "height", NULL, 29, 60, "ft" },
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 24, 35, "m" },      /* a wood */
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 850, 2200, "cm" },
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 8500, 22000, "mm" },
-	{ ECO_QUANTITY_DBH, "dbh", NULL, 28, 90, "cm" }, { ECO_QUANTITY_DBH, "dbh", NULL, 9, 30, "in" },
-	{ ECO_QUANTITY_DBH, "dbh", NULL, 250, 800, "mm" }, { ECO_QUANTITY_DBH, "dbh", NULL, 0.25, 0.8, "m" },
-	{ ECO_QUANTITY_GIRTH, "Umfang", NULL, 80, 250, "cm" },
-	/* by the other sizes */
-	{ ECO_QUANTITY_HEIGHT, "height", "cm", 29, 38, "m" }, { ECO_QUANTITY_HEIGHT, "height", "in", 29, 38, "ft" },
-	{ ECO_QUANTITY_DBH, "dbh", "ft", 16, 45, "in" }, { ECO_QUANTITY_DBH, "dbh", "m", 16, 45, "cm" },
-	/* not at all */
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 18, 40, NULL },
-	{ ECO_QUANTITY_DBH, "dbh", NULL, 15, 45, NULL },
-	{ ECO_QUANTITY_HEIGHT, "height_m", NULL, 120, 150, NULL }, /* a height of 120 m is asked about */
-	{ ECO_QUANTITY_HEIGHT, "height_m", NULL, 40, 95, NULL }, { ECO_QUANTITY_DBH, "dbh_mm", NULL, 25, 80, NULL },
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 1, 1.6, NULL },     /* an oak of 1 m, too */
-};
+struct unit_case { const char *quantity, *name, *beside, *middle, *high, *unit; };
 
 UNIT_TEST(units_are_those_of_plants_or_asked_for)
 {
-	for (size_t i = 0; i < sizeof guesses / sizeof *guesses; i++) {
-		struct eco_unit_guess guess = eco_unit_guess(guesses[i].quantity, guesses[i].name,
-			guesses[i].beside, &(struct eco_size_numbers){ guesses[i].middle, guesses[i].high });
-		const char *unit = guess.unit ? guess.unit : "?",
-			   *wanted = guesses[i].unit ? guesses[i].unit : "?";
+	static const char *const quantities[] = { "height", "dbh", "girth", NULL };
+	static const enum eco_quantity quantity_of[] = { ECO_QUANTITY_HEIGHT, ECO_QUANTITY_DBH, ECO_QUANTITY_GIRTH };
+	uint32_t count;
+	const struct unit_case *cases = cases_read("tests/import/cases/units.tsv", sizeof *cases, &count);
+	for (const struct unit_case *c = cases; c < cases + count; c++) {
+		const struct eco_size_numbers numbers = { cases_number(c->middle), cases_number(c->high) };
+		struct eco_unit_guess guess = eco_unit_guess(quantity_of[cases_choice(c->quantity, quantities)], c->name,
+			c->beside, &numbers);
+		const char *unit = guess.unit ? guess.unit : "?", *wanted = c->unit ? c->unit : "?";
 		if (strcmp(unit, wanted) != 0 || guess.why[0] == 0 || (!guess.unit && !guess.other))
-			fail_msg("%s of %g, %g: %s, not %s (%s)", guesses[i].name, guesses[i].middle, guesses[i].high,
-				unit, wanted, guess.why);
+			fail_msg("%s of %s, %s: %s, not %s (%s)", c->name, c->middle, c->high, unit, wanted, guess.why);
 	}
 }

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "ecofiles/base/version.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/serve/http_client.h"
@@ -140,56 +141,14 @@ UNIT_TEST(pipes_and_devices_are_no_settings)
 
 UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 {
-#define PACK_LINE "pack = " PACK_PATH "\n"
 	/* `variable`: NAME=VALUE in the environment; status 0: `says` is on stdout */
-	static const struct { const char *file, *variable, *option; int status; const char *says; } rows[] = {
-		{ "# of two\n\npack = a=" PACK_PATH "   # one\npack=b=" PACK_PATH "\nin-place\nlisten = [::1]:80\n",
-			NULL, NULL, 0, "the configuration is good (2 scenes named a, b)\n" },
-		{ PACK_LINE "listen = nowhere\n", NULL, NULL, 2, "'nowhere' is not HOST:PORT" },
-		{ PACK_LINE "listen = nowhere\n", "ECOSERVE_LISTEN=127.0.0.1:1", NULL, 0, "is good" },
-		{ PACK_LINE, "ECOSERVE_LISTEN=nowhere", "--listen=127.0.0.1:1", 0, "is good" },
-		{ PACK_LINE, "ECOSERVE_PLAN_WORK=0", NULL, 2, "--plan-work 0: must be" },
-		{ PACK_LINE, "ECOSERVE_IN_PLACE=yes", NULL, 0, "is good" },
-		{ PACK_LINE, "ECOSERVE_IN_PLACE=perhaps", NULL, 2, "ECOSERVE_IN_PLACE=perhaps: must be" },
-		{ "", NULL, NULL, 2, "a pack is missing" },
-		{ PACK_LINE "plans-work = 3\n", NULL, NULL, 2, SETTINGS ": line 2: there is no 'plans-work'" },
-		{ PACK_LINE "in-place = yes\n", NULL, NULL, 2, "line 2: 'in-place' stands alone" },
-		{ "listen\n", NULL, PACK_PATH, 2, "line 1: 'listen = HOST:PORT' is meant" },
-		{ "pack = " DAMAGED_PATH "\n", NULL, NULL, 1, DAMAGED_PATH },
-		{ PACK_LINE "token = sample=" TOKEN_PATH "\n", NULL, NULL, 0, "is good" },
-		{ PACK_LINE "token = simple=" TOKEN_PATH "\n", NULL, NULL, 2, "there is no scene of this name" },
-		{ PACK_LINE "cap-vertices = 5000\ncap-vertices = sample=9\ncap-bytes = sample=1\n", NULL,
-			NULL, 0, "is good" },
-		{ PACK_LINE "cap-bytes = simple=1\n", NULL, NULL, 2,
-			"--cap-bytes simple=1: there is no scene of this name" },
-		{ PACK_LINE "cap-vertices = sample=0\n", NULL, NULL, 2,
-			"--cap-vertices sample=0: must be N or SCENE=N" },
-		{ PACK_LINE, "ECOSERVE_CAP_VERTICES=many", NULL, 2, "--cap-vertices many: must be N or SCENE=N" },
-		{ PACK_LINE "cors = here\n", NULL, NULL, 2, "--cors here: must be * or an origin" },
-		{ PACK_LINE "log = xml\n", NULL, NULL, 2, "--log xml: must be one of text, json" },
-		{ "pack = \n", NULL, NULL, 2, "line 1: 'pack =' names nothing" },
-		{ "config = " SETTINGS "\n" PACK_LINE, NULL, NULL, 2, "line 1: a file of settings names no other one" },
-		{ PACK_LINE "user = nobody-at-all\n", NULL, NULL, 2, "there is no user 'nobody-at-all'" },
-		{ "pack = a#b=" PACK_PATH "\n", NULL, NULL, 2, "'a#b' cannot name a scene" },
-		{ "pack = a=build/tmp/#none.eco\n", NULL, NULL, 1, "build/tmp/#none.eco" },
-		{ "pack = a=" HASH_PATH "\n", NULL, NULL, 2, "line 1: a comment begins with '#' and a space" },
-		{ "pack = \"a=" HASH_PATH "\" # one\n", NULL, NULL, 0, "named a" },
-		{ "pack = \"a=" HASH_PATH "\n", NULL, NULL, 2, "line 1: a value in quotes ends with" },
-		{ "  # all\n\t#of it\n#none=\npack = " PACK_PATH " ## and\t# so on\n", NULL, NULL, 0, "is good" },
-		{ "listen = [::1]:80\n" PACK_LINE " listen=[::1]:81\n", NULL, NULL, 2,
-			"line 3: 'listen' was set before in this file" },
-		{ "in-place\nin-place\n", NULL, PACK_PATH, 2, "line 2: 'in-place' was set before" },
-		{ "trust-proxy = ::1\ntrust-proxy = ::2\n", NULL, PACK_PATH, 2, "line 2: 'trust-proxy' was set" },
-		{ "cap-bytes = sample=7\ncap-bytes = 8\ncap-bytes = sample=8\n", NULL, PACK_PATH, 2,
-			"line 3: 'cap-bytes' was set before in this file, with this name" },
-		{ "cors = https://a.b\ncors = https://c.d\n", NULL, PACK_PATH, 0, "is good" },
-		{ "embed = https://a.b\nembed = *\n", NULL, PACK_PATH, 0, "is good" },
-		{ "embed = here\n", NULL, PACK_PATH, 2, "--embed here: must be * or an origin" },
-		{ "listen = [::1]:80\n", "ECOSERVE_LISTEN=[::1]:81", PACK_PATH, 0, "is good" } };
+	struct settings_case { const char *file, *variable, *option, *status, *says; };
 	char name[64];
 	file_write_text(TOKEN_PATH, TOKEN "\n");
 	assert_good(sample_pack_write(HASH_PATH, &cause));
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	uint32_t count;
+	const struct settings_case *rows = cases_read("tests/server/cases/settings.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		const char *variable = rows[i].variable ? rows[i].variable : "ECOSERVE_NOTHING=";
 		file_write_text(SETTINGS, rows[i].file);
 		snprintf(name, sizeof name, "%.*s", (int)strcspn(variable, "="), variable);
@@ -199,8 +158,8 @@ UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 			rows[i].option), program_sandboxed);
 		int status = program_finish(&program);
 		unsetenv(name);
-		if (status != rows[i].status || !strstr(status ? program.err : program.out, rows[i].says))
-			fail_msg("row %zu: %d\n%s%s", i, status, program.out, program.err);
+		if (status != atoi(rows[i].status) || !strstr(status ? program.err : program.out, rows[i].says))
+			fail_msg("row %u: %d\n%s%s", i, status, program.out, program.err);
 	}
 }
 

@@ -9,6 +9,7 @@
 #include "server/request/json.h"
 #include "server/request/query.h"
 #include "server/store.h"
+#include "tests/support/cases.h"
 #include "tests/support/unit_test.h"
 
 #define VIEW "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=1000"
@@ -188,39 +189,10 @@ UNIT_TEST(a_query_has_defaults)
 
 UNIT_TEST(bad_queries_name_the_parameter)
 {
-	static const struct { const char *query, *named; } rows[] = {
-		{ "target=4,5,6&width=800&height=600&vertices=1000",
-			"'eye' is missing; a view has eye=X,Y,Z, target=X,Y,Z, width, height and vertices" },
-		{ "eye=1,2,3&width=800&height=600&vertices=1000", "'target' is missing" },
-		{ "eye=1,2,3&target=4,5,6&height=600&vertices=1000", "'width' is missing" },
-		{ "eye=1,2,3&target=4,5,6&width=800&height=600", "'vertices' is missing" },
-		{ VIEW "&budget=7", "unknown parameter 'budget'" }, { VIEW "&up=0,0", "'up'" },
-		{ VIEW "&up=0,0,1,2", "'up'" },
-		{ VIEW "&up=0,0,nan", "'up'" }, { VIEW "&up=,,", "'up'" }, { VIEW "&up=0,,1", "'up'" },
-		{ VIEW "&fov_y_deg=inf", "'fov_y_deg'" },
-		{ VIEW "&fov_y_deg=180", "fov_y_deg" }, { VIEW "&fov_y_deg=0", "fov_y_deg" },
-		{ VIEW "&fov_y_deg=1e-999", "fov_y_deg" }, { VIEW "&ground_px=nan", "ground_px" },
-		{ VIEW "&ground_px=-1", "ground_px" }, { VIEW "&bytes=-1", "'bytes'" },
-		{ VIEW "&bytes=1e6", "'bytes'" },
-		{ VIEW "&rule=Deussen", "'rule': 'Deussen' is neither optimal nor deussen" },
-		{ VIEW "&rule=deussen2", "'rule'" },
-		{ VIEW "&rule=0", "'rule'" }, { VIEW "&rule=optimal&rule=deussen", "twice" },
-		{ VIEW "&pack=00", "'pack'" }, { VIEW "&pack=00112233445566778899AABBCCDDEEFF", "'pack'" },
-		{ "eye=1,2,3&target=1,2,3&width=800&height=600&vertices=1000", "target" },
-		{ "eye=1e13,2,3&target=1,2,3&width=800&height=600&vertices=1000", "eye" },
-		{ "eye=1,2,3&target=4,5,6&width=0&height=600&vertices=1000",
-			"'width': '0' is not a whole number from 1 to 16384" },
-		{ "eye=1,2,3&target=4,5,6&width=16385&height=600&vertices=1000", "'width'" },
-		{ "eye=1,2,3&target=4,5,6&width=800&height=4294967297&vertices=1", "'height'" },
-		{ "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=9223372036854775808", "'vertices'" },
-		{ VIEW "&vertices=5", "twice" },
-		{ VIEW "&name_from=1k", "'name_from'" },
-		{ VIEW "&next_eye=1,2,3", "'next_target' is missing" },
-		{ VIEW "&next_target=1,2,3", "'next_eye' is missing" },
-		{ VIEW "&next_eye=1,2,3&next_target=1,2,3", "the next view: " },
-		{ VIEW "&next_eye=1,2&next_target=1,2,3", "'next_eye'" },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct fault { const char *query, *named; };
+	uint32_t count;
+	const struct fault *rows = cases_read("tests/server/cases/query_faults.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct srv_query query;
 		assert_int_equal(parse_query(&query, rows[i].query), ECO_BAD_INPUT);
 		if (!strstr(cause.text, rows[i].named))

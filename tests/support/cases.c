@@ -31,42 +31,38 @@ static char *unescape(char *field)
 	return to;
 }
 
-/* Puts in the texts of ${NAME}; `texts` are names and texts by turns. */
-static char *expand(char *field, char *const *texts)
+/* Puts in the texts of ${NAME}; `texts` are names and texts by turns. The line, or another that is allocated. */
+static char *expand(char *line, char *const *texts)
 {
-	char *name = strstr(field, "${"), *end = name ? strchr(name, '}') : NULL, *whole = NULL;
-	if (!end)
-		return field;
-	*end = 0;
-	for (; *texts && strcmp(*texts, name + 2) != 0; texts += 2)
-		;
-	if (!*texts || asprintf(&whole, "%.*s%s%s", (int)(name - field), field, texts[1], end + 1) < 0)
-		eco_end("a table of cases has no such text");
+	char *whole = line, *name, *end;
+	while ((name = strstr(whole, "${")) && (end = strchr(name, '}'))) {
+		char *const *of = texts, *before = whole;
+		for (*end = 0; *of && strcmp(*of, name + 2) != 0; of += 2)
+			;
+		if (!*of || asprintf(&whole, "%.*s%s%s", (int)(name - before), before, of[1], end + 1) < 0)
+			eco_end("a table of cases has no such text");
+		if (before != line)
+			free(before);
+	}
 	return whole;
 }
 
-static char *read_field(char *field, char *const *texts)
-{
-	for (char *next; (next = expand(field, texts)) != field;)
-		field = next;
-	if (strcmp(field, "\\N") == 0)
-		return NULL;
-	unescape(field);
-	return field;
-}
+static struct table { const char *path; char **fields; size_t *sizes; uint32_t used, count; } kept[TABLES_MAX];
+static uint32_t tables;
 
 const void *cases_read(const char *path, size_t row_size, uint32_t *count)
 {
-	static struct { const char *path; char **fields; uint32_t count; } kept[TABLES_MAX];
-	static uint32_t tables;
 	for (uint32_t i = 0; i < tables; i++)
 		if (strcmp(kept[i].path, path) == 0) {
 			*count = kept[i].count;
 			return kept[i].fields;
 		}
 	size_t size, columns = row_size / sizeof(char *), text_count = 0;
-	uint32_t used = 0, capacity = 0;
-	char **fields = NULL, *rest = (char *)file_read(path, &size), *line, *texts[2 * TEXTS_MAX + 2] = { NULL };
+	uint32_t capacity = 0, size_capacity = 0;
+	struct table *t = &kept[tables];
+	char *rest = (char *)file_read(path, &size), *line, *texts[2 * TEXTS_MAX + 2] = { NULL };
+	if (tables == TABLES_MAX)
+		eco_end("one table of cases too many");
 	bool named = false;
 	while ((line = strsep(&rest, "\n"))) {
 		size_t row = 0;
@@ -77,24 +73,37 @@ const void *cases_read(const char *path, size_t row_size, uint32_t *count)
 		}
 		if (!*line || *line == '#')
 			continue;
+		line = expand(line, texts);
 		for (char *field; (field = strsep(&line, "\t")); row++) {
+			bool is_null = strcmp(field, "\\N") == 0;
 			if (!named)
 				continue;
-			eco_grow(&fields, &capacity, used, sizeof *fields);
-			fields[used++] = read_field(field, texts);
+			eco_grow(&t->fields, &capacity, t->used, sizeof *t->fields);
+			eco_grow(&t->sizes, &size_capacity, t->used, sizeof *t->sizes);
+			t->sizes[t->used] = (size_t)(unescape(field) - field);
+			t->fields[t->used++] = is_null ? NULL : field;
 		}
-		if (row && row != columns)
+		if (row != columns)
 			eco_end("a row of a table of cases has other columns than its test");
-		named |= row > 0;
+		named = true;
 	}
-	if (tables == TABLES_MAX || !used)
-		eco_end("a table of cases is empty, or one too many");
-	*count = kept[tables].count = used / (uint32_t)columns;
-	kept[tables].path = path;
-	return kept[tables++].fields = fields;
+	if (!t->used)
+		eco_end("a table of cases is empty");
+	tables++;
+	t->path = path;
+	*count = t->count = t->used / (uint32_t)columns;
+	return t->fields;
 }
 
-size_t cases_bytes(const char *field) { return (size_t)(unescape((char *)(uintptr_t)field) - field); }
+size_t cases_size(const char *const *field)
+{
+	for (const struct table *t = kept; t < kept + tables; t++) {
+		uintptr_t first = (uintptr_t)t->fields, at = (uintptr_t)field;
+		if (at >= first && at < first + t->used * sizeof *t->fields)
+			return t->sizes[(at - first) / sizeof *t->fields];
+	}
+	eco_end("a text is none of a table of cases");
+}
 
 double cases_number(const char *text)
 {

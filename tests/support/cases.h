@@ -12,8 +12,8 @@
 
 /* Rows of `row_size` bytes; they stay until the program ends. A table that is not there or has other columns ends it. */
 const void *cases_read(const char *path, size_t row_size, uint32_t *count);
-/* Undoes \xHH and its like once more, in place: bytes that may be 0 are written \\x00. Returns their number. */
-size_t cases_bytes(const char *field);
+/* Bytes of a field of a row, which may hold zeros: cases_size(&row->text). */
+size_t cases_size(const char *const *field);
 /* A number of a row, "nan" among them. */
 double cases_number(const char *text);
 /* The index of a text among names, which end with NULL. */
