@@ -1,6 +1,7 @@
 /* Formats and what people's exporters make of them: each oddity is written out as the small file that shows
  * it. */
 #include "ecofiles/import/model/model_import.h"
+#include "tests/support/cases.h"
 #include "tests/support/model_try.h"
 
 #define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
@@ -108,56 +109,17 @@ UNIT_TEST(binary_ply_may_begin_with_any_byte)
 	}
 }
 
-#define TEXT(text) text, sizeof text - 1
-
 UNIT_TEST(what_is_no_model_is_refused_with_what_to_do)
 {
-	static const struct { const char *name, *bytes; size_t size; enum eco_code code; const char *says; } refused[] = {
-		{ "oak.obj.xz", "\xfd" "7zXZ\0\0", 7, ECO_UNSUPPORTED,
-			"packed with xz; unpack it first: xz -dk oak.obj.xz" },
-		{ "oak.obj.gz", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "gunzip -k oak.obj.gz" },
-		{ "oak.blend", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED,
-			"zcat <oak.blend >unpacked-oak.blend" },
-			{ "oak.zip", "PK\x03\x04", 4, ECO_UNSUPPORTED, "unzip oak.zip" },
-		{ "oak.obj", "BZh91AY", 7, ECO_UNSUPPORTED, "bzcat <oak.obj >unpacked-oak.obj" },
-		{ "oak.glb", "", 0, ECO_BAD_INPUT, "the file is empty" },
-		{ "oak.fbx", "version https://git-lfs.github.com/spec/v1\n", 43, ECO_BAD_INPUT,
-			"a pointer of Git LFS" },
-		{ "oak.gltf", "\n<!DOCTYPE html><html>", 22, ECO_BAD_INPUT, "a web page, not a model" },
-		{ "oak.mtl", "newmtl x\n", 9, ECO_UNSUPPORTED, "name the OBJ file" },
-		{ "oak.skp", "x", 1, ECO_UNSUPPORTED, "export GLB, Collada or OBJ" },
-		{ "oak.usdz", "PK\3\4", 4, ECO_UNSUPPORTED, "USD is not read" },
-		{ "oak.STEP", "ISO-10303", 9, ECO_UNSUPPORTED, "CAD" },
-		{ "oak.blend", "BLENDER-v300", 12, ECO_UNSUPPORTED, "export GLB" },
-		{ "oak.x3d", "<X3D></X3D>", 11, ECO_UNSUPPORTED, "by these endings: export GLB" },
-		{ "oak.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 5 0\n3 0 1 2\n", 36, ECO_UNSUPPORTED,
-			"export GLB" },
-		{ "oak", "; FBX 7.4.0 project file", 24, ECO_UNSUPPORTED, "by these endings: export GLB" },
-		{ "oak.fbx", "Kaydara FBX", 11, ECO_BAD_INPUT, "oak.fbx" },
-		{ "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", 32, ECO_BAD_INPUT,
-			"none of its 1 triangles can be drawn (degenerate); is the file whole?" },
-		{ "stems.csv", "species,x,y\nquru,1,2\n", 21, ECO_UNSUPPORTED,
-			"stems.csv: models are GLB, glTF, OBJ" },
-		{ "cut.glb", "glTF", 4, ECO_DAMAGED, "cut.glb" },
-		{ "json.gltf", "{\"asset\":", 9, ECO_BAD_INPUT, "json.gltf: line 1" },
-		{ "index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n", 34, ECO_BAD_INPUT, "index.obj" },
-		{ "cloud.laz", "LASF", 4, ECO_UNSUPPORTED, "a point cloud" },
-		{ "cloud.ply", TEXT("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-			"property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"), ECO_BAD_INPUT, "no triangles in it, only 3 "
-			"points or lines; a point cloud has no surfaces: make a mesh of it first" },
-		{ "comma.obj", TEXT("# oak\nv 0,5 1,25 0\n"), ECO_BAD_INPUT, "line 2: \"0,5\": numbers need a decimal point" },
-		{ "word.obj", TEXT("v 1 2 three\n"), ECO_BAD_INPUT, "line 1: \"three\" is not a number" },
-		{ "short.obj", TEXT("v 1 2\n"), ECO_BAD_INPUT, "line 1: a vertex needs three numbers" },
-		{ "coff.obj", "\x64\x86\x03\0\0\0\0\0", 8, ECO_BAD_INPUT, "binary, so no Wavefront OBJ file" },
-		{ "wide.obj", "\xff\xfev\0 \0", 6, ECO_UNSUPPORTED, "UTF-16; save it as UTF-8" },
-		{ "prose.obj", TEXT("This is a tree.\n"), ECO_BAD_INPUT, "no vertices in it" },
-		{ "lines.obj", TEXT(TRIANGLE "l 1 2 3\np 1\n"), ECO_BAD_INPUT, "no triangles in it, only 3 vertices and 2 "
-			"points or lines; a point cloud has no surfaces" },
-	};
+	struct fault { const char *name, *bytes, *code, *says; };
 
-	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
-		import_refuses(input_bytes("formats", refused[i].name, refused[i].bytes, refused[i].size),
-			refused[i].code, refused[i].says);
+	static const char *const codes[] = { "bad input", "damaged", "unsupported", NULL };
+	static const enum eco_code code_of[] = { ECO_BAD_INPUT, ECO_DAMAGED, ECO_UNSUPPORTED };
+	uint32_t count;
+	const struct fault *refused = cases_read("tests/import/cases/model_faults.tsv", sizeof *refused, &count);
+	for (const struct fault *f = refused; f < refused + count; f++)
+		import_refuses(input_bytes("formats", f->name, f->bytes, cases_size(&f->bytes)),
+			code_of[cases_choice(f->code, codes)], f->says);
 	import_refuses("build/tmp", ECO_BAD_INPUT, "a folder, not a model");
 	import_refuses("build/tmp/formats/none.obj", ECO_NOT_FOUND, "No such file");
 }

@@ -419,45 +419,12 @@ UNIT_TEST(parts_of_a_shapefile_that_are_missed_are_named)
 		"all of them");
 }
 
-#define TREE(inside) "<core:cityObjectMember><veg:SolitaryVegetationObject gml:id=\"t\">" inside \
-	"</veg:SolitaryVegetationObject></core:cityObjectMember>"
-#define AT(pos) "<gml:Point><gml:pos srsDimension=\"3\">" pos "</gml:pos></gml:Point>"
-#define RING(corners) \
-"<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList srsDimension=\"3\">" \
-	corners "</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember>"
-
 UNIT_TEST(trees_of_city_models_are_rows)
 {
-	static const struct { const char *name, *srs, *inside, *wanted, *note, *crs; } models[] = {
-		/* an implicit geometry stands at its reference point */
-		{ "implicit.gml", "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH",
-			TREE("<veg:species>1640</veg:species>"
-			"<veg:height uom=\"m\">12.5</veg:height><gen:stringAttribute name=\"Art\"><gen:value>Linde"
-			"</gen:value></gen:stringAttribute><veg:lod2ImplicitRepresentation><core:ImplicitGeometry>"
-			"<core:relativeGMLGeometry>" AT("1 2 3")
-			"</core:relativeGMLGeometry><core:referencePoint>"
-			AT("690100.5 5335200.25 515") "</core:referencePoint></core:ImplicitGeometry>"
-			"</veg:lod2ImplicitRepresentation>"),
-			"gml_id,species,height,height_uom,Art / (690100.5 5335200.25 515) t,1640,12.5,m,Linde", NULL,
-			"EPSG:25832" },
-		/* another on the middle of its lowest part, a trunk under a leaning crown; buildings are none
-		 * */
-		{ "foot.gml", "EPSG:25832", TREE("<veg:lod1Geometry><gml:MultiSurface>"
-			RING("10 20 500 12 20 500 12 22 500 "
-			"10 22 500 10 20 500") RING("10 20 505 40 20 505 40 60 510 10 20 505")
-			"</gml:MultiSurface></veg:lod1Geometry>")
-			"<core:cityObjectMember><bldg:Building><bldg:height>9</bldg:height></bldg:Building>"
-			"</core:cityObjectMember><core:cityObjectMember><veg:PlantCover><veg:averageHeight>3"
-			"</veg:averageHeight></veg:PlantCover></core:cityObjectMember>",
-			"gml_id / (11 21 500) t", "its PlantCover features are skipped", "EPSG:25832" },
-		{ "globe.gml", "urn:ogc:def:crs:EPSG::4979", TREE("<veg:lod1Geometry>" AT("48.1 11.5 520")
-			"</veg:lod1Geometry>") TREE(""), "gml_id / (11.5 48.1 520) t / empty t", NULL,
-			"EPSG:4979" },
-		{ "nowhere.gml", "urn:adv:crs:plan", TREE("<veg:lod1Geometry>" AT("1 2 3")
-			"</veg:lod1Geometry>"),
-			"gml_id / (1 2 3) t", NULL, NULL },
-	};
-	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
+	struct city_case { const char *name, *srs, *inside, *wanted, *note, *crs; };
+	uint32_t count;
+	const struct city_case *models = cases_read("tests/import/cases/citygml.tsv", sizeof *models, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		char text[4000];
 		snprintf(text, sizeof text, "<?xml version=\"1.0\"?><core:CityModel "
 			"xmlns:core=\"http://www.opengis.net/citygml/2.0\" xmlns:gml=\"http://www.opengis.net/gml\" "

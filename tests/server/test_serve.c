@@ -1,4 +1,5 @@
 /* The daemon over a loopback socket: every route with its answers, and requests that it refuses. */
+#include "tests/support/cases.h"
 #include "tests/support/serve/serve_daemon.h"
 
 #include <ctype.h>
@@ -365,56 +366,15 @@ static void assert_described(const char *method, const char *raw, unsigned statu
 
 UNIT_TEST(bad_requests_are_problems)
 {
-	static const struct { const char *method, *target, *headers, *body; unsigned status; const char *type;
-	} rows[] = {
-		{ "GET", "/viewer/none.js", "", NULL, 404, "no-such-resource" },
-		{ "GET", BASE "/nothing", "", NULL, 404, "no-such-resource" },
-		{ "GET", "/v1/scenes/none", "", NULL, 404, "no-such-scene" },
-		{ "GET", "/v1/scenes/none/plan?" VIEW_BY("1"), "", NULL, 404, "no-such-scene" },
-		{ "GET", BASE "/chunks/00000000000000000000000000000000", "", NULL, 404, "no-such-chunk" },
-		{ "GET", BASE "/chunks/xyz", "", NULL, 404, "no-such-chunk" },
-		{ "GET", BASE "/plants/xyz", "", NULL, 404, "no-such-resource" },
-		{ "GET", BASE "/plants/0?x=1", "", NULL, 400, "bad-parameter" },
-		{ "GET", "/../../etc/passwd", "", NULL, 400, "malformed-target" },
-		{ "GET", "/healthz%00", "", NULL, 400, "malformed-target" },
-		{ "GET", "/v1/scenes?x=%00", "", NULL, 400, "malformed-target" },
-		{ "GET", "/healthz?x=1", "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "/plan", "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "/stream?" VIEW_BY("1") "&verts=1", "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "/stream?" VIEW_BY("nan"), "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "/stream?" VIEW_BY("1") "&fov_y_deg=0", "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "/stream?" VIEW_BY("1") "&pack=00000000000000000000000000000000", "", NULL, 409,
-			"pack-changed" },
-		{ "DELETE", "/healthz", "", NULL, 405, "method-not-allowed" },
-		{ "POST", BASE "/plan", "", "", 405, "method-not-allowed" },
-		{ "POST", "/healthz", "", "x", 405, "method-not-allowed" },
-		{ "PUT", BASE "/stream", "", "x", 405, "method-not-allowed" },
-		{ "GET", "/v1/admin/reload", "", NULL, 405, "method-not-allowed" },
-		{ "POST", "/v1/admin/reload", "", "x", 400, "ambiguous-framing" },
-		{ "POST", "/v1/admin/reload", "Origin: http://evil.example\r\n", NULL, 403,
-			"not-the-operator" },
-		{ "POST", "/v1/admin/reload", "X-Forwarded-For: 127.0.0.1\r\n", NULL, 403,
-			"not-the-operator" },
-		{ "GET", "/metrics", "Via: 1.1 proxy\r\n", NULL, 403, "not-the-operator" },
-		{ "POST", "/nothing", "", "x", 404, "no-such-resource" },
-		{ "GET", "/healthz", "", "x", 400, "ambiguous-framing" },
-		{ "HEAD", "/healthz", "", "x", 400, NULL },
-		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, NULL, 411, "length-required" },
-		{ "POST", BASE "/stream?" VIEW_BY("1"), "", "\1\1\1\1", 415, "unsupported-media-type" },
-		{ "POST", BASE "/stream?" VIEW_BY("1"), "Content-Type: text/plain\r\n", "\1\1\1\1", 415,
-			"unsupported-media-type" },
-		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, "", 400, "bad-holdings" },
-		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, "\1\1\1\1\1\1", 400, "bad-holdings" },
-		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS "Content-Length: 4194305\r\n", NULL, 413,
-			"body-too-large" },
-		{ "GET", "/healthz", "Range: bytes=0-1\r\nRange: bytes=0-1\r\n", NULL, 400,
-			"ambiguous-framing" },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct problem { const char *method, *target, *headers, *body, *status, *type; };
+	uint32_t count;
+	const struct problem *rows = cases_read("tests/server/cases/problems.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct http_answer answer = http_ask(port, rows[i].method, rows[i].target, rows[i].headers,
 			rows[i].body, rows[i].body ? strlen(rows[i].body) : 0);
+		const unsigned status = (unsigned)cases_number(rows[i].status);
 		char urn[80], allow[64];
-		if (answer.status != rows[i].status)
+		if (answer.status != status)
 			fail_msg("%s %s: %u\n%s", rows[i].method, rows[i].target, answer.status, answer.head);
 		assert_described(rows[i].method, rows[i].target, answer.status);
 		assert_header(&answer, "Content-Type", "application/problem+json");
@@ -422,12 +382,12 @@ UNIT_TEST(bad_requests_are_problems)
 			json_t *json = json_of(&answer);
 			snprintf(urn, sizeof urn, "urn:ecostream:problem:%s", rows[i].type);
 			assert_string_equal(json_string_value(json_object_get(json, "type")), urn);
-			assert_int_equal(json_integer_value(json_object_get(json, "status")), rows[i].status);
+			assert_int_equal(json_integer_value(json_object_get(json, "status")), status);
 			assert_true(json_is_string(json_object_get(json, "title")));
 			assert_true(json_string_length(json_object_get(json, "detail")) > 10);
 			json_decref(json);
 		}
-		assert_int_equal(http_header(&answer, "Allow", allow, sizeof allow), rows[i].status == 405);
+		assert_int_equal(http_header(&answer, "Allow", allow, sizeof allow), status == 405);
 		http_free(&answer);
 	}
 }
