@@ -1,7 +1,7 @@
 /* The land from above. The ground is lit from the north-west, as is usual on maps, and pale, so that plants
  * stand out. Each plant is a dot, larger the taller it is; tall ones are drawn first, so that
- * small ones stay visible. Dots that would hide each other are pale: where many stand, colours are fuller. Contour lines, by marching over triangles of cells of
- * a few pixels, are drawn over the plants, which would hide the shape of the land. */
+ * small ones stay visible. Dots that would hide each other are pale: where many stand, colours are
+ * fuller. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,8 +10,6 @@
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/cairo_map.h"
 
-#define CELL 3u                  /* pixels between samples of contour lines */
-#define LINES_WANTED 14u
 #define RELIEF 1.4               /* exaggeration of slopes */
 #define FLAT 0.93                /* brightness of level ground */
 #define PALE 0.6                 /* of the image's contrast is kept */
@@ -37,17 +35,20 @@ struct color class_color(const struct map *m, uint32_t class)
 
 struct grid { double *z; uint32_t columns, rows; };      /* NaN beyond the ground's border */
 
-static void sample(const struct map *m, struct grid *grid, double pixels)
+static void sample(struct map *m, struct grid *grid)
 {
-	grid->columns = (uint32_t)ceil(m->width / pixels) + 1;
-	grid->rows = (uint32_t)ceil(m->height / pixels) + 1;
+	grid->columns = (uint32_t)m->width + 1;
+	grid->rows = (uint32_t)m->height + 1;
 	size_t count = (size_t)grid->columns * grid->rows;
+	m->low_m = INFINITY, m->high_m = -INFINITY;
 	grid->z = eco_alloc(count, sizeof *grid->z);
 	for (size_t i = 0; i < count; i++) {
-		double x = m->view.low[0] + (double)(i % grid->columns) * pixels / m->scale,
-			y = m->view.high[1] - (double)(i / grid->columns) * pixels / m->scale;
+		double x = m->view.low[0] + (double)(i % grid->columns) / m->scale,
+			y = m->view.high[1] - (double)(i / grid->columns) / m->scale;
 		if (!eco_ground_height(&m->ground, x, y, &grid->z[i]))
 			grid->z[i] = NAN;
+		m->low_m = fmin(m->low_m, grid->z[i]);
+		m->high_m = fmax(m->high_m, grid->z[i]);
 	}
 }
 
@@ -88,108 +89,18 @@ static void shade(const struct map *m, const struct grid *grid, uint8_t *rgba)
 	}
 }
 
-void land_ground(const struct map *m, cairo_t *canvas)
+void land_ground(struct map *m, cairo_t *canvas)
 {
 	struct grid grid = { .z = NULL };
 	if (!m->has_ground && !m->image)
 		return;
 	uint8_t *rgba = eco_alloc((size_t)m->width * (size_t)m->height, 4);
 	if (m->has_ground)
-		sample(m, &grid, 1);
+		sample(m, &grid);
 	shade(m, &grid, rgba);
 	canvas_pixels(canvas, m->x, m->y, (uint32_t)m->width, (uint32_t)m->height, rgba);
 	free(grid.z);
 	free(rgba);
-}
-
-/* ---- Contour lines ---- */
-
-/* The points where a level crosses one triangle's sides: two points or none. A corner at the level counts
- * as above. */
-static bool cross_triangle(const double corner[3][3], double level, double ends[4])
-{
-	int found = 0;
-	for (int i = 0; i < 3 && found < 2; i++) {
-		const double *a = corner[i], *b = corner[(i + 1) % 3];
-		if ((a[2] >= level) == (b[2] >= level))
-			continue;
-		double t = (level - a[2]) / (b[2] - a[2]);
-		ends[2 * found] = a[0] + t * (b[0] - a[0]);
-		ends[2 * found++ + 1] = a[1] + t * (b[1] - a[1]);
-	}
-	return found == 2;
-}
-
-/* kinds: thin lines, and each fifth. */
-static void cross_cell(const struct map *m, const struct grid *grid, uint32_t column, uint32_t row,
-	struct map_edges kinds[2])
-{
-	static const uint32_t offsets[2][3][2] = { { { 0, 0 }, { 1, 0 }, { 1, 1 } },
-		{ { 0, 0 }, { 1, 1 }, { 0, 1 } } };
-	for (int half = 0; half < 2; half++) {
-		double corner[3][3], low = INFINITY, high = -INFINITY, sum = 0;
-		for (int i = 0; i < 3; i++) {
-			uint32_t c = column + offsets[half][i][0], r = row + offsets[half][i][1];
-			double z = grid->z[(size_t)r * grid->columns + c];
-			memcpy(corner[i], (double[]){ m->x + (double)CELL * c, m->y + (double)CELL * r, z },
-				sizeof corner[i]);
-			low = fmin(low, z);
-			high = fmax(high, z);
-			sum += z;
-		}
-		for (double n = ceil(low / m->contour_m); !isnan(sum) && n * m->contour_m <= high; n++) {
-			double ends[4];
-			struct map_edges *lines = &kinds[fmod(n, 5) == 0];
-			if (cross_triangle(corner, n * m->contour_m, ends))
-				map_add_edge(lines, ends);
-		}
-	}
-}
-
-/* Labels the first thick lines along the middle of the map, not too close to each other. */
-static void name_lines(const struct map *m, cairo_t *canvas, const struct grid *grid)
-{
-	struct style style = { .size = 11, .align = ALIGN_CENTER, .color = COLOR(0x5c4524),
-		.halo = { 0.97, 0.97, 0.94, 0.9 } };
-	uint32_t middle = grid->columns / 2;
-	double step = 5 * m->contour_m, last = -1e9;
-	for (uint32_t r = 1; r + 1 < grid->rows; r++) {
-		double a = grid->z[(size_t)(r - 1) * grid->columns + middle],
-			b = grid->z[(size_t)r * grid->columns + middle];
-		double level = floor(fmax(a, b) / step) * step, y = m->y + CELL * (double)r;
-		if (isnan(a + b) || level < fmin(a, b) || y - last < 60 || y < m->y + 20)
-			continue;
-		char text[32];
-		snprintf(text, sizeof text, "%.6g", level + m->sources.items[0].origin[2] + 0.0);
-		canvas_text(canvas, m->x + CELL * (double)middle, y + 4, &style, text);
-		last = y;
-	}
-}
-
-void land_contours(struct map *m, cairo_t *canvas)
-{
-	static const struct color brown = { 0.36, 0.27, 0.14, 0.55 }, full = { 0.36, 0.27, 0.14, 0.65 };
-	struct grid grid;
-	struct map_edges kinds[2] = { { 0 } };
-	if (!m->has_ground)
-		return;
-	sample(m, &grid, CELL);
-	m->low_m = INFINITY, m->high_m = -INFINITY;
-	for (size_t i = 0; i < (size_t)grid.columns * grid.rows; i++) {
-		m->low_m = fmin(m->low_m, grid.z[i]);
-		m->high_m = fmax(m->high_m, grid.z[i]);
-	}
-	m->contour_m = m->high_m > m->low_m ? ticks_between(m->low_m, m->high_m, LINES_WANTED).step : 0;
-	for (uint32_t r = 0; r + 1 < grid.rows && m->contour_m > 0; r++)
-		for (uint32_t c = 0; c + 1 < grid.columns; c++)
-			cross_cell(m, &grid, c, r, kinds);
-	canvas_lines(canvas, kinds[0].ends, kinds[0].count, 0.8, brown);
-	canvas_lines(canvas, kinds[1].ends, kinds[1].count, 1.5, full);
-	if (m->contour_m > 0)
-		name_lines(m, canvas, &grid);
-	free(grid.z);
-	free(kinds[0].ends);
-	free(kinds[1].ends);
 }
 
 /* ---- Dots ---- */

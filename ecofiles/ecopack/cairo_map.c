@@ -14,7 +14,7 @@
 #define TITLE 58.0
 #define LEGEND 380.0
 #define LINE 19.0
-#define LEFT_OUT_LINES 60u
+#define LINES_MOST 60u
 
 static const struct color gray = { 0.42, 0.42, 0.42, 1 }, pale = { 0.3, 0.3, 0.3, 0.16 };
 
@@ -194,44 +194,23 @@ static void write_edges(struct legend *l, const struct map_edges *edges, struct 
 	l->y += LINE;
 }
 
-static void write_left(struct legend *l, const struct map_left *left)
-{
-	double indent = left->kind == MAP_FILE ? 0 : left->kind == MAP_OF_THESE ? 30 : 14,
-		number = l->x + LEGEND - (indent > 14 ? 16 : 0);
-	struct style style = { .size = indent > 14 ? 11 : 12,
-		.room = (left->count && indent > 0 ? LEGEND - 80 : LEGEND) - indent };
-	char text[200], count[32];
-	bool is_said = strncmp(left->text, "kept", 4) == 0;
-	if (indent > 14)
-		style.color = gray;
-	struct style right = { .size = style.size, .align = ALIGN_RIGHT, .color = style.color };
-	snprintf(text, sizeof text, "%s%s", left->kind == MAP_KEPT && !is_said ? "kept: " : "", left->text);
-	if (left->count == 0) {
-		l->y = canvas_paragraph(l->canvas, l->x + indent, l->y, 15, &style, text) + 3;
-		return;
-	}
-	canvas_text(l->canvas, l->x + indent, l->y, &style, text);
-	if (indent > 0)
-		canvas_text(l->canvas, number, l->y, &right, eco_phrase_count(left->count, count));
-	l->y += indent > 14 ? LINE - 3 : LINE;
-}
-
-static void write_left_out(struct legend *l)
+/* What was said of inventories. */
+static void write_lines(struct legend *l)
 {
 	const struct map *m = l->m;
 	char text[64];
-	if (m->left_count)
+	if (m->line_count)
 		write_heading(l, "Read, and left out");
 	if (m->left_points.count) {
 		canvas_disc(l->canvas, l->x + 8, l->y - 4.5, LEFT_PX, LEFT_COLOR);
 		canvas_text(l->canvas, l->x + 22, l->y, &plain, "where rows without a plant are");
 		l->y += LINE;
 	}
-	for (uint32_t i = 0; i < m->left_count && i < LEFT_OUT_LINES; i++)
-		write_left(l, &m->left[i]);
-	if (m->left_count > LEFT_OUT_LINES) {
-		snprintf(text, sizeof text, "... and %u more lines", m->left_count - LEFT_OUT_LINES);
-		write_line(l, &(struct style){ .size = 12, .room = LEGEND }, text);
+	for (uint32_t i = 0; i < m->line_count && i < LINES_MOST; i++)
+		write_paragraph(l, &plain, m->lines[i].text + strspn(m->lines[i].text, " "));
+	if (m->line_count > LINES_MOST) {
+		snprintf(text, sizeof text, "... and %u more lines", m->line_count - LINES_MOST);
+		write_line(l, &plain, text);
 	}
 }
 
@@ -264,11 +243,7 @@ static void write_place(struct legend *l)
 		s->origin[2]);
 	write_line(l, &plain, text);
 	if (m->has_ground && m->high_m >= m->low_m) {
-		int length = snprintf(text, sizeof text, "ground: %.1f to %.1f m", m->low_m + s->origin[2],
-			m->high_m + s->origin[2]);
-		if (m->contour_m > 0)
-			snprintf(text + length, sizeof text - (size_t)length, ", a line every %g m",
-				m->contour_m);
+		snprintf(text, sizeof text, "ground: %.1f to %.1f m", m->low_m + s->origin[2], m->high_m + s->origin[2]);
 		write_line(l, &plain, text);
 	}
 	if (m->placements) {
@@ -316,7 +291,7 @@ static double draw_legend(const struct map *m, cairo_t *canvas, double x, double
 	write_edges(&l, &m->areas, AREAS_COLOR, "areas of scattered plants");
 	write_edges(&l, &m->clear_of, CLEAR_COLOR, "what they keep clear of");
 	write_notes(&l);
-	write_left_out(&l);
+	write_lines(&l);
 	write_place(&l);
 	return l.y;
 }
@@ -332,7 +307,6 @@ static void draw(struct map *m, cairo_t *canvas)
 	cairo_rectangle(canvas, m->x, m->y, m->width, m->height);
 	cairo_clip(canvas);
 	land_plants(m, canvas);
-	land_contours(m, canvas);
 	cairo_restore(canvas);
 	canvas_frame(canvas, m->x, m->y, m->width, m->height, 1.2, COLOR(0x505050));
 	canvas_text(canvas, m->x, TITLE - 20, &(struct style){ .size = 24, .bold = true },

@@ -1,5 +1,5 @@
-/* Inside ecocairo.so, which draws the map of `ecopack map`: the picture and its legend (cairo_map.c); the ground, contour
- * lines and plants, and shapes and texts on a canvas of cairo (cairo_land.c).
+/* Inside ecocairo.so, which draws the map of `ecopack map`: the picture and its legend (cairo_map.c); the ground
+ * and plants, and shapes and texts on a canvas of cairo (cairo_land.c).
  *
  * Texts are the same everywhere: DejaVu Sans, without hinting, smoothed in gray. */
 #ifndef ECO_CAIRO_MAP_H
@@ -67,9 +67,8 @@ struct ticks ticks_between(double low, double high, uint32_t most);
 #define LEFT_PX 1.6              /* radius of their dots */
 #define CLEAR_COLOR ((struct color){ 0.75, 0.2, 0.1, 0.55 })
 
-void land_ground(const struct map *m, cairo_t *canvas);          /* hillshade, and the image on it */
+void land_ground(struct map *m, cairo_t *canvas);          /* hillshade, and the image on it */
 void land_plants(struct map *m, cairo_t *canvas);                /* dots or density; areas, outlines */
-void land_contours(struct map *m, cairo_t *canvas);
 double land_radius(const struct map *m, double height_m);        /* pixels; height 0: not known */
 
 #endif

@@ -32,9 +32,8 @@ struct map_points { struct map_point *items; uint32_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
 
-/* A line about rows: a file, then the rows left out of it, then the rows kept that deserve a note. */
-enum map_left_kind { MAP_FILE, MAP_LEFT_OUT, MAP_OF_THESE, MAP_KEPT };
-struct map_left { char text[160]; uint64_t count; enum map_left_kind kind; };
+/* A line of the report on an inventory or areas (positions.h): the file's, or after spaces one about its rows. */
+struct map_line { char text[240]; };
 
 /* bounds of a nested file, turned: x and y */
 struct map_outline { double corners[8]; char name[64]; };
@@ -58,7 +57,7 @@ struct map {
 	struct map_points points;    /* to be drawn: the outer file's, and nested files' if not too many */
 	uint64_t not_expanded;       /* plants drawn only as outlines of their files */
 	struct map_points left_points;           /* places of the outer file's rows that are left out */
-	struct map_left *left;       uint32_t left_count, left_capacity;
+	struct map_line *lines;      uint32_t line_count, line_capacity;
 	struct map_outline *outlines; uint32_t outline_count, outline_capacity;
 	/* areas of scattered plants, and features they keep clear of */
 	struct map_edges areas, clear_of;
@@ -69,7 +68,7 @@ struct map {
 	struct map_bounds view;      /* metres */
 	double x, y, width, height;  /* pixels of the map */
 	double scale;                /* pixels a metre */
-	double contour_m, low_m, high_m;         /* of the ground in view */
+	double low_m, high_m;        /* of the ground in view */
 	double dot;                  /* radius of the typical height, pixels */
 };
 

@@ -4,7 +4,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,18 +21,13 @@
 #define EDGES_MAX 2000000u
 #define POINTS_MAX 500000000u
 
-/* Adds a line to the legend. */
-static void say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
-	__attribute__((format(printf, 4, 5)));
-static void say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
+/* Prints a line and adds it to the legend. */
+static void say(void *ctx, const char *text)
 {
-	va_list args;
-	eco_grow(&m->left, &m->left_capacity, m->left_count, sizeof *m->left);
-	struct map_left *left = &m->left[m->left_count++];
-	*left = (struct map_left){ .count = count, .kind = kind };
-	va_start(args, format);
-	vsnprintf(left->text, sizeof left->text, format, args);
-	va_end(args);
+	struct map *m = ctx;
+	main_note("%s", text);
+	eco_grow(&m->lines, &m->line_capacity, m->line_count, sizeof *m->lines);
+	snprintf(m->lines[m->line_count++].text, sizeof m->lines->text, "%s", text);
 }
 
 static void add_point(struct map_points *points, const struct map_point *point)
@@ -114,61 +108,6 @@ static void add_instances(struct map *m, uint32_t source)
 
 /* ---- Inventories ---- */
 
-#define DETAILS 8u               /* species listed of those left out */
-
-static int by_most(const void *a, const void *b)
-{
-	const struct eco_skipped *const *x = a, *const *y = b;
-	if ((*x)->count != (*y)->count)
-		return (*x)->count > (*y)->count ? -1 : 1;
-	return strcmp((*x)->first_text, (*y)->first_text);
-}
-
-/* Lists the species that the scene's map leaves out, the commonest first. */
-static void say_left_out(struct map *m, const struct eco_positions_spec *spec,
-	const struct eco_positions_counts *counts)
-{
-	const struct eco_skipped **order = eco_alloc(spec->map_count, sizeof *order);
-	uint32_t found = 0;
-	for (uint32_t i = 0; i < spec->map_count; i++)
-		if (spec->map[i].plant == ECO_NONE && counts->keys[i].count)
-			order[found++] = &counts->keys[i];
-	qsort(order, found, sizeof *order, by_most);
-	for (uint32_t i = 0; i < found && i < DETAILS; i++)
-		say(m, MAP_OF_THESE, order[i]->count, "%.80s", spec->map[order[i] - counts->keys].name);
-	if (found > DETAILS)
-		say(m, MAP_OF_THESE, 0, "and %u more", found - DETAILS);
-	free(order);
-}
-
-static void say_unknown(struct map *m, const struct eco_positions_counts *counts)
-{
-	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && counts->unknown[i].count; i++)
-		say(m, MAP_OF_THESE, counts->unknown[i].count, "%.48s", counts->unknown[i].first_text);
-	if (counts->unknown_species > ECO_UNKNOWN_MOST)
-		say(m, MAP_OF_THESE, 0, "and %u more", counts->unknown_species - ECO_UNKNOWN_MOST);
-}
-
-static void say_rows(struct map *m, const struct eco_positions *reader, const struct eco_positions_spec *spec)
-{
-	struct eco_positions_counts counts;
-	char rows[32], plants[32];
-	eco_positions_counted(reader, &counts);
-	say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", eco_path_last(spec->path),
-		eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s",
-		eco_phrase_count(counts.plants, plants), counts.plants == 1 ? "" : "s");
-	for (int k = 0; k < ECO_SKIP_COUNT; k++) {
-		if (!counts.skipped[k].count)
-			continue;
-		say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s",
-			eco_skip_names[k]);
-		if (k == ECO_SKIP_LEFT_OUT)
-			say_left_out(m, spec, &counts);
-		else if (k == ECO_SKIP_UNKNOWN_SPECIES)
-			say_unknown(m, &counts);
-	}
-}
-
 /* The file is read again for them. */
 static void add_left_out(struct map *m, const struct eco_positions_spec *spec, const struct eco_frame *frame)
 {
@@ -209,8 +148,7 @@ static void add_rows(struct map *m, uint32_t source, const struct eco_positions_
 			isnan(row.crown_radius_m) ? 0 : 2 * row.crown_radius_m * row.scale,
 			eco_tints_value(&m->tints, &spec->tint, row.tint) });
 	}
-	eco_positions_report(reader, main_note_text, NULL);
-	say_rows(m, reader, spec);
+	eco_positions_report(reader, say, m);
 	const struct eco_skipped *skipped = eco_positions_skipped(reader, &(uint64_t){ 0 });
 	bool any = skipped[ECO_SKIP_FILTERED].count + skipped[ECO_SKIP_LEFT_OUT].count > 0;
 	eco_positions_close(reader);
@@ -228,15 +166,6 @@ static void add_edges(struct map_edges *edges, const struct eco_areas *areas)
 	}
 }
 
-static void say_scatter(void *ctx, const char *text)
-{
-	struct map *m = ctx;
-	main_note("%s", text);
-	while (*text == ' ')
-		text++;
-	say(m, MAP_LEFT_OUT, 0, "%s", text);
-}
-
 static void add_scattered(struct map *m, uint32_t source, const struct eco_scatter_spec *spec)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -247,8 +176,7 @@ static void add_scattered(struct map *m, uint32_t source, const struct eco_scatt
 	while (eco_scatter_next(scatter, &place))
 		add_plant(m, source, place.plant, &(struct stand){ .at = place.at, .height_m = place.height_m,
 			.scale = 1 });
-	say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));
-	eco_scatter_report(scatter, say_scatter, m);
+	eco_scatter_report(scatter, say, m);
 	/* nested files' areas would have to be turned; their plants show them */
 	if (source == 0) {
 		add_edges(&m->areas, eco_scatter_areas(scatter));
@@ -473,7 +401,7 @@ void map_free(struct map *m)
 	eco_tints_free(&m->tints);
 	free(m->points.items);
 	free(m->left_points.items);
-	free(m->left);
+	free(m->lines);
 	free(m->outlines);
 	free(m->areas.ends);
 	free(m->clear_of.ends);
