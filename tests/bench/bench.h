@@ -183,10 +183,6 @@ const struct view_picture *bench_client_full(const struct bench_client *client);
  * client that sees wants BENCH_SAMPLES and soft counts. */
 void bench_client_score(const struct bench_client *client, struct bench_frame *frame,
 	const struct view_picture *picture);
-/* Draws a job of that view with so many samples a pixel and judges it; soft_q is NaN. Returns the processor time of
- * drawing, in milliseconds. */
-double bench_client_sample(const struct bench_client *client, const struct view_draw_job *job, uint32_t samples,
-	struct view_measures *measures);
 /* Plants and tiles that are coarse even in the last reference; 0: it is full detail. */
 uint64_t bench_client_coarse(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller frees it. Draws from an empty client: bytes are those of a first

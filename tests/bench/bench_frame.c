@@ -278,21 +278,6 @@ void bench_client_score(const struct bench_client *client, struct bench_frame *f
 	frame->colour_rms = colour_rms(picture, reference);
 }
 
-double bench_client_sample(const struct bench_client *client, const struct view_draw_job *job, uint32_t samples,
-	struct view_measures *measures)
-{
-	struct view_draw_job now = *job;
-	struct view_picture picture = { 0 };
-	clock_t begun = clock();
-	now.samples = samples;
-	must(view_picture_init(&picture, client->reference.width, client->reference.height, must_error));
-	must(view_reference_draw(&now, &picture, must_error));
-	double cpu_ms = 1e3 * (double)(clock() - begun) / CLOCKS_PER_SEC;
-	view_measure_pair(&picture, &client->reference, NULL, measures);
-	view_picture_free(&picture);
-	return cpu_ms;
-}
-
 /* One answer into a new store. False where no answer has so few bytes. */
 static bool answer(struct bench_client *client, struct bench_frame *frame, struct view_store **store)
 {

@@ -84,7 +84,6 @@ bool paper_applies(const struct paper *p, const struct eco_ladder *ladder, const
 struct paper_frame { /* owns picture and selection */
 	struct view_picture picture;
 	struct view_selection selection;
-	double bytes; /* of the plan and of the chunks that it needs; NaN: no pack has all of its lists */
 };
 void paper_frame_free(struct paper_frame *frame);
 

@@ -1,13 +1,10 @@
 /* Packs for the rules of papers, and plans of cuts. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "client-min/view_measure.h"
 #include "ecofiles/base/memory.h"
-#include "ecofiles/format/wire.h"
 #include "lod/ladder.h"
-#include "server/stream.h"
 #include "tests/bench/baseline/paper_rules.h"
 
 static struct eco_error failure;
@@ -140,23 +137,11 @@ void paper_scene_close(struct paper_scene *s)
 
 /* ---- Drawing ---- */
 
-static double bytes_of(const struct eco_scene *scene, const struct eco_plan *plan)
-{
-	struct eco_holdings needs = { 0 };
-	for (uint32_t i = 0; i < plan->cut_count; i++)
-		if (plan->cuts[i].list >= scene->list_count)
-			return NAN;
-	paper_must(lod_plan_needs(scene, plan, &needs, paper_error));
-	uint64_t bytes = srv_missing_bytes(scene, NULL, &needs) + eco_wire_plan_bytes(plan);
-	free(needs.items);
-	return (double)bytes;
-}
-
 static void draw(struct paper_scene *s, struct eco_plan *plan, const struct eco_view *view, uint32_t samples,
 	struct paper_frame *frame)
 {
 	struct lod_eye eye;
-	*frame = (struct paper_frame){ .bytes = bytes_of(s->scene, plan) };
+	*frame = (struct paper_frame){ 0 };
 	lod_eye_make(&eye, view);
 	view_store_begin(s->store);
 	paper_must(view_store_events.plan(s->store, plan, paper_error));
