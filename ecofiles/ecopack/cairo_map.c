@@ -194,7 +194,7 @@ static void write_edges(struct legend *l, const struct map_edges *edges, struct 
 	l->y += LINE;
 }
 
-/* What was said of inventories. */
+/* The lines of the report, below what the marks of rows without a plant say. */
 static void write_lines(struct legend *l)
 {
 	const struct map *m = l->m;
