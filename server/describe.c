@@ -266,7 +266,7 @@ static void describe_ground(struct srv_json *json, const struct eco_scene *scene
 		bytes += scene->chunks[list->chunk_first].size_bytes;
 	}
 	if (scene->ground_count)
-		srv_json_add(json, "ground:{tiles:%u chunk_bytes:%lu ground_px:%g}", tiles, bytes, last->ground_px);
+		srv_json_add(json, "ground:{tiles:%u chunk_bytes:%lu ground_px:%g}", tiles, bytes, last->plan.ground_px);
 	else
 		srv_json_add(json, "ground:null");
 }
@@ -278,7 +278,7 @@ static void describe_steps(struct srv_json *json, const struct srv_stream *strea
 		const struct srv_step *step = &stream->steps[i];
 		srv_json_add(json, "{vertices:%lu end_bytes:%lu", step->plan.vertices, step->end_bytes);
 		if (stream->input.scene->pack->scene.ground_count)
-			srv_json_add(json, "ground_px:%g", step->ground_px);
+			srv_json_add(json, "ground_px:%g", step->plan.ground_px);
 		srv_json_add(json, "}");
 	}
 	srv_json_add(json, "]");

@@ -14,12 +14,10 @@
  * holds nothing gets a picture within SRV_FIRST_BYTES, one window of TCP, and the answer is planned for one that
  * holds this picture's chunks.
  *
- * Byte budget. It bounds the whole body, END included. The ground's detail gives way first, up to an error of
- * 2 pixels; then plants, on ground that takes at most a quarter of the bytes. The planner spends bytes
- * (lod/plan/byte_price.h), and learns sizes from a dry run of the code that writes the body. Deussen's rule
- * knows no bytes: its largest vertex budget that fits is searched, within 1/256. If not even a plan that
- * draws nothing on the coarsest ground fits, `fits` is false: 204. Bytes that are left go to chunks that the
- * answer would need without the budget, of those lists first that lack least, if it draws anything.
+ * Byte budget. It bounds the whole body, END included. The planner spends it, ground included, and knows what a body
+ * takes (ecofiles/format/wire_body.h). If not even a plan that draws nothing on the coarsest ground fits, `fits` is
+ * false: 204. Bytes that are left go to chunks that the answer would need without the budget, of those lists first
+ * that lack least, if it draws anything.
  *
  * Next view. Chunks that its plan lacks follow the answer within the same bytes.
  *
@@ -59,7 +57,6 @@ struct srv_step {
 	struct eco_plan plan;
 	struct eco_holdings needs;                   /* chunks per list that the plan needs, sorted */
 	struct lod_explanation why;                  /* of the last one, where it is asked for */
-	double ground_px;                            /* how far its ground may be from where it is */
 	uint64_t missing_bytes;                      /* payloads that the client lacks at the beginning */
 	uint64_t end_bytes;                          /* of the body, up to and with this step's PLAN */
 };
@@ -106,18 +103,17 @@ enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco
 
 /* ---- Between stream.c and stream_after.c ---- */
 
-struct srv_emit;
 /* Plans a first picture and the answer behind it. No steps, and `stream` is as it was but for its work: they do not
  * fit together. */
-enum eco_code srv_plan_first(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
+enum eco_code srv_plan_first(struct srv_stream *stream, struct eco_error *error);
 /* Plans the next view as an answer of its own to a client that holds all of this one; within its bytes. */
-enum eco_code srv_plan_next(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
+enum eco_code srv_plan_next(struct srv_stream *stream, struct eco_error *error);
 void srv_stream_drop_next(struct srv_stream *stream);
 /* Adds lists that the answer wanted and bytes did not allow, those that lack least first, as far as there is
  * room. An answer that draws nothing gets none. */
-enum eco_code srv_send_rest(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
+enum eco_code srv_send_rest(struct srv_stream *stream, struct eco_error *error);
 /* Sets bytes and chunks of the whole stream, and where its steps end, by a dry run. */
-enum eco_code srv_size_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
+enum eco_code srv_size_all(struct srv_stream *stream, struct eco_error *error);
 /* Bytes of the chunks that `needs` has and `holdings` (may be NULL) has not. */
 uint64_t srv_missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings,
 	const struct eco_holdings *needs);

@@ -1,7 +1,7 @@
 /* Parts of an answer that are answers of their own: the first picture, and chunks that the next view lacks. And more
  * lists for bytes that are left. */
 #include "ecofiles/base/random.h"
-#include "server/emit.h"
+#include "ecofiles/format/wire.h"
 #include "server/stream.h"
 
 #include <math.h>
@@ -46,7 +46,7 @@ static void keep(struct srv_stream *stream, struct srv_stream *first, uint64_t w
 }
 
 /* Little work is left where the rest draws nothing. */
-static enum eco_code plan_rest(struct srv_stream *stream, struct srv_stream *first, struct srv_emit *dry,
+static enum eco_code plan_rest(struct srv_stream *stream, struct srv_stream *first,
 	struct eco_error *error)
 {
 	const struct srv_step *picture = &first->steps[first->step_count - 1];
@@ -63,13 +63,13 @@ static enum eco_code plan_rest(struct srv_stream *stream, struct srv_stream *fir
 	else if (!code && rest.cut_short)
 		keep(stream, first, rest.work);
 	if (!code && stream->step_count)
-		code = srv_size_all(stream, dry, error);
+		code = srv_size_all(stream, error);
 	if (!code)
 		srv_stream_free(&rest);
 	return code;
 }
 
-enum eco_code srv_plan_first(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+enum eco_code srv_plan_first(struct srv_stream *stream, struct eco_error *error)
 {
 	struct eco_request request = *stream->input.request;
 	struct srv_stream_input input = stream->input;
@@ -84,7 +84,7 @@ enum eco_code srv_plan_first(struct srv_stream *stream, struct srv_emit *dry, st
 		return code;
 	stream->work += first.work;
 	if (draws(&first))
-		code = plan_rest(stream, &first, dry, error);
+		code = plan_rest(stream, &first, error);
 	srv_stream_free(&first);
 	if (!code && stream->body_bytes > stream->input.request->bytes) {
 		input = stream->input;
@@ -130,7 +130,7 @@ static enum eco_code held_then(const struct srv_stream *stream, struct eco_holdi
 		scene->list_count);
 }
 
-enum eco_code srv_plan_next(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+enum eco_code srv_plan_next(struct srv_stream *stream, struct eco_error *error)
 {
 	struct eco_request request = *stream->input.request;
 	struct srv_stream_input input = stream->input;
@@ -160,10 +160,10 @@ enum eco_code srv_plan_next(struct srv_stream *stream, struct srv_emit *dry, str
 		next.steps[i].needs = (struct eco_holdings){ 0 };
 	}
 	srv_stream_free(&next);
-	code = srv_size_all(stream, dry, error);
+	code = srv_size_all(stream, error);
 	if (!code && (stream->body_bytes > stream->input.request->bytes || stream->body_bytes == ahead)) {
 		srv_stream_drop_next(stream);
-		code = srv_size_all(stream, dry, error);
+		code = srv_size_all(stream, error);
 	}
 	stream->next_bytes = stream->body_bytes - without;
 	return code;
@@ -214,20 +214,20 @@ static void take_chunks(struct srv_stream *stream, const struct lacking *lacking
 }
 
 /* The last chunk of the last list goes until the frames have room, too. */
-static enum eco_code fit_rest(struct srv_stream *stream, struct srv_emit *dry,
+static enum eco_code fit_rest(struct srv_stream *stream,
 	const struct eco_holdings *held, struct eco_error *error)
 {
-	enum eco_code code = srv_size_all(stream, dry, error);
+	enum eco_code code = srv_size_all(stream, error);
 	while (!code && stream->body_bytes > stream->input.request->bytes) {
 		struct eco_holding *last = &stream->rest.items[stream->rest.count - 1];
 		if (--last->chunks <= eco_holdings_chunks(held, last->list))
 			stream->rest.count--;
-		code = srv_size_all(stream, dry, error);
+		code = srv_size_all(stream, error);
 	}
 	return code;
 }
 
-enum eco_code srv_send_rest(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+enum eco_code srv_send_rest(struct srv_stream *stream, struct eco_error *error)
 {
 	struct eco_holdings held;
 	uint64_t room = stream->input.request->bytes - stream->body_bytes;
@@ -241,7 +241,7 @@ enum eco_code srv_send_rest(struct srv_stream *stream, struct srv_emit *dry, str
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u lists", stream->wanted.count);
 	if (!code) {
 		take_chunks(stream, lacking, find_lacking(stream, &held, lacking), room);
-		code = fit_rest(stream, dry, &held, error);
+		code = fit_rest(stream, &held, error);
 	}
 	free(lacking);
 	free(held.items);

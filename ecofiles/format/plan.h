@@ -95,6 +95,7 @@ struct eco_plan {                /* owns its arrays */
 	uint64_t visible_plants;     /* instances that pass the view test */
 	/* d' of Deussen 2002, radians (image plane at distance 1); 0: everything */
 	double sample_distance;
+	double ground_px;            /* how far its ground may be from where it is; not sent */
 	struct eco_prediction prediction;
 	struct eco_placement *placements; uint32_t placement_count;   /* [0] is the scene itself */
 	struct eco_run *runs;             uint32_t run_count;

@@ -78,7 +78,7 @@ static const struct lod_ladder_choice *choice_of(const struct lod_fill *fill,
 /* Work since `before` was to explain. */
 static void count_explaining(struct lod_planner *p, uint64_t before)
 {
-	p->explaining += p->work - before;
+	p->beside += p->work - before;
 	p->work = before;
 }
 

@@ -10,12 +10,21 @@
 
 #define CELLS_MOST (1u << 26)            /* of plants, whatever a pack says */
 #define IMAGE_PART 4u                    /* of an answer's bytes: 1 / so many */
+#define SEARCH_SLACK 256u                /* a search of vertices ends within 1 / so many of them */
+#define SEARCH_PART 8u                   /* of the work may each plan of it take: 1 / so many */
+
+/* Deussen's rule knows no bytes: vertices are searched for it. */
+static bool knows_bytes(const struct lod_planner_input *input)
+{
+	return !input->rule || input->rule == lod_rule_optimal || input->request->bytes == ECO_BYTES_UNBOUNDED;
+}
 
 enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input,
 	struct eco_error *error)
 {
 	const struct eco_scene *scene = input->scene;
 	*p = (struct lod_planner){ .input = input, .scene = scene, .work_most = input->work_max };
+	p->ground_px = input->request->ground_px > 0 ? input->request->ground_px : ECO_GROUND_PX;
 	p->gates = calloc(scene->plant_count + 1, sizeof *p->gates);
 	p->tables = input->tables;
 	if (!p->gates)
@@ -39,19 +48,13 @@ void lod_planner_end(struct lod_planner *p)
 	free(p->gates);
 	free(p->texture_levels);
 	lod_image_free(&p->image);
+	eco_wire_body_free(&p->body);
 	free(p->entries);
 	lod_search_free(p->search);
 	lod_plan_tables_free(p->own);
 	lod_screen_free(&p->screen);
 	if (p->visible.nodes)
 		lod_visible_tree_free(&p->visible);
-}
-
-static struct lod_planner_input without_explanation(const struct lod_planner_input *input)
-{
-	struct lod_planner_input unexplained = *input;
-	unexplained.explanation = NULL;
-	return unexplained;
 }
 
 /* They are sorted, as are the lists that they need. */
@@ -63,47 +66,135 @@ static void count_cuts(struct lod_planner *p, const struct eco_plan *plan)
 	lod_planner_work(p, LOD_WORK_CUT * compares * plan->cut_count);
 }
 
-enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
+/* Draws nothing on the coarsest ground: no answer is smaller, as far as is known. */
+static enum eco_code plan_smallest(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+{
+	const struct eco_view *view = &p->input->request->view;
+	eco_plan_free(plan);
+	plan->placements = malloc(sizeof *plan->placements);
+	if (!plan->placements)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory");
+	plan->placements[plan->placement_count++] = (struct eco_placement){ .scale = 1 };
+	plan->prediction.fn = (double)view->width * view->height;
+	p->ground_px = ECO_GROUND_PX_MAX;
+	if (p->input->explanation)
+		lod_explanation_free(p->input->explanation);
+	return lod_plan_size(p, plan, error);
+}
+
+/* The plan of a rule, with its ground. */
+static enum eco_code plan_by_rule(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+{
+	const struct eco_request *request = p->input->request;
+	enum eco_code code = (p->input->rule ? p->input->rule : lod_rule_optimal)(p, error);
+	code = code ? code : lod_planner_check(p, error);
+	if (!code)
+		code = lod_planner_emit(p, plan, error);
+	count_cuts(p, plan);
+	if (!code && p->input->explanation)
+		p->input->explanation->sample_distance = p->sample_distance;
+	if (!code && p->input->sent)
+		code = lod_plan_size(p, plan, error);
+	else if (!code)
+		code = lod_plan_ground(plan, p->scene, &request->view, p->ground_px, error);
+	if (!code && p->input->explanation)
+		lod_explain_ground(p->input->explanation, plan, p->scene, p->ground_px);
+	if (!p->input->sent || code || p->bytes <= request->bytes || !(knows_bytes(p->input) || !request->vertices))
+		return code;
+	code = lod_plan_scarce_ground(p, plan, error);
+	return code || p->bytes <= request->bytes ? code : plan_smallest(p, plan, error);
+}
+
+static enum eco_code add_coarser(struct lod_planner *p, const struct eco_plan *plan, struct eco_error *error)
+{
+	struct lod_planner_input unexplained = *p->input;
+	unexplained.explanation = NULL;
+	p->input = &unexplained;
+	unexplained.coarser->count = 0;
+	return p->search && (!unexplained.sent || p->bytes > unexplained.coarser->least)
+		? lod_bytes_coarser(p->search, plan, error) : ECO_OK;
+}
+
+static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_input *input,
+	struct lod_planner_stats *stats, struct eco_error *error)
 {
 	struct lod_planner p;
-	assert(input->request->vertices <= ECO_VERTICES_MAX);
 	*plan = (struct eco_plan){ 0 };
 	if (input->explanation)
 		lod_explain_begin(input->explanation, input->work_max);
 	enum eco_code code = lod_planner_begin(&p, input, error);
 	/* a rule that knows no bytes leaves the image a part of them */
-	if (!code && input->rule && input->rule != lod_rule_optimal
-			&& input->request->bytes != ECO_BYTES_UNBOUNDED)
+	if (!code && !knows_bytes(input))
 		p.image_price = lod_image_price(&p.image, input->scene, input->holdings,
 			input->request->bytes / IMAGE_PART);
 	if (!code)
-		code = (input->rule ? input->rule : lod_rule_optimal)(&p, error);
+		code = plan_by_rule(&p, plan, error);
+	*stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, 0, p.cheapest, p.level,
+		p.converged, p.bytes, p.sized, p.price, p.wrong };
+	if (!code && input->coarser)
+		code = add_coarser(&p, plan, error);
 	if (!code)
 		code = lod_planner_check(&p, error);
-	if (!code)
-		code = lod_planner_emit(&p, plan, error);
-	count_cuts(&p, plan);
-	if (!code && input->explanation)
-		input->explanation->sample_distance = p.sample_distance;
-	if (!code)
-		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px,
-			error);
-	if (!code && input->explanation)
-		lod_explain_ground(input->explanation, plan, input->scene, input->request->ground_px);
-	struct lod_planner_stats stats = { p.candidates, p.gains, p.looks, p.visible.places, 0, p.cheapest,
-		p.level, p.converged, p.bytes, p.sized, p.price, p.wrong };
-	const struct lod_planner_input unexplained = without_explanation(input);
-	p.input = &unexplained;          /* coarser answers have none */
-	bool many = input->coarser && (!input->size || p.bytes > input->coarser->least);
-	if (!code && many && p.search)
-		code = lod_bytes_coarser(p.search, plan, error);
-	if (!code)
-		code = lod_planner_check(&p, error);
-	stats.work = p.work + p.explaining;
-	if (input->stats)
-		*input->stats = stats;
+	stats->work = p.work + p.beside;
 	lod_planner_end(&p);
 	if (code)
 		eco_plan_free(plan);
+	return code;
+}
+
+/* For a rule that knows no bytes: halves the way between the vertices that fit and those that do not. `plan` is that of
+ * all vertices, on ground that has given way. */
+static enum eco_code search_vertices(struct eco_plan *plan, struct lod_planner_input *input,
+	struct eco_request *request, struct lod_planner_stats *stats, struct eco_error *error)
+{
+	uint64_t low = 0, high = plan->vertices, work = stats->work;
+	bool fits = false;
+	enum eco_code code = ECO_OK;
+	struct lod_explanation none = { 0 }, *why = input->explanation ? input->explanation : &none, before;
+	while (!code && (!fits || high - low > 1 + low / SEARCH_SLACK) && (!input->work_max
+			|| work / SEARCH_PART < input->work_max)) {
+		struct lod_planner_stats now;
+		struct eco_plan next;
+		request->vertices = fits ? low + (high - low) / 2 : 0;
+		request->ground_px = plan->ground_px;
+		before = *why;
+		*why = none;
+		code = plan_once(&next, input, &now, error);
+		work += now.work;
+		bool enough = !code && now.bytes <= request->bytes;
+		if (!code && (enough || !fits)) {
+			struct eco_plan worse = *plan;
+			*plan = next;
+			next = worse;
+			*stats = now;
+		} else {
+			lod_explanation_free(why);
+			*why = before;
+			before = none;
+		}
+		eco_plan_free(&next);
+		lod_explanation_free(&before);
+		if (!code && !enough && !fits)
+			break;
+		*(enough ? &low : &high) = request->vertices;
+		fits = true;
+	}
+	stats->work = work;
+	return code;
+}
+
+enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
+{
+	struct lod_planner_stats stats;
+	struct lod_planner_input within = *input;
+	struct eco_request request = *input->request;
+	assert(request.vertices <= ECO_VERTICES_MAX);
+	within.request = &request;
+	within.work_max /= knows_bytes(input) ? 1 : SEARCH_PART;
+	enum eco_code code = plan_once(plan, &within, &stats, error);
+	if (!code && stats.bytes > request.bytes && !knows_bytes(input))
+		code = search_vertices(plan, &within, &request, &stats, error);
+	if (input->stats)
+		*input->stats = stats;
 	return code;
 }

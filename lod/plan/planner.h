@@ -29,8 +29,8 @@ struct lod_planner_stats {
 	uint64_t cheapest;           /* vertices of the cheapest step of a hull; UINT64_MAX: none is left */
 	uint32_t level;              /* level of detail: finer where every curve of a coarser one had ended */
 	bool converged;              /* the search ended by its tolerance, not by its bound of tries */
-	uint64_t bytes;              /* as input.size says; above request->bytes: no plan fits */
-	uint32_t sized;              /* how often it was asked */
+	uint64_t bytes;              /* of the answer; above request->bytes: not even the smallest fits */
+	uint32_t sized;              /* how often bytes were counted */
 	double price;                /* wrong pixels that a byte had to save; 0: bytes did not bind */
 	double wrong;                /* the objective that this plan reaches: visible wrong pixels, summed
 	                              * over plants. plan->prediction: of the picture, where plants hide
@@ -40,15 +40,14 @@ struct lod_planner_stats {
 struct lod_explanation;
 
 /* Coarser answers to the same request, made after the answer by the same allocation at higher prices of a
- * byte: each, without ground, goes to `take`, which owns it. From fine to coarse, each with about 1 / ratio
- * of the bytes of plants that the one before it has. Only lod_rule_optimal makes any. */
+ * byte. From fine to coarse, each with about 1 / ratio of the bytes of plants that the one before it has, and on
+ * ground that takes at most a quarter of its bytes. Only lod_rule_optimal makes any. */
 struct lod_planner_coarser {
 	double ratio;                /* above 1 */
 	uint64_t least;              /* bytes of the last one, about: none follows one of so few */
 	uint32_t most;               /* answers */
-	/* wrong: as struct lod_planner_stats */
-	enum eco_code (*take)(void *ctx, struct eco_plan *plan, double wrong, struct eco_error *error);
-	void *ctx;
+	struct eco_plan *plans;      /* room for these; the caller frees each, also after an error */
+	uint32_t count;              /* set by lod_plan */
 };
 
 /* Everything the planner needs of a scene that depends on no view (lod/plan/plan_tables.h), for plans of any
@@ -71,22 +70,23 @@ struct lod_planner_input {
 	 * same request ends the same everywhere. The level of detail is one whose plan it is expected to
 	 * allow; at half of it nothing more is begun that only makes the plan better, at all of it the search
 	 * within bytes takes what it has. Three coarser answers come from three quarters on. Whatever this is,
-	 * within bytes a plan takes at most some five times the work of the plan for the vertices alone. */
+	 * within bytes a plan takes at most some five times the work of the plan for the vertices alone. A rule that
+	 * knows no bytes is asked for several plans within them, each with an eighth of the work. */
 	uint64_t work_max;
 	const atomic_bool *cancelled;                /* ends the plan: ECO_INTERRUPTED; may be NULL */
 	struct lod_planner_stats *stats;             /* may be NULL */
 	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: no reasons */
-	const struct lod_planner_coarser *coarser;   /* NULL: none */
-	/* Exact bytes of the answer that carries a plan, which is without ground and may be changed; they
-	 * must be at most request->bytes. NULL: bytes do not count */
-	enum eco_code (*size)(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error);
-	void *size_ctx;
+	struct lod_planner_coarser *coarser;         /* NULL: none */
+	/* The plan is sent: the bytes of its answer (ecofiles/format/wire_body.h) are counted, and are at most
+	 * request->bytes. The ground gives way first, then plants; if nothing else fits the plan draws nothing on the
+	 * coarsest ground. false: bytes do not count */
+	bool sent;
 	/* Chunks per list, sorted, that the answer would need if bytes did not bind: for callers that have bytes
 	 * left. No items where they do not bind. The caller frees items. NULL: not asked for */
 	struct eco_holdings *wanted;
 };
 
-/* Never above request->vertices; nor above request->bytes, if input->size is there and anything fits. */
+/* Never above request->vertices; nor above request->bytes, if the plan is sent and anything fits. */
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error);
 
 /* Replaces the ground of a plan by the tiles that `ground_px` asks for (0: ECO_GROUND_PX). lod_plan ends

@@ -72,7 +72,7 @@ enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
 	p->sized++;
 	lod_planner_work(p, LOD_WORK_CHOICE * (uint64_t)p->entry_count);
 	if (!code)
-		code = p->input->size(p->input->size_ctx, &plan, &p->bytes, error);
+		code = lod_plan_size(p, &plan, error);
 	eco_plan_free(&plan);
 	return code;
 }
@@ -390,6 +390,16 @@ static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget,
 	return fill_few(s, lod_lambda_at(fits), budget, error);
 }
 
+/* Nothing fits. On ground that leaves room some plants may. */
+static enum eco_code find_scarce_ground(struct lod_planner *p, struct eco_error *error)
+{
+	struct eco_plan plan;
+	enum eco_code code = emit_without_reasons(p, &plan, error);
+	code = code ? code : lod_plan_scarce_ground(p, &plan, error);
+	eco_plan_free(&plan);
+	return code;
+}
+
 static void bound_work(struct lod_planner *p)
 {
 	uint64_t most = BYTES_WORK * p->work;
@@ -402,9 +412,14 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	struct eco_holdings kept;
+	const double px = p->ground_px;
 	bound_work(p);
 	enum eco_code code = needs_of_entries(p, &kept, error);
 	if (!code)
+		code = fit_bytes(s, budget, error);
+	if (!code && p->bytes > p->input->request->bytes)
+		code = find_scarce_ground(p, error);
+	if (!code && p->bytes < p->input->request->bytes && !p->vertices && p->ground_px > px)
 		code = fit_bytes(s, budget, error);
 	p->price = m->price;
 	m->limited = false;
@@ -547,19 +562,18 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	struct eco_error *error)
 {
 	struct lod_planner *p = s->allocation->p;
-	const struct lod_planner_coarser *coarser = p->input->coarser;
-	struct eco_plan plan = { 0 };
+	struct lod_planner_coarser *coarser = p->input->coarser;
 	enum eco_code code = lod_search_fill(s, lambda, budget, error);
 	if (!code && !p->vertices)       /* what fits in the mean may not fit */
 		return ECO_OK;
 	if (!code)
 		code = lod_allocation_predict(s->allocation, &p->prediction, error);
+	struct eco_plan *plan = &coarser->plans[coarser->count];
+	*plan = (struct eco_plan){ 0 };
+	coarser->count += !code;
 	if (!code)
-		code = lod_planner_emit(p, &plan, error);
-	if (!code)
-		return coarser->take(coarser->ctx, &plan, p->wrong, error);
-	eco_plan_free(&plan);
-	return code;
+		code = lod_planner_emit(p, plan, error);
+	return code || !p->input->sent ? code : lod_plan_size_coarser(p, plan, error);
 }
 
 /* Bytes of an answer over those of the next. Once the work is done the last ones take what is left between

@@ -348,6 +348,7 @@ enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *sce
 	struct lod_ground_choice choice;
 	struct lod_eye eye;
 	uint32_t kept = 0;
+	plan->ground_px = limits.tolerance_px;
 	if (scene->ground_count == 0)
 		return ECO_OK;
 	lod_eye_make(&eye, view);

@@ -364,9 +364,9 @@ static enum eco_code fill_level(struct lod_lambda_search *s, struct lod_planner 
 	s->exact = s->allocation->few_plants && !is_enough(s);
 	enum eco_code code = fill_budget(s, budget, error);
 	s->exact = s->exact && (!p->work_most || p->work < p->work_most / EXACT_PART);
-	if (!code && p->input->size)
+	if (!code && p->input->sent)
 		code = lod_bytes_size(p, error);
-	if (!code && p->input->size && p->bytes / SPARE_REACH <= p->input->request->bytes && !is_enough(s))
+	if (!code && p->input->sent && p->bytes / SPARE_REACH <= p->input->request->bytes && !is_enough(s))
 		code = lod_bytes_spare(s, budget, error);
 	if (!code && p->bytes > p->input->request->bytes)
 		code = lod_bytes_fit(s, budget, error);

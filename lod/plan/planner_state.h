@@ -5,6 +5,7 @@
 
 #include <assert.h>
 
+#include "ecofiles/format/wire_body.h"
 #include "lod/plan/explain.h"
 #include "lod/plan/image_choice.h"
 #include "lod/plan/planner.h"
@@ -47,11 +48,14 @@ struct lod_planner {
 	double fill_lambda;          /* the same: what their last vertices saved; 0: everything fits */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
 	uint64_t work;               /* as in lod_planner_stats, without ... */
-	uint64_t explaining;         /* ... that of explanations, which changes no plan */
+	uint64_t beside;             /* ... that of explanations and of counting bytes, which changes no plan */
 	bool hidden;                 /* this level hides plants: the next may take what one without bytes may */
 	uint64_t work_most;          /* that the plan may take: the input's, less within bytes; 0: any */
 	uint64_t bytes;              /* as in lod_planner_stats */
 	uint32_t sized;
+	double ground_px;            /* of the ground below the next plan that is sized */
+	bool ground_settled;         /* it has given way */
+	struct eco_wire_body body;   /* what counts them */
 	double price;
 	uint8_t *texture_levels;     /* per list, of textures: the most that bytes allow; 0: any. NULL: bytes
 	                              * do not bind */
@@ -122,8 +126,15 @@ enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *ent
 /* Opens the scene at a level of lod_planner_stats and plans nothing, so that tests can make an allocation. */
 enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, struct eco_error *error);
 
-/* Makes the plan of the entries. */
+/* Makes the plan of the entries, without ground. */
 enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
+
+/* Puts ground below a plan, and finds the bytes of its answer: p->bytes. If these are too many for the first time, the
+ * ground gives way as far as it may; with lod_plan_scarce_ground as far as the answer fits. A coarser answer's ground
+ * takes its part of its own bytes. */
+enum eco_code lod_plan_size(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
+enum eco_code lod_plan_scarce_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
+enum eco_code lod_plan_size_coarser(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
 
 /* Expected error of an entry that draws `vertices` a plant. */
 struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry,

@@ -84,9 +84,9 @@ UNIT_TEST(ground_comes_coarse_to_fine)
 	plan(&stream, &request, NULL);
 	assert_true(stream.step_count >= 2);
 	for (uint32_t i = 0; i < stream.step_count; i++) {
-		assert_true(i + 1 < stream.step_count || stream.steps[i].ground_px == 0.1);
+		assert_true(i + 1 < stream.step_count || stream.steps[i].plan.ground_px == 0.1);
 		if (i)
-			assert_true(stream.steps[i].ground_px <= stream.steps[i - 1].ground_px
+			assert_true(stream.steps[i].plan.ground_px <= stream.steps[i - 1].plan.ground_px
 				&& stream.steps[i].missing_bytes > stream.steps[i - 1].missing_bytes
 				&& ground_tiles(&stream.steps[i]) >= ground_tiles(&stream.steps[i - 1]));
 	}
@@ -115,15 +115,15 @@ UNIT_TEST(ground_gives_way_before_plants)
 		}
 		const struct srv_step *step = &stream.steps[stream.step_count - 1];
 		assert_true(stream.body_bytes <= request.bytes);
-		assert_true(step->ground_px >= ECO_GROUND_PX);
-		if (step->ground_px > 8
+		assert_true(step->plan.ground_px >= ECO_GROUND_PX);
+		if (step->plan.ground_px > 8
 				|| step->plan.vertices < whole.steps[whole.step_count - 1].plan.vertices) {
 			fewer++;
-			assert_true(step->ground_px >= 8);
-		} else if (step->ground_px > ECO_GROUND_PX) {
+			assert_true(step->plan.ground_px >= 8);
+		} else if (step->plan.ground_px > ECO_GROUND_PX) {
 			coarser++;
-			assert_true(step->ground_px >= last);
-			last = step->ground_px;
+			assert_true(step->plan.ground_px >= last);
+			last = step->plan.ground_px;
 		}
 		view_store_free(receive(NULL, &stream));
 		srv_stream_free(&stream);

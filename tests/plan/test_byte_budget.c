@@ -18,10 +18,9 @@
 static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_scene *scene,
 	const struct eco_view *view, uint64_t vertices, uint64_t bytes, const struct eco_holdings *holdings)
 {
-	struct plan_sizer sizer = { scene, holdings };
 	const struct eco_request request = { .view = *view, .vertices = vertices, .bytes = bytes };
 	return plan_make(plan, (struct lod_planner_input){ .scene = scene, .request = &request,
-		.holdings = holdings, .size = plan_size, .size_ctx = &sizer });
+		.holdings = holdings, .sent = true });
 }
 
 static uint64_t bytes_of(const struct eco_scene *scene, const struct eco_view *view, uint64_t vertices,
@@ -47,14 +46,14 @@ static void assert_same(const struct eco_plan *a, const struct eco_plan *b)
 	}
 }
 
-/* A plan that is held needs no bytes. */
+/* A plan that is held needs no chunks. */
 static void check_held(const struct eco_scene *scene, const struct eco_view *view)
 {
 	struct eco_plan plan, held;
 	struct eco_holdings needs;
 	plan_it(&plan, scene, view, 5000, ECO_BYTES_UNBOUNDED, NULL);
 	assert_int_equal(lod_plan_needs(scene, &plan, &needs, NULL), ECO_OK);
-	plan_it(&held, scene, view, 5000, 200, &needs);
+	plan_it(&held, scene, view, 5000, plan_bytes(scene, &plan, &needs), &needs);
 	assert_same(&plan, &held);
 	free(needs.items);
 	eco_plan_free(&plan);
@@ -297,49 +296,27 @@ UNIT_TEST(a_tile_draws_its_plants_or_its_summary_where_bytes_have_a_price)
 
 #define MOST 12
 
-struct taken { struct eco_plan plans[MOST]; uint32_t count; };
-
-static enum eco_code take(void *ctx, struct eco_plan *plan, double wrong, struct eco_error *error)
-{
-	struct taken *taken = ctx;
-	assert_true(taken->count < MOST);
-	taken->plans[taken->count++] = *plan;
-	return ECO_OK;
-}
-
-/* Bytes that a plan needs, beside those of `held`. */
-static uint64_t needed(const struct eco_scene *scene, const struct eco_plan *plan,
-	const struct eco_holdings *held)
-{
-	struct eco_plan copy = *plan;
-	uint64_t bytes;
-	assert_int_equal(plan_size(&(struct plan_sizer){ scene, held }, &copy, &bytes, NULL), ECO_OK);
-	return bytes;
-}
-
 /* With coarser answers after it a plan is the same. They are within the vertices, and mostly of what it needs. */
 static uint32_t check_coarser(const struct eco_scene *scene, const struct eco_request *request,
 	const struct eco_plan *alone, uint64_t *sum, uint64_t *waste)
 {
-	struct taken taken = { .count = 0 };
-	const struct lod_planner_coarser coarser = { 1.3, 500, MOST, take, &taken };
-	struct plan_sizer sizer = { scene, NULL };
+	struct eco_plan plans[MOST];
+	struct lod_planner_coarser coarser = { 1.3, 500, MOST, plans, 0 };
 	struct eco_plan answer;
 	struct eco_holdings needs;
 	plan_make(&answer, (struct lod_planner_input){ .scene = scene, .request = request,
-		.coarser = &coarser,
-		.size = plan_size, .size_ctx = &sizer });
+		.coarser = &coarser, .sent = true });
 	assert_same(&answer, alone);
 	assert_int_equal(lod_plan_needs(scene, &answer, &needs, NULL), ECO_OK);
-	for (uint32_t i = 0; i < taken.count; i++) {
-		assert_in_range(taken.plans[i].vertices, 1, request->vertices);
-		*sum += needed(scene, &taken.plans[i], NULL);
-		*waste += needed(scene, &taken.plans[i], &needs);
-		eco_plan_free(&taken.plans[i]);
+	for (uint32_t i = 0; i < coarser.count; i++) {
+		assert_in_range(plans[i].vertices, 1, request->vertices);
+		*sum += plan_bytes(scene, &plans[i], NULL);
+		*waste += plan_bytes(scene, &plans[i], &needs);
+		eco_plan_free(&plans[i]);
 	}
 	free(needs.items);
 	eco_plan_free(&answer);
-	return taken.count;
+	return coarser.count;
 }
 
 /* Without a budget of bytes too: beside a plan for which none count. */
@@ -360,7 +337,7 @@ UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared_and_coarser_answers_ne
 				(struct lod_planner_input){ .scene = scene, .request = &request });
 			struct lod_planner_stats stats = plan_it(&plan, scene, &request.view, request.vertices,
 				ECO_BYTES_UNBOUNDED, NULL);
-			uint64_t before = needed(scene, &free_plan, NULL), after = needed(scene, &plan, NULL);
+			uint64_t before = plan_bytes(scene, &free_plan, NULL), after = plan_bytes(scene, &plan, NULL);
 			assert_true(after <= before);
 			if (after < before)
 				assert_true(stats.wrong <= fmax(1.0051 * free_stats.wrong,

@@ -89,9 +89,8 @@ static void plan_within(struct eco_plan *plan, const struct eco_scene *scene,
 {
 	const struct eco_request request = { .view = *view, .vertices = 1000000, .bytes = bytes,
 		.texel_px = ECO_TEXEL_PX_MIN };
-	struct plan_sizer sizer = { scene, NULL };
 	assert_true(plan_make(plan, (struct lod_planner_input){ .scene = scene, .request = &request,
-		.size = plan_size, .size_ctx = &sizer }).bytes <= bytes);
+		.sent = true }).bytes <= bytes);
 }
 
 /* Levels of a list as large as they are where textures are large: all else comes first. */
@@ -113,7 +112,7 @@ UNIT_TEST(levels_are_given_up_for_bytes)
 		enlarge(pack, outline);
 		struct eco_plan whole = plan_it(pack, &view, ECO_TEXEL_PX_MIN), plan;
 		uint64_t bytes;
-		assert_good(plan_size(&(struct plan_sizer){ scene, NULL }, &whole, &bytes, &cause));
+		bytes = plan_bytes(scene, &whole, NULL);
 		for (uint64_t part = 2; part <= 8 && shown(&whole, image); part *= 2) {
 			plan_within(&plan, scene, &view, bytes / part);
 			uint32_t levels = shown(&plan, image), border = shown(&plan, outline);
@@ -177,7 +176,7 @@ UNIT_TEST(a_coarse_texture_is_better_than_none)
 		struct random_pack pack = { .pack.scene = b.scene };
 		struct eco_plan whole = plan_it(&pack, &view, ECO_TEXEL_PX_MIN), plan;
 		uint64_t all, finer = 0;
-		assert_good(plan_size(&(struct plan_sizer){ &b.scene, NULL }, &whole, &all, &cause));
+		all = plan_bytes(&b.scene, &whole, NULL);
 		assert_int_equal(shown(&whole, image), LEVELS);
 		for (uint32_t k = 1; k < LEVELS; k++)
 			finer += b.chunks[b.lists[image].chunk_first + k].size_bytes;

@@ -1,0 +1,98 @@
+/* Bytes of an answer on the wire, with its ground (lod/plan/planner_state.h). The ground's detail gives way before
+ * plants do: once an answer has too many bytes, its ground is as coarse as takes no more than its part of them. */
+#include "lod/plan/planner_state.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define GROUND_STEP 4.0                      /* how much coarser ground becomes at once */
+#define GROUND_PX_SCARCE 2.0                 /* at least so coarse it is where bytes bind */
+#define GROUND_PART 4u                       /* ground takes at most this part of the bytes */
+#define SIZING_WORK 12u                      /* a cut or a list whose bytes are counted */
+
+/* Payloads that the client lacks: of ground, and all of the plan. */
+struct missing { uint64_t ground, all; };
+
+static struct missing missing_of(const struct lod_planner *p, const struct eco_holdings *needs)
+{
+	struct missing sum = { 0, 0 };
+	for (uint32_t i = 0; i < needs->count; i++) {
+		const struct eco_list *list = &p->scene->lists[needs->items[i].list];
+		for (uint32_t c = eco_holdings_chunks(p->input->holdings, needs->items[i].list); c < needs->items[i].chunks;
+				c++) {
+			uint64_t bytes = p->scene->chunks[list->chunk_first + c].size_bytes;
+			sum.all += bytes;
+			sum.ground += list->kind == ECO_LIST_GROUND ? bytes : 0;
+		}
+	}
+	return sum;
+}
+
+/* Puts ground of p->ground_px below a plan, and finds what it needs and p->bytes. */
+static enum eco_code size_on_ground(struct lod_planner *p, struct eco_plan *plan, struct missing *missing,
+	struct eco_error *error)
+{
+	const struct eco_request *request = p->input->request;
+	struct eco_holdings needs = { .items = NULL };
+	enum eco_code code = lod_plan_ground(plan, p->scene, &request->view, p->ground_px, error);
+	code = code ? code : lod_plan_needs(p->scene, plan, &needs, error);
+	if (!code && !p->body.scene)
+		code = eco_wire_body_init(&p->body, p->scene, NULL, NULL, request->name_from, error);
+	p->body.cancelled = p->input->cancelled;
+	if (!code)
+		code = eco_wire_body_size(&p->body, p->input->holdings, plan, &needs, &p->bytes, error);
+	p->beside += SIZING_WORK * ((uint64_t)plan->cut_count + needs.count) + p->scene->list_count / 4;
+	if (!code)
+		*missing = missing_of(p, &needs);
+	free(needs.items);
+	return code;
+}
+
+/* Makes ground coarser until it takes no more than its part of `most` bytes, 0: of the plan's own; where it always
+ * does, as coarse as takes least: a few tiles of rough ground may need more than finer ones beside the view. */
+static enum eco_code coarsen_ground(struct lod_planner *p, struct eco_plan *plan, uint64_t most, struct eco_error *error)
+{
+	struct missing missing;
+	enum eco_code code = size_on_ground(p, plan, &missing, error);
+	double best_px = p->ground_px;
+	uint64_t least = missing.ground;
+	while (!code && p->ground_px < ECO_GROUND_PX_MAX && missing.ground > (most ? most : missing.all) / GROUND_PART) {
+		p->ground_px = fmin(GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
+		code = size_on_ground(p, plan, &missing, error);
+		if (code || missing.ground >= least)
+			continue;
+		least = missing.ground;
+		best_px = p->ground_px;
+	}
+	if (code || p->ground_px == best_px)
+		return code;
+	p->ground_px = best_px;
+	return size_on_ground(p, plan, &missing, error);
+}
+
+enum eco_code lod_plan_size(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+{
+	struct missing missing;
+	enum eco_code code = size_on_ground(p, plan, &missing, error);
+	if (code || p->ground_settled || p->bytes <= p->input->request->bytes || !p->scene->ground_count)
+		return code;
+	p->ground_settled = true;
+	p->ground_px = fmax(p->ground_px, GROUND_PX_SCARCE);
+	return coarsen_ground(p, plan, p->input->request->bytes, error);
+}
+
+enum eco_code lod_plan_size_coarser(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+{
+	return coarsen_ground(p, plan, 0, error);
+}
+
+enum eco_code lod_plan_scarce_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+{
+	struct missing missing;
+	enum eco_code code = ECO_OK;
+	while (!code && p->bytes > p->input->request->bytes && p->ground_px < ECO_GROUND_PX_MAX) {
+		p->ground_px = fmin(GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
+		code = size_on_ground(p, plan, &missing, error);
+	}
+	return code;
+}
