@@ -49,6 +49,7 @@ struct srv_stream_input {
 	bool ignore_occlusion;                       /* as struct lod_planner_input */
 	uint64_t work_max;                           /* of all its plans, as struct lod_planner_input */
 	bool explain;                                /* the answer says why it is as it is */
+	bool single;                                 /* one step, without coarser answers before it */
 	/* looked at while it is planned and written: ECO_INTERRUPTED; may be NULL */
 	const atomic_bool *cancelled;
 };

@@ -76,6 +76,7 @@ enum eco_code srv_plan_first(struct srv_stream *stream, struct eco_error *error)
 	struct srv_stream first;
 	input.request = &request;
 	input.explain = false;
+	input.single = true;
 	input.work_max = input.work_max ? input.work_max / FIRST_PART + 1 : 0;
 	request.bytes = SRV_FIRST_BYTES;
 	request.next.given = false;

@@ -33,22 +33,13 @@
 #define SPARE_VERTEX 8.0         /* bytes that a vertex is worth, at most: else lists that save vertices go */
 #define SPARE_LAMBDA 0.8         /* times that of the answer before: with fewer lists a vertex saves less */
 #define SWEEP_FIRST -10.0        /* octaves: at lower prices hardly anything is left out */
-#define SWEEP_SLOPE -0.5         /* at first, and within ... */
-#define SWEEP_SLOPE_LEAST -2.0
-#define SWEEP_SLOPE_MOST -0.2
-#define SWEEP_TRIES 2            /* of a price between one that is too low and one that is too high */
-#define SWEEP_TRIES_EMPTY 8      /* the same where the one that is too high leaves nothing */
-#define SWEEP_FALL_LEAST 1.1     /* bytes of one answer over those of the next */
+#define SWEEP_STEP 0.375         /* octaves of the price to the next one tried, at least ... */
+#define SWEEP_STEP_MOST 3.0      /* ... and at most */
+#define SWEEP_LATE_STEP 3.0      /* the same once the work is done that a plan may take; answers then have ... */
+#define SWEEP_LATE_RATIO 2.5     /* ... so many times fewer bytes */
 #define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
 #define SWEEP_VERTICES 0.5       /* ... where no more than this part of the budget is used */
 #define SWEEP_ROUNDS 2           /* of limits: with three steps are no better */
-#define SWEEP_LAST 3u            /* coarser answers yet, once the work is done that a plan may take: ... */
-#define SWEEP_LAST_ROUNDS 1      /* ... of limits, ... */
-#define SWEEP_LAST_TRIES 5       /* ... and prices tried for each, ... */
-#define SWEEP_LAST_FALL 2        /* ... or this */
-#define SWEEP_LAST_LEAST 2       /* ... of an answer of so many times the bytes of the last one */
-#define SWEEP_USUAL 2.8          /* octaves of the price that leaves one byte of a picture of one pixel, ... */
-#define SWEEP_USUAL_SLOPE -1.5   /* ... and for each octave of bytes; by measurement */
 
 /* A trial plan records no reasons. */
 static enum eco_code emit_without_reasons(const struct lod_planner *p, struct eco_plan *plan,
@@ -468,96 +459,6 @@ enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, stru
 
 /* ---- Coarser answers ---- */
 
-/* Position of the last answer on the way to coarser ones. */
-struct sweep {
-	double lambda, octave, bytes;        /* log2 of the price; bytes of plants */
-	double slope;                        /* octaves of bytes for one of the price: negative */
-	double beyond;                       /* octaves of the price above the usual, as the last bytes say */
-	uint32_t last;                       /* not 0: the work is done, and so many answers come yet */
-};
-
-/* Relaxes at a price. A lambda whose vertices are too many there goes up again. */
-static double relax_within(const struct lod_lambda_search *s, struct sweep *sweep, double octave,
-	uint64_t budget)
-{
-	struct lod_allocation *m = s->allocation;
-	double bytes = lod_price_relax(m, sweep->lambda, octave, NULL);
-	while (m->cost.vertices > (double)budget && sweep->lambda < s->lambda) {
-		sweep->lambda = fmin(s->lambda, sweep->lambda / SWEEP_LAMBDA);
-		bytes = lod_price_relax(m, sweep->lambda, octave, NULL);
-	}
-	return bytes;
-}
-
-/* Relaxes at a higher price, at which there are about 1 / ratio of the bytes: neither is sought exactly.
- * False where nothing is left. */
-static bool raise_price(const struct lod_lambda_search *s, struct sweep *sweep, double ratio, uint64_t budget)
-{
-	double low = sweep->octave, high = LOD_PRICE_HIGHEST, some = NAN;    /* some: steep, but not empty */
-	const struct lod_allocation *m = s->allocation;
-	double step = lod_octaves(ratio) / -sweep->slope, octave = low + step, bytes = 0, fall = 1;
-	for (int tries = 0; octave < LOD_PRICE_HIGHEST && !lod_planner_over(m->p, 4);
-			tries += high < LOD_PRICE_HIGHEST) {
-		bytes = relax_within(s, sweep, octave, budget);
-		fall = sweep->bytes / fmax(bytes, 1);
-		bool flat = fall < SWEEP_FALL_LEAST, steep = fall > ratio * ratio;
-		if (!flat && !steep)
-			break;
-		some = steep && bytes > 0 ? octave : some;
-		*(flat ? &low : &high) = octave;
-		if (tries >= (isnan(some) ? SWEEP_TRIES_EMPTY : SWEEP_TRIES))
-			break;
-		step *= 2;
-		octave = high < LOD_PRICE_HIGHEST ? (low + high) / 2 : low + step;
-	}
-	if (!isnan(some) && octave != some && (fall < SWEEP_FALL_LEAST || !(bytes > 0))) {
-		octave = some;
-		bytes = relax_within(s, sweep, octave, budget);
-		fall = sweep->bytes / fmax(bytes, 1);
-	}
-	if (!(bytes > 0) || fall < SWEEP_FALL_LEAST)
-		return false;
-	sweep->slope = fmin(SWEEP_SLOPE_MOST, fmax(SWEEP_SLOPE_LEAST,
-		-lod_octaves(fall) / (octave - sweep->octave)));
-	sweep->octave = octave;
-	sweep->bytes = bytes;
-	return true;
-}
-
-/* Octave of the price at which so many bytes are usually left of a picture of this size. */
-static double usual_octave(const struct lod_allocation *m, double bytes)
-{
-	return SWEEP_USUAL + 2 * (lod_octaves(m->tile_choices[0].pixels)
-		+ SWEEP_USUAL_SLOPE * lod_octaves(bytes));
-}
-
-/* The same by few prices; the last one that leaves fewer bytes is taken: the usual ones, corrected by
- * what came of those before. */
-static bool raise_roughly(const struct lod_lambda_search *s, struct sweep *sweep, double ratio,
-	uint64_t budget)
-{
-	double low = sweep->octave, high = LOD_PRICE_HIGHEST, target = sweep->bytes / ratio, some = NAN,
-		octave = low, bytes = 0,
-		enough = sweep->bytes / (sweep->last > 1 ? fmin(SWEEP_LAST_FALL, sqrt(ratio)) : sqrt(ratio));
-	for (int tries = 0; tries < SWEEP_LAST_TRIES && !(bytes > 0 && bytes <= enough); tries++) {
-		double margin = fmin(0.5, 0.25 * (high - low));
-		octave = fmin(high - margin, fmax(low + margin, usual_octave(s->allocation, target)
-			+ sweep->beyond));
-		bytes = relax_within(s, sweep, octave, budget);
-		some = bytes > 0 ? octave : some;
-		sweep->beyond = bytes > 0 ? octave - usual_octave(s->allocation, bytes)
-			: sweep->beyond - 1;
-		*(bytes > 0 ? &low : &high) = octave;
-	}
-	if (!isnan(some) && octave != some && some > sweep->octave)
-		bytes = relax_within(s, sweep, some, budget);
-	if (!(bytes > 0) || sweep->bytes < bytes * SWEEP_FALL_LEAST)
-		return false;
-	sweep->octave = some;
-	sweep->bytes = bytes;
-	return true;
-}
-
 static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error)
 {
@@ -576,43 +477,50 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	return code || !p->input->sent ? code : lod_plan_size_coarser(p, plan, error);
 }
 
-/* Bytes of an answer over those of the next. Once the work is done the last ones take what is left between
- * them: who waits for a large answer sees something of it after a little. */
-static double next_ratio(const struct lod_lambda_search *s, struct sweep *sweep)
+/* Relaxes at a price. A lambda whose vertices are too many there goes up again. */
+static double relax_within(const struct lod_lambda_search *s, double *lambda, double octave)
 {
-	const struct lod_planner *p = s->allocation->p;
-	const struct lod_planner_coarser *coarser = p->input->coarser;
-	double all = sweep->bytes / (double)coarser->least;
-	if (!sweep->last && lod_planner_over(p, 3))
-		sweep->last = SWEEP_LAST;
-	s->allocation->rounds = sweep->last ? SWEEP_LAST_ROUNDS : SWEEP_ROUNDS;
-	for (uint32_t i = 1; i < sweep->last; i++)
-		all = sqrt(all);
-	return sweep->last ? fmax(coarser->ratio, all) : coarser->ratio;
+	struct lod_allocation *m = s->allocation;
+	const double budget = (double)m->p->input->request->vertices;
+	double bytes = lod_price_relax(m, *lambda, octave, NULL);
+	while (m->cost.vertices > budget && *lambda < s->lambda) {
+		*lambda = fmin(s->lambda, *lambda / SWEEP_LAMBDA);
+		bytes = lod_price_relax(m, *lambda, octave, NULL);
+	}
+	return bytes;
 }
 
+/* From the answer's price upwards: an answer comes where so many bytes fewer are left. Where a price leaves hardly
+ * fewer the next one is twice as far; where that leaves far fewer it is tried again from near. */
 static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
-	double lowest = lod_lambda_at(s->last);
-	double octave = s->price > 0 ? 2 * lod_octaves(s->price) : LOD_PRICE_LOWEST;
-	uint32_t last = lod_planner_over(m->p, 2) ? SWEEP_LAST : 0;
-	struct sweep sweep = { fmax(s->lambda, lowest), last ? octave : fmax(SWEEP_FIRST, octave), 0,
-		SWEEP_SLOPE, 0, last };
+	const double lowest = lod_lambda_at(s->last);
+	double octave = s->price > 0 ? 2 * lod_octaves(s->price) : LOD_PRICE_LOWEST, lambda = fmax(s->lambda, lowest),
+		before = lod_price_relax(m, lambda, octave, NULL), step = SWEEP_STEP;
 	enum eco_code code = ECO_OK;
-	sweep.bytes = last && m->p->sized ? (double)m->p->bytes
-		: lod_price_relax(m, sweep.lambda, octave, NULL);
-	for (uint32_t i = 0; i < coarser->most && !code
-			&& sweep.bytes > (sweep.last ? SWEEP_LAST_LEAST : 1) * (double)coarser->least; i++) {
-		double ratio = next_ratio(s, &sweep);
-		if (!(sweep.last ? raise_roughly : raise_price)(s, &sweep, ratio, budget))
+	m->rounds = SWEEP_ROUNDS;
+	octave = fmax(octave, SWEEP_FIRST);
+	while (!code && coarser->count < coarser->most && before > (double)coarser->least && octave < LOD_PRICE_HIGHEST) {
+		const bool late = lod_planner_over(m->p, 3);
+		const double ratio = late ? SWEEP_LATE_RATIO : coarser->ratio, least = late ? SWEEP_LATE_STEP : SWEEP_STEP;
+		step = fmax(step, least);
+		double bytes = relax_within(s, &lambda, octave + step);
+		bool steep = bytes * ratio * ratio < before && step > least;
+		octave += steep ? 0 : step;
+		if (steep) {
+			step = least;
+		} else if (bytes * ratio > before) {
+			step = fmin(2 * step, SWEEP_STEP_MOST);
+		} else if (bytes > 0) {
+			code = hand_over(s, lambda, budget, error);
+			before = bytes;
+			step = least;
+			lambda = m->cost.vertices < SWEEP_VERTICES * (double)budget ? fmax(lowest, SWEEP_LAMBDA * lambda) : lambda;
+		} else {
 			break;
-		code = hand_over(s, sweep.lambda, budget, error);
-		if (m->cost.vertices < SWEEP_VERTICES * (double)budget)
-			sweep.lambda = fmax(lowest, SWEEP_LAMBDA * sweep.lambda);
-		if (sweep.last && !--sweep.last)
-			break;
+		}
 	}
 	return code;
 }
