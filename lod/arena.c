@@ -10,15 +10,26 @@ struct lod_arena_piece {
 	max_align_t data[];
 };
 
-void *lod_arena_take(struct lod_arena *arena, size_t count, size_t size)
+void *lod_arena_try(struct lod_arena *arena, size_t count, size_t size)
 {
 	size_t bytes;
-	if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 2)
-		eco_end("no memory");
-	struct lod_arena_piece *piece = eco_alloc(1, sizeof *piece + bytes);
+	struct lod_arena_piece *piece = NULL;
+	if (!__builtin_mul_overflow(count, size, &bytes) && bytes <= SIZE_MAX / 2)
+		piece = calloc(1, sizeof *piece + bytes);
+	arena->failed |= !piece;
+	if (!piece)
+		return NULL;
 	piece->before = arena->last;
 	arena->last = piece;
 	return piece->data;
+}
+
+void *lod_arena_take(struct lod_arena *arena, size_t count, size_t size)
+{
+	void *taken = lod_arena_try(arena, count, size);
+	if (!taken)
+		eco_end("no memory");
+	return taken;
 }
 
 void lod_arena_release(struct lod_arena *arena, const struct lod_arena_piece *mark)

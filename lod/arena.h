@@ -7,13 +7,16 @@
 #ifndef LOD_ARENA_H
 #define LOD_ARENA_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 struct lod_arena_piece;
-struct lod_arena { struct lod_arena_piece *last; };
+struct lod_arena { struct lod_arena_piece *last; bool failed; };
 
 /* Zeroed memory for count * size bytes. */
 void *lod_arena_take(struct lod_arena *arena, size_t count, size_t size);
+/* The same; NULL without memory, and arena->failed is set, so that it is enough to look there after several. */
+void *lod_arena_try(struct lod_arena *arena, size_t count, size_t size);
 
 /* Gives back every piece that was taken after `mark` (a value of arena->last). */
 void lod_arena_release(struct lod_arena *arena, const struct lod_arena_piece *mark);

@@ -33,7 +33,7 @@ static void add_at(struct lod_cost *cost, const struct lod_hull *hull, double we
 static double lagrangian(const struct lod_allocation *m, const struct lod_cost *cost, double open)
 {
 	return cost->alike + open * cost->open + m->lambda * cost->vertices
-		+ m->price * (cost->bytes + cost->waste);
+		+ m->price * cost->bytes;
 }
 
 /* Share of the fine choice, which is better than the coarse one by `gain`: 0 to 1, between them where that is
@@ -240,7 +240,6 @@ static struct lod_cost blended(const struct lod_tile_choice *choice, const struc
 	cost.open = s * fine->open + (1 - s) * coarse->open;
 	cost.vertices = s * fine->vertices + points * coarse->vertices;
 	cost.bytes = (s > 0 ? fine->bytes : 0) + (points > 0 ? coarse->bytes : 0);
-	cost.waste = (s > 0 ? fine->waste : 0) + (points > 0 ? coarse->waste : 0);
 	return cost;
 }
 
@@ -285,7 +284,7 @@ static void price_summary(struct lod_allocation *m, uint32_t n)
 	const struct lod_summary_price up = lod_prices_summary(m, n, points),
 		tries[] = { { .points = 0 }, up, lod_prices_summary(m, n, up.before) };
 	for (int i = 0; i < 3; i++) {
-		struct lod_cost cost = { .bytes = tries[i].bytes, .waste = tries[i].waste };
+		struct lod_cost cost = { .bytes = tries[i].bytes };
 		double position = position_of(hull, tries[i].points);
 		add_at(&cost, hull, choice->weight_px, position);
 		cost.open *= hull->open;
@@ -628,7 +627,7 @@ static void limit_summary(struct lod_allocation *m, uint32_t n)
 	const struct lod_hull *hull = &choice->summary.hull;
 	double position = position_of(hull, choice->points), part = position - floor(position);
 	uint32_t whole = (uint32_t)position;
-	struct lod_hull_point *points = lod_prices_room(m, n);
+	struct lod_hull_point *points = choice->limited.points;
 	memcpy(points, hull->points, (whole + 1) * sizeof *points);
 	if (part > 0) {
 		const struct lod_hull_point *a = &hull->points[whole], *b = a + 1;

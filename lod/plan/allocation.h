@@ -32,6 +32,7 @@
 #include <math.h>
 
 #include "ecofiles/format/impostor.h"
+#include "lod/arena.h"
 #include "lod/plan/planner_state.h"
 #include "lod/plan/summary_hull.h"
 
@@ -43,8 +44,7 @@ enum lod_when {
 
 struct lod_cost {                    /* errors seen (hull.h); a slot choice's open one is without its weight */
 	double alike, open, vertices;
-	/* of tiles, where bytes have a price; not of what plants share. waste: what they cost beside */
-	double bytes, waste;
+	double bytes;                /* of tiles, where these have a price; not of what plants share */
 	double fp, fn, above_fp, above_fn;   /* wrong pixels, for predictions; the same seen from above */
 };
 
@@ -60,7 +60,6 @@ static inline void lod_cost_add(struct lod_cost *sum, const struct lod_cost *cos
 	sum->above_fn += seen * cost->above_fn;
 	sum->vertices += times * cost->vertices;
 	sum->bytes += cost->bytes;
-	sum->waste += cost->waste;
 }
 
 struct lod_ladder_choice {           /* one ladder for all plants of a slot: a class of the knapsack */
@@ -183,7 +182,7 @@ struct lod_allocation {
 	uint64_t *counts;            /* per slot: plants if all open tiles are drawn */
 	struct lod_uses uses;        /* plant_uses.c */
 	double *scratch;             /* per slot */
-	struct lod_hull_point **blocks;          uint32_t block_count, block_capacity, block_used;
+	struct lod_arena memory;     /* of all of these but ladder_choices */
 	uint32_t *slot_of;           /* per plant and band: slot of whole plants + 1 */
 	double *plant_seen;          /* per plant: pixels of those that may be drawn as impostors */
 	struct lod_impostor_use *impostors;  /* per plant */
@@ -301,7 +300,6 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 
 /* After the tiles and slots of the allocation were made. */
 enum eco_code lod_uses_make(struct lod_allocation *allocation, struct eco_error *error);
-void lod_uses_free(struct lod_uses *uses);
 
 /* Adds up the cells of each slot's whole plants; the sums are 0 before: slot_choice.cells,
  * .cells_weight_px. */

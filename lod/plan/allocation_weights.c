@@ -12,7 +12,6 @@
 #include "lod/plan/texture_levels.h"
 
 #define PI 3.14159265358979323846
-#define BLOCK 4096u              /* hull points allocated at once */
 #define FEW_PLANTS 40            /* in view: fewer than this change one by one in any case */
 #define SMOOTH_BANDS 3           /* on either side count towards a slot's mean, ... */
 #define SMOOTH_PLANTS 400.0      /* ... but less where there are more plants than this: most plants of many
@@ -21,21 +20,6 @@
 #define CELLS_LEAST 64u          /* ... a screen of so few stays */
 #define HIDDEN_WOOD 0.2          /* share of wood that still counts where leaves cover it wholly: leaves are
                                   * drawn with holes */
-
-/* ---- Memory ---- */
-
-static struct lod_hull_point *take_points(struct lod_allocation *m, uint32_t count)
-{
-	if (m->block_count == 0 || m->block_used + count > BLOCK) {
-		if (!eco_array_grow(&m->blocks, &m->block_capacity, m->block_count, sizeof *m->blocks))
-			return NULL;
-		if (!(m->blocks[m->block_count] = malloc(BLOCK * sizeof **m->blocks)))
-			return NULL;
-		m->block_count++;
-		m->block_used = 0;
-	}
-	return m->blocks[m->block_count - 1] + m->block_used;
-}
 
 static double open_of(double unoccluded, double seen)
 {
@@ -117,12 +101,10 @@ static double slot_size(const struct lod_allocation *m, const struct lod_slot *s
 
 static bool own_points(struct lod_allocation *m, struct lod_hull *hull, const struct lod_hull_point *points)
 {
-	hull->points = take_points(m, hull->count);
-	if (!hull->points)
-		return false;
-	m->block_used += hull->count;
-	memcpy(hull->points, points, hull->count * sizeof *points);
-	return true;
+	hull->points = lod_arena_try(&m->memory, hull->count, sizeof *points);
+	if (hull->points)
+		memcpy(hull->points, points, hull->count * sizeof *points);
+	return hull->points;
 }
 
 /* The hull of an organ's ladder for a slot, at its size: at both weights and between. */
@@ -194,8 +176,8 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_la
 	hull->points = points;
 	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
 	lod_hull_complete(hull, table->way.full);
-	if (!room && (room = take_points(m, from->count + 1)))
-		m->block_used += from->count + 1;
+	if (!room)
+		room = lod_arena_try(&m->memory, from->count + 1, sizeof *room);
 	if (room)
 		memcpy(room, points, hull->count * sizeof *points);
 	hull->points = room;
@@ -491,10 +473,10 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 	view.wide = 2 * across * px;
 	view.high = 2 * lod_height_seen(across, up, from_eye) * px;
 	uint32_t count = lod_summary_hull_count(view.points);
-	struct lod_hull_point *room = take_points(m, 2 * count + 1);
+	struct lod_hull_point *room = lod_arena_try(&m->memory, 3 * count + 2, sizeof *room);
 	if (!room)
 		return false;
-	m->block_used += 2 * count + 1;
+	choice->limited.points = room + 2 * count + 1;
 	p->candidates += count;
 	lod_summary_hull_begin(&choice->summary, &view, part, fmin(1, choice->pixels / choice->weight_px),
 		fmin(1, choice->unoccluded / choice->pixels), room, &p->gains);
@@ -582,20 +564,18 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	uint64_t gains = p->gains;
 	*m = (struct lod_allocation){ .p = p, .relaxed.lambda = NAN, .tiles.lambda = NAN,
 		.rounds = LOD_PRICE_ROUNDS };
-	m->slot_choices = calloc(slots + 1, sizeof *m->slot_choices);
-	m->scratch = calloc(slots + 1, sizeof *m->scratch);
-	m->counts = calloc(slots + 1, sizeof *m->counts);
-	m->tile_choices = calloc(nodes + 1, sizeof *m->tile_choices);
-	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
-	m->drawn_here = calloc(nodes + 1, sizeof *m->drawn_here);
-	m->slot_wrong = malloc((slots + 1u) * sizeof *m->slot_wrong);
-	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
-	m->gates_counted = malloc(scene->plant_count + 1u);
-	m->plant_seen = calloc(scene->plant_count + 1u, sizeof *m->plant_seen);
-	m->impostors = calloc(scene->plant_count + 1u, sizeof *m->impostors);
-	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by
-			|| !m->drawn_here || !m->slot_wrong || !m->slot_of || !m->gates_counted
-			|| !m->plant_seen || !m->impostors)
+	m->slot_choices = lod_arena_try(&m->memory, slots, sizeof *m->slot_choices);
+	m->scratch = lod_arena_try(&m->memory, slots, sizeof *m->scratch);
+	m->counts = lod_arena_try(&m->memory, slots, sizeof *m->counts);
+	m->tile_choices = lod_arena_try(&m->memory, nodes, sizeof *m->tile_choices);
+	m->drawn_by = lod_arena_try(&m->memory, nodes, sizeof *m->drawn_by);
+	m->drawn_here = lod_arena_try(&m->memory, nodes, sizeof *m->drawn_here);
+	m->slot_wrong = lod_arena_try(&m->memory, slots, sizeof *m->slot_wrong);
+	m->slot_of = lod_arena_try(&m->memory, (size_t)scene->plant_count * ECO_BANDS, sizeof *m->slot_of);
+	m->gates_counted = lod_arena_try(&m->memory, scene->plant_count, 1);
+	m->plant_seen = lod_arena_try(&m->memory, scene->plant_count, sizeof *m->plant_seen);
+	m->impostors = lod_arena_try(&m->memory, scene->plant_count, sizeof *m->impostors);
+	if (m->memory.failed)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		m->gates_counted[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);
@@ -635,21 +615,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 void lod_allocation_free(struct lod_allocation *m)
 {
 	lod_prices_free(m);
-	for (uint32_t i = 0; i < m->block_count; i++)
-		free(m->blocks[i]);
-	free(m->blocks);
-	free(m->slot_choices);
-	free(m->scratch);
-	free(m->counts);
-	free(m->tile_choices);
-	free(m->drawn_by);
-	free(m->drawn_here);
-	free(m->slot_wrong);
 	free(m->ladder_choices);
-	free(m->slot_of);
-	lod_uses_free(&m->uses);
-	free(m->gates_counted);
-	free(m->plant_seen);
-	free(m->impostors);
+	lod_arena_free(&m->memory);
 	*m = (struct lod_allocation){ 0 };
 }

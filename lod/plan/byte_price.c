@@ -49,7 +49,7 @@ static uint32_t step_of(const struct ladder_price *l, uint64_t vertices)
 	uint32_t low = 0, high = l->steps - 1;
 	while (low < high) {
 		uint32_t middle = (low + high) / 2;
-		if (l->vertices[middle] < vertices)
+		if (l->at[middle].vertices < vertices)
 			low = middle + 1;
 		else
 			high = middle;
@@ -78,17 +78,17 @@ static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t 
 		return;
 	const struct lod_hull *hull = &choice->hull;
 	double position = free_position(m, choice), before = lod_hull_error(hull, &hull->points[0]);
-	l->rests[step_of(l, hull->points[(uint32_t)position].vertices)] = true;
-	l->rests[step_of(l, hull->points[(uint32_t)ceil(position)].vertices)] = true;
+	l->at[step_of(l, hull->points[(uint32_t)position].vertices)].rests = true;
+	l->at[step_of(l, hull->points[(uint32_t)ceil(position)].vertices)].rests = true;
 	for (uint32_t k = 1, step = 0; k < choice->hull_count && k < position + 1; k++) {
 		const struct lod_hull_point *a = &hull->points[k - 1], *b = &hull->points[k];
 		double part = position >= k ? 1 : position - (k - 1), after = lod_hull_error(hull, b),
-			saved = seen * (before - after), shown = (double)l->shown[step],
+			saved = seen * (before - after), shown = l->at[step].shown,
 			cost = drawn * m->lambda * (double)(b->vertices - a->vertices);
-		while (step + 1 < l->steps && l->vertices[step] < b->vertices)
+		while (step + 1 < l->steps && l->at[step].vertices < b->vertices)
 			step++;
-		l->gain[step] += part * (saved - cost);
-		l->more_px[step] += part * seen * ((double)l->shown[step] - shown);
+		l->at[step].gain += part * (saved - cost);
+		l->at[step].more_px += part * seen * (l->at[step].shown - shown);
 		before = after;
 	}
 }
@@ -116,17 +116,18 @@ static void find_gains(struct lod_allocation *m, struct ladder_price *l, bool al
 {
 	if (see_drawn(m, l, all))
 		return;
-	memset(l->gain, 0, l->steps * sizeof *l->gain);
-	memset(l->more_px, 0, l->steps * sizeof *l->more_px);
-	memset(l->rests, 0, l->steps * sizeof *l->rests);
+	for (uint32_t i = 0; i < l->steps; i++) {
+		l->at[i].gain = l->at[i].more_px = 0;
+		l->at[i].rests = false;
+	}
 	for (uint32_t i = l->first; i < l->first + l->count; i++)
 		add_gain(m, l, m->prices->choices[i], m->prices->drawn[i].drawn, m->prices->drawn[i].seen);
 }
 
 /* Cost of a ladder that is drawn up to a step. */
-static double cost_of(const struct ladder_price *l, const struct price *price, uint32_t step)
+static double cost_of(const struct ladder_price *l, double bytes, uint32_t step)
 {
-	return price->bytes + price->waste + (step >= l->textured ? l->image_part : 0);
+	return bytes + (step >= l->textured ? l->image_part : 0);
 }
 
 void lod_prices_levels(struct lod_allocation *m)
@@ -154,10 +155,9 @@ static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool al
 	l->limit = 0;
 	for (uint32_t i = 0; i < l->steps; i++) {
 		struct chunks needs = below;
-		lod_prices_add_needs(&needs, &l->needs[i]);
-		struct price price = lod_prices_of(l, &needs);
-		double bytes = cost_of(l, &price, i);
-		sum += l->gain[i] + worth * l->more_px[i];
+		lod_prices_add_needs(&needs, &l->at[i].needs);
+		double bytes = cost_of(l, lod_prices_of(l, &needs), i);
+		sum += l->at[i].gain + worth * l->at[i].more_px;
 		none = i ? none : bytes;
 		double net = sum - m->price * (bytes - none);
 		if (i == 0 || net > best || bytes <= cheapest) {
@@ -165,7 +165,7 @@ static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool al
 			l->limit = i;
 			cheapest = bytes;
 		}
-		if (l->rests[i])
+		if (l->at[i].rests)
 			below = needs;
 	}
 }
@@ -186,7 +186,7 @@ static void apply_limit(struct lod_allocation *m, const struct ladder_price *l)
 		struct lod_ladder_choice *choice = &m->ladder_choices[m->prices->choices[l->first + i]];
 		uint32_t count = 1;
 		while (count < choice->hull_count
-				&& choice->hull.points[count].vertices <= l->vertices[l->limit])
+				&& choice->hull.points[count].vertices <= l->at[l->limit].vertices)
 			count++;
 		set_count(m, choice, count);
 	}
@@ -225,9 +225,8 @@ static double shown_of(const struct lod_allocation *m, const struct ladder_price
 	const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 	const struct lod_hull_point *points = choice->hull.points;
 	double whole = floor(choice->position), part = choice->position - whole,
-		shown = (double)l->shown[step_of(l, points[(uint32_t)whole].vertices)];
-	return part > 0 ? shown + part * ((double)l->shown[step_of(l, points[(uint32_t)whole + 1].vertices)]
-		- shown) : shown;
+		shown = l->at[step_of(l, points[(uint32_t)whole].vertices)].shown;
+	return part > 0 ? shown + part * (l->at[step_of(l, points[(uint32_t)whole + 1].vertices)].shown - shown) : shown;
 }
 
 /* Pixels that show a ladder's texture; *bare: that do not. */
@@ -256,8 +255,8 @@ static uint32_t find_used(const struct lod_allocation *m, struct ladder_price *l
 			continue;
 		uint32_t from = step_of(l, points[(uint32_t)choice->position].vertices),
 			to = step_of(l, points[(uint32_t)ceil(choice->position)].vertices);
-		lod_prices_add_needs(&needs, &l->needs[from]);
-		lod_prices_add_needs(&needs, &l->needs[to]);
+		lod_prices_add_needs(&needs, &l->at[from].needs);
+		lod_prices_add_needs(&needs, &l->at[to].needs);
 		used = to > used ? to : used;
 	}
 	l->used = lod_prices_of(l, &needs);
@@ -281,7 +280,7 @@ static void find_drawn(struct lod_allocation *m)
 static double texture_part(const struct lod_prices *prices, const struct ladder_price *l)
 {
 	const struct image_price *image = &prices->images[l->image];
-	return (image->bytes + image->waste) / image->shown;
+	return image->bytes / image->shown;
 }
 
 /* Do a plant's organs save what their bytes cost, over the ladder that shows it as a whole? */
@@ -299,8 +298,7 @@ static void judge_organs(struct lod_allocation *m)
 		uint32_t plant = m->p->scene->ladders[l->ladder].plant;
 		if (is_whole(m, l))
 			continue;
-		prices->spent[plant] += l->used.bytes + l->used.waste
-			+ (l->shows ? texture_part(prices, l) : 0);
+		prices->spent[plant] += l->used + (l->shows ? texture_part(prices, l) : 0);
 		prices->saved[plant] += shown_px(m, l, &bare) * (l->bare_lost - l->image_lost);
 	}
 	for (uint32_t s = 0; s < visible->slot_count; s++) {
@@ -412,7 +410,7 @@ void lod_prices_of_kinds(struct lod_allocation *m, double *bytes, double *wrong)
 		struct ladder_price *l = &m->prices->ladders[i];
 		double bare, shown = shown_px(m, l, &bare);
 		uint32_t kind = lod_prices_kind(m, i), used = find_used(m, l);
-		bytes[kind] += l->used.bytes + levels_bytes(m, l);
+		bytes[kind] += l->used + levels_bytes(m, l);
 		wrong[kind] += l->whole_lost + bare * l->bare_lost + shown * l->image_lost;
 		if (used < l->textured || m->prices->images[l->image].used)
 			continue;
@@ -426,41 +424,14 @@ static double lists_bytes(const struct lod_allocation *m)
 	double sum = 0;
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
 		const struct ladder_price *l = &m->prices->ladders[i];
-		sum += l->used.bytes + levels_bytes(m, l);       /* as lod_prices_tighten left them */
-	}
-	return sum;
-}
-
-/* Lists of a tile come once, as far as the occurrence needs that needs most, whatever parts of them were paid:
- * the bytes that nobody has paid. */
-static double unpaid_bytes(const struct lod_allocation *m)
-{
-	const struct lod_prices *prices = m->prices;
-	double sum = 0, instances = 0, summary = 0;
-	for (uint32_t i = 0; i < prices->shared_count; i++) {
-		uint32_t n = prices->shared[i], next = i + 1 < prices->shared_count ? prices->shared[i + 1]
-			: ECO_NONE;
-		const struct lod_tile_choice *choice = &m->tile_choices[n];
-		if (m->uses.reach[n] > 0 && choice->open && choice->share > 0) {
-			instances = prices->instances[n] / prices->part[n];
-			sum -= prices->instances[n];
-		}
-		if (m->uses.reach[n] > 0 && choice->has_summary && choice->share < 1) {
-			double bytes = lod_prices_summary(m, n, choice->points).bytes;
-			summary = fmax(summary, bytes / prices->part[n]);
-			sum -= bytes;
-		}
-		if (next != ECO_NONE && m->p->visible.nodes[next].tile == m->p->visible.nodes[n].tile)
-			continue;
-		sum += instances + summary;
-		instances = summary = 0;
+		sum += l->used + levels_bytes(m, l);       /* as lod_prices_tighten left them */
 	}
 	return sum;
 }
 
 double lod_prices_bytes(struct lod_allocation *m)
 {
-	double sum = m->cost.bytes + unpaid_bytes(m) + lists_bytes(m);
+	double sum = m->cost.bytes + lists_bytes(m);
 	for (uint32_t i = 0; i < m->prices->image_count; i++)
 		m->prices->images[i].used = false;
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {

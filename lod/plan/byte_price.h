@@ -14,8 +14,7 @@
  * beginning without limits, a fixed number of times. What is drawn then only becomes less, so the result
  * does not depend on what was asked before.
  *
- * Lists of a nested eco file are paid in equal parts by its visible occurrences. The sum counts them once and in
- * whole, however few of these draw them. */
+ * Lists of a nested eco file are paid in equal parts by its visible occurrences. */
 #ifndef LOD_BYTE_PRICE_H
 #define LOD_BYTE_PRICE_H
 
@@ -29,9 +28,9 @@
 #define LOD_GROUP_FRAME_BYTES 1          /* and of each group of plants in it */
 
 /* Finds what everything in view would cost. `kept`: chunks that come anyway, sooner or later, so that all
- * others cost `waste` times their bytes beside these; NULL: none does. It must outlive the prices. */
+ * others count `times` their bytes; NULL: all count once. It must outlive the prices. */
 enum eco_code lod_prices_make(struct lod_allocation *allocation, const struct eco_holdings *kept,
-	double waste, struct eco_error *error);
+	double times, struct eco_error *error);
 void lod_prices_free(struct lod_allocation *allocation);      /* none made: fine */
 
 /* Takes all limits away; sets them from what the last relaxation chose. The first time that was without
@@ -58,16 +57,14 @@ double lod_kinds_share(struct lod_allocation *allocation, double lambda, double 
 /* Are no organs of this plant drawn, by any of its plants? */
 bool lod_prices_organs_off(const struct lod_allocation *allocation, uint32_t plant);
 
-/* Adds bytes and waste of a tile's instance lists to a cost. */
+/* Adds bytes of a tile's instance lists to a cost. */
 void lod_prices_instances(const struct lod_allocation *allocation, uint32_t node, struct lod_cost *cost);
 /* The first `points` of a tile's summary: bytes of the chunks that hold them, the points that these hold, and
  * those that all of them but the last do. The mean bytes of a point. */
-struct lod_summary_price { double bytes, waste, points, before; };
+struct lod_summary_price { double bytes, points, before; };
 struct lod_summary_price lod_prices_summary(const struct lod_allocation *allocation, uint32_t node,
 	double points);
 double lod_prices_point(const struct lod_allocation *allocation, uint32_t node);
-/* Room for a hull of a tile's summary; the allocation's. */
-struct lod_hull_point *lod_prices_room(struct lod_allocation *allocation, uint32_t node);
 
 /* Sets levels of textures anew, from what the last relaxation chose and the allocation's price. */
 void lod_prices_levels(struct lod_allocation *allocation);

@@ -22,27 +22,16 @@ static double chunk_bytes(const struct lod_planner *p, uint32_t list, uint32_t o
 double lod_prices_missing(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
 	uint32_t held = eco_holdings_chunks(m->p->input->holdings, list);
+	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;
 	double sum = 0;
 	for (uint32_t c = from > held ? from : held; c < to; c++)
-		sum += chunk_bytes(m->p, list, c);
+		sum += (c < kept ? 1 : m->prices->factor) * chunk_bytes(m->p, list, c);
 	return sum;
-}
-
-/* Their cost beside their bytes. */
-double lod_prices_waste(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
-{
-	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;
-	return kept < to ? m->prices->factor * lod_prices_missing(m, list, from > kept ? from : kept, to) : 0;
 }
 
 static double missing_all(const struct lod_allocation *m, uint32_t list)
 {
 	return lod_prices_missing(m, list, 0, m->p->scene->lists[list].chunk_count);
-}
-
-static double waste_all(const struct lod_allocation *m, uint32_t list)
-{
-	return lod_prices_waste(m, list, 0, m->p->scene->lists[list].chunk_count);
 }
 
 /* ---- Ladders ---- */
@@ -70,24 +59,22 @@ void lod_prices_add_needs(struct chunks *sum, const struct chunks *more)
 		sum->of[i] = more->of[i] > sum->of[i] ? more->of[i] : sum->of[i];
 }
 
-struct price lod_prices_of(const struct ladder_price *l, const struct chunks *needs)
+double lod_prices_of(const struct ladder_price *l, const struct chunks *needs)
 {
-	struct price sum = { 0 };
-	for (uint32_t i = 0; i < l->list_count; i++) {
-		sum.bytes += l->prefixes[i][needs->of[i]].bytes;
-		sum.waste += l->prefixes[i][needs->of[i]].waste;
-	}
+	double sum = 0;
+	for (uint32_t i = 0; i < l->list_count; i++)
+		sum += l->prefixes[i][needs->of[i]];
 	return sum;
 }
 
 /* Returns the texture of what is drawn, and the share that shows it; ECO_NONE: there is none. */
 static uint32_t find_needs(const struct lod_allocation *m, const struct lod_way *way, uint64_t vertices,
-	struct ladder_price *l, struct chunks *needs, float *shown)
+	struct ladder_price *l, struct step *step)
 {
+	struct chunks *needs = &step->needs;
 	uint32_t image = ECO_NONE, drawn = 0, textured = 0;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	*needs = (struct chunks){ { 0 } };
-	*shown = 0;
+	step->vertices = vertices;
 	if (vertices == 0)
 		return ECO_NONE;
 	if (vertices == 1 && lod_hull_impostor_levels(way)) {
@@ -103,7 +90,7 @@ static uint32_t find_needs(const struct lod_allocation *m, const struct lod_way 
 		image = m->p->scene->lists[cuts[i].list].image;
 		textured += cuts[i].end - cuts[i].first;
 	}
-	*shown = textured ? (float)textured / (float)drawn : 0;
+	step->shown = textured ? (double)textured / drawn : 0;
 	return image;
 }
 
@@ -121,59 +108,48 @@ static void find_steps(const struct lod_allocation *m, struct ladder_price *l)
 	for (int h = 0; h < 3; h++)
 		for (uint32_t i = 0; i < (h < 2 ? table->hull[h].count : 1); i++) {
 			uint64_t vertices = h < 2 ? table->hull[h].points[i].vertices : table->way.full;
-			if (l->steps && vertices <= l->vertices[l->steps - 1])
+			if (l->steps && vertices <= l->at[l->steps - 1].vertices)
 				continue;
-			uint32_t image = find_needs(m, &table->way, vertices, l, &l->needs[l->steps],
-				&l->shown[l->steps]);
+			uint32_t image = find_needs(m, &table->way, vertices, l, &l->at[l->steps]);
 			if (image != ECO_NONE && l->image == ECO_NONE) {
 				l->image = image;
 				l->textured = l->steps;
 			}
-			l->vertices[l->steps++] = vertices;
+			l->steps++;
 		}
 }
 
-/* Prices of all prefixes of the lists of all ladders. */
-static bool make_prefixes(struct lod_allocation *m)
+/* Prices of all prefixes of a ladder's lists. */
+static bool find_prefixes(struct lod_allocation *m, struct ladder_price *l)
 {
-	struct lod_prices *prices = m->prices;
-	size_t count = 0;
-	for (uint32_t i = 0; i < prices->ladder_count; i++)
-		for (uint32_t k = 0; k < prices->ladders[i].list_count; k++)
-			count += m->p->scene->lists[prices->ladders[i].lists[k]].chunk_count + 1u;
-	struct price *to = prices->prefixes = malloc((count + 1) * sizeof *to);
-	for (uint32_t i = 0; to && i < prices->ladder_count; i++)
-		for (uint32_t k = 0; k < prices->ladders[i].list_count; k++) {
-			uint32_t list = prices->ladders[i].lists[k];
-			uint32_t chunks = m->p->scene->lists[list].chunk_count;
-			prices->ladders[i].prefixes[k] = to;
-			*to++ = (struct price){ 0 };
-			for (uint32_t c = 0; c < chunks; c++, to++) {
-				to->bytes = to[-1].bytes + lod_prices_missing(m, list, c, c + 1);
-				to->waste = to[-1].waste + lod_prices_waste(m, list, c, c + 1);
-			}
-		}
-	return prices->prefixes;
+	for (uint32_t k = 0; k < l->list_count; k++) {
+		uint32_t chunks = m->p->scene->lists[l->lists[k]].chunk_count;
+		double *to = lod_arena_try(&m->prices->memory, chunks + 1u, sizeof *to);
+		if (!to)
+			return false;
+		l->prefixes[k] = to;
+		for (uint32_t c = 0; c < chunks; c++)
+			to[c + 1] = to[c] + lod_prices_missing(m, l->lists[k], c, c + 1);
+	}
+	return true;
 }
 
 static bool make_ladders(struct lod_allocation *m)
 {
 	struct lod_prices *prices = m->prices;
-	uint32_t *of = calloc(m->p->scene->ladder_count + 1u, sizeof *of), steps = 0, first = 0;
-	prices->choices = malloc((m->ladder_choice_count + 1u) * sizeof *prices->choices);
-	prices->drawn = calloc(m->ladder_choice_count + 1u, sizeof *prices->drawn);
-	prices->ladders = calloc(m->ladder_choice_count + 1u, sizeof *prices->ladders);
-	if (!of || !prices->choices || !prices->drawn || !prices->ladders) {
-		free(of);
+	struct lod_arena *a = &prices->memory;
+	uint32_t *of = lod_arena_try(a, m->p->scene->ladder_count, sizeof *of), first = 0;
+	prices->choices = lod_arena_try(a, m->ladder_choice_count, sizeof *prices->choices);
+	prices->drawn = lod_arena_try(a, m->ladder_choice_count, sizeof *prices->drawn);
+	prices->ladders = lod_arena_try(a, m->ladder_choice_count, sizeof *prices->ladders);
+	if (a->failed)
 		return false;
-	}
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
 		uint32_t ladder = m->ladder_choices[i].ladder;
 		if (!of[ladder]) {
 			of[ladder] = ++prices->ladder_count;
 			prices->ladders[of[ladder] - 1].ladder = ladder;
 			prices->ladders[of[ladder] - 1].lambda = NAN;
-			steps += steps_of(lod_plan_tables_ladder(m->p->tables, ladder));
 		}
 		prices->ladders[of[ladder] - 1].count++;
 	}
@@ -186,105 +162,53 @@ static bool make_ladders(struct lod_allocation *m)
 		struct ladder_price *l = &prices->ladders[of[m->ladder_choices[i].ladder] - 1];
 		prices->choices[l->first + l->count++] = i;
 	}
-	free(of);
-	prices->vertices = malloc((steps + 1u) * sizeof *prices->vertices);
-	prices->needs = malloc((steps + 1u) * sizeof *prices->needs);
-	prices->gain = malloc((steps + 1u) * sizeof *prices->gain);
-	prices->rests = malloc((steps + 1u) * sizeof *prices->rests);
-	prices->more_px = malloc((steps + 1u) * sizeof *prices->more_px);
-	prices->shown = malloc((steps + 1u) * sizeof *prices->shown);
-	if (!prices->vertices || !prices->needs || !prices->gain || !prices->rests || !prices->more_px
-			|| !prices->shown)
-		return false;
-	steps = 0;
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
 		struct ladder_price *l = &prices->ladders[i];
-		l->vertices = prices->vertices + steps;
-		l->needs = prices->needs + steps;
-		l->gain = prices->gain + steps;
-		l->rests = prices->rests + steps;
-		l->more_px = prices->more_px + steps;
-		l->shown = prices->shown + steps;
+		l->at = lod_arena_try(a, steps_of(lod_plan_tables_ladder(m->p->tables, l->ladder)), sizeof *l->at);
+		if (!l->at)
+			return false;
 		find_steps(m, l);
-		steps += l->steps;
+		if (!find_prefixes(m, l))
+			return false;
 	}
-	return make_prefixes(m) && lod_images_make(m);
+	return lod_images_make(m);
 }
 
 /* ---- Tiles ---- */
-
-/* Sets the part that each occurrence of a tile in view pays, and the nodes that pay only a part. */
-static bool make_parts(struct lod_allocation *m)
-{
-	const struct lod_visible_tree *visible = &m->p->visible;
-	uint32_t tiles = m->p->scene->tile_count, *first = calloc(tiles + 2u, sizeof *first);
-	m->prices->part = malloc((visible->node_count + 1u) * sizeof *m->prices->part);
-	m->prices->shared = malloc((visible->node_count + 1u) * sizeof *m->prices->shared);
-	bool good = first && m->prices->part && m->prices->shared;
-	for (uint32_t n = 0; good && n < visible->node_count; n++)
-		first[visible->nodes[n].tile + 2]++;
-	for (uint32_t n = 0; good && n < visible->node_count; n++)
-		m->prices->part[n] = 1.0 / first[visible->nodes[n].tile + 2];
-	for (uint32_t t = 2; good && t < tiles + 2; t++)
-		first[t] = first[t - 1] + (first[t] > 1 ? first[t] : 0);
-	for (uint32_t n = 0; good && n < visible->node_count; n++)
-		if (m->prices->part[n] < 1)
-			m->prices->shared[first[visible->nodes[n].tile + 1]++] = n;
-	m->prices->shared_count = good ? first[tiles + 1] : 0;
-	free(first);
-	return good;
-}
 
 static bool make_tiles(struct lod_allocation *m)
 {
 	const struct lod_planner *p = m->p;
 	const struct eco_scene *scene = p->scene;
 	uint32_t nodes = p->visible.node_count;
-	m->prices->instances = calloc(nodes + 1u, sizeof *m->prices->instances);
-	m->prices->instances_waste = calloc(nodes + 1u, sizeof *m->prices->instances_waste);
-	m->prices->points = calloc(nodes + 1u, sizeof *m->prices->points);
-	if (!make_parts(m) || !m->prices->instances || !m->prices->instances_waste || !m->prices->points)
+	struct lod_arena *a = &m->prices->memory;
+	uint32_t *occurrences = lod_arena_try(a, scene->tile_count, sizeof *occurrences);
+	m->prices->part = lod_arena_try(a, nodes, sizeof *m->prices->part);
+	m->prices->instances = lod_arena_try(a, nodes, sizeof *m->prices->instances);
+	m->prices->points = lod_arena_try(a, nodes, sizeof *m->prices->points);
+	if (a->failed)
 		return false;
+	for (uint32_t n = 0; n < nodes; n++)
+		occurrences[p->visible.nodes[n].tile]++;
 	for (uint32_t n = 0; n < nodes; n++) {
 		const struct eco_tile *tile = &scene->tiles[p->visible.nodes[n].tile];
-		double part = m->prices->part[n];
+		double part = m->prices->part[n] = 1.0 / occurrences[p->visible.nodes[n].tile];
 		for (uint32_t g = 0; m->tile_choices[n].open && g < tile->group_count; g++) {
 			uint32_t list = scene->groups[tile->group_first + g].list;
 			if (scene->groups[tile->group_first + g].first)
 				continue;
 			m->prices->instances[n] += part * missing_all(m, list);
-			m->prices->instances_waste[n] += part * waste_all(m, list);
 		}
 		if (m->tile_choices[n].has_summary)
-			m->prices->points[n] = part
-				* (missing_all(m, tile->summary) + waste_all(m, tile->summary))
+			m->prices->points[n] = part * missing_all(m, tile->summary)
 				/ scene->lists[tile->summary].primitive_count;
 	}
 	return true;
 }
 
-/* A hull of a summary has its samples and the empty one. */
-static bool make_room(struct lod_allocation *m)
-{
-	uint32_t nodes = m->p->visible.node_count, room = 0;
-	m->prices->room_first = malloc((nodes + 1u) * sizeof *m->prices->room_first);
-	for (uint32_t n = 0; m->prices->room_first && n < nodes; n++) {
-		m->prices->room_first[n] = room;
-		room += m->tile_choices[n].has_summary ? m->tile_choices[n].summary.count + 1 : 0;
-	}
-	m->prices->room = malloc((room + 1u) * sizeof *m->prices->room);
-	return m->prices->room_first && m->prices->room;
-}
-
-struct lod_hull_point *lod_prices_room(struct lod_allocation *m, uint32_t node)
-{
-	return m->prices->room + m->prices->room_first[node];
-}
-
 void lod_prices_instances(const struct lod_allocation *m, uint32_t node, struct lod_cost *cost)
 {
 	cost->bytes += m->prices->instances[node];
-	cost->waste += m->prices->instances_waste[node];
 }
 double lod_prices_point(const struct lod_allocation *m, uint32_t node) { return m->prices->points[node]; }
 
@@ -300,7 +224,6 @@ struct lod_summary_price lod_prices_summary(const struct lod_allocation *m, uint
 		price.points += scene->chunks[l->chunk_first + chunks++].primitive_count;
 	}
 	price.bytes = lod_prices_missing(m, list, 0, chunks) * m->prices->part[node];
-	price.waste = lod_prices_waste(m, list, 0, chunks) * m->prices->part[node];
 	return price;
 }
 
@@ -311,20 +234,22 @@ void lod_prices_work(struct lod_allocation *m)
 	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count);
 }
 
-enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holdings *kept, double waste,
+enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holdings *kept, double times,
 	struct eco_error *error)
 {
 	uint32_t nodes = m->p->visible.node_count, plants = m->p->scene->plant_count;
 	lod_prices_free(m);
 	struct lod_prices *prices = m->prices = calloc(1, sizeof *prices);
+	bool good = prices;
 	if (prices) {
+		struct lod_arena *a = &prices->memory;
 		prices->kept = kept;
-		prices->factor = waste;
+		prices->factor = times;
+		prices->organs_off = lod_arena_try(a, plants, sizeof *prices->organs_off);
+		prices->saved = lod_arena_try(a, plants, sizeof *prices->saved);
+		prices->spent = lod_arena_try(a, plants, sizeof *prices->spent);
+		good = !a->failed && make_ladders(m) && make_tiles(m);
 	}
-	bool good = prices && (prices->organs_off = calloc(plants + 1u, sizeof *prices->organs_off))
-		&& (prices->saved = malloc((plants + 1u) * sizeof *prices->saved))
-		&& (prices->spent = malloc((plants + 1u) * sizeof *prices->spent))
-		&& make_ladders(m) && make_tiles(m) && make_room(m);
 	lod_prices_work(m);
 	const struct eco_view *view = &m->p->input->request->view;
 	if (nodes)
@@ -339,27 +264,7 @@ void lod_prices_free(struct lod_allocation *m)
 	struct lod_prices *prices = m->prices;
 	if (!prices)
 		return;
-	free(prices->ladders);
-	free(prices->images);
-	free(prices->choices);
-	free(prices->drawn);
-	free(prices->vertices);
-	free(prices->prefixes);
-	free(prices->needs);
-	free(prices->gain);
-	free(prices->rests);
-	free(prices->more_px);
-	free(prices->shown);
-	free(prices->instances);
-	free(prices->instances_waste);
-	free(prices->points);
-	free(prices->room);
-	free(prices->room_first);
-	free(prices->part);
-	free(prices->shared);
-	free(prices->organs_off);
-	free(prices->saved);
-	free(prices->spent);
+	lod_arena_free(&prices->memory);
 	free(prices);
 	m->prices = NULL;
 	m->tries.count = 0;

@@ -10,8 +10,17 @@
 /* The longest prefix of each list of a ladder, in chunks. */
 struct chunks { uint32_t of[LISTS_OF_LADDER]; };
 
-struct price { double bytes, waste; };       /* waste: what they cost beside */
 struct drawn { double drawn, seen; };        /* plants that draw a choice, and wrong pixels of nothing there */
+
+/* A number of vertices that some plant may draw of a ladder. */
+struct step {
+	uint64_t vertices;
+	struct chunks needs;
+	double gain;                 /* what is saved there, ... */
+	bool rests;                  /* ... whether some choice stays there, ... */
+	double more_px;              /* ... and pixels that show the texture from there on */
+	double shown;                /* share of what is drawn that shows the texture */
+};
 
 /* A ladder in view, and what each number of vertices that a plant may draw needs of its lists. Points give
  * way to triangles, so a step may need less than those before it: what is paid is what some plant draws. */
@@ -20,18 +29,13 @@ struct ladder_price {
 	uint32_t first, count;       /* its choices, in lod_prices.choices */
 	uint32_t steps;
 	uint32_t lists[LISTS_OF_LADDER], list_count;
-	const struct price *prefixes[LISTS_OF_LADDER];       /* of each list: of so many chunks */
-	uint64_t *vertices;          /* per step, ascending */
-	struct chunks *needs;        /* per step */
-	double *gain;                /* per step: what is saved there, */
-	bool *rests;                 /* and whether some choice stays there, ... */
-	double lambda;               /* ... at this lambda, by what was drawn then; not a number: not known */
-	struct price used;           /* of what the last relaxation draws */
+	const double *prefixes[LISTS_OF_LADDER];       /* of each list: of so many chunks */
+	struct step *at;             /* in ascending vertices */
+	double lambda;               /* at which gains were found, by what was drawn then; not a number: none are */
+	double used;                 /* bytes of what the last relaxation draws */
 	uint32_t limit;              /* the last step that may be drawn */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
-	float *shown;                /* per step: share of what is drawn that shows the texture; ... */
-	double *more_px;             /* ... pixels that show it from there on, as `gain` */
 	bool shows;                  /* some of it, while organs are judged */
 	double seen_px;              /* of plants that draw the ladder */
 	double image_lost, outline_lost;     /* what each that shows it has wrong: all, and by its outline; ... */
@@ -47,38 +51,30 @@ struct image_price {
 	double price;
 	uint32_t most, levels;       /* of colours, that the view resolves; that are worth their bytes */
 	uint32_t outline_levels;     /* likewise; 0: there is no outline */
-	double bytes, waste;         /* of all these */
+	double bytes;                /* of all these */
 	uint32_t shown;              /* by so many ladders, while organs are judged */
 	bool used;
 };
 
 struct lod_prices {
+	struct lod_arena memory;     /* of all of it */
 	const struct eco_holdings *kept;     /* chunks that come anyway; NULL: all count alike */
-	double factor;               /* times their bytes, that others cost beside these */
+	double factor;               /* times their bytes, that others count */
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;
 	uint32_t *choices;           /* of the allocation, by ladder; ... */
 	struct drawn *drawn;         /* ... what gains of each were made of */
-	/* of all ladders */
-	struct price *prefixes;
-	uint64_t *vertices;          struct chunks *needs;
-	double *gain, *more_px;      bool *rests;
-	float *shown;
-	double *instances, *instances_waste, *points;        /* per node */
+	double *instances, *points;  /* per node */
 	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
-	uint32_t *shared, shared_count;      /* nodes that pay only a part, those of a tile together */
-	struct lod_hull_point *room; /* for hulls of summaries */
-	uint32_t *room_first;        /* per node */
 	bool *organs_off;            /* per plant */
 	double *saved, *spent;       /* per plant: by its organs */
 };
 
-/* Bytes of the chunks [from, to) of a list that the client lacks; what these cost beside their bytes. */
+/* Bytes of the chunks [from, to) of a list that the client lacks. */
 double lod_prices_missing(const struct lod_allocation *allocation, uint32_t list, uint32_t from, uint32_t to);
-double lod_prices_waste(const struct lod_allocation *allocation, uint32_t list, uint32_t from, uint32_t to);
 /* Puts the longer of both into the sum. What chunks of a ladder take. */
 void lod_prices_add_needs(struct chunks *sum, const struct chunks *more);
-struct price lod_prices_of(const struct ladder_price *ladder, const struct chunks *needs);
+double lod_prices_of(const struct ladder_price *ladder, const struct chunks *needs);
 /* Counts the work of limits, which are made of what all choices come to, as a relaxation is. */
 void lod_prices_work(struct lod_allocation *allocation);
 /* The share of a slot's plants that draw a choice. `all`: of a ladder that shows the whole plant, as if no

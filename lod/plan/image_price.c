@@ -44,13 +44,10 @@ static void set_levels(struct lod_allocation *m, struct image_price *image, uint
 	image->levels = levels;
 	image->outline_levels = outline_levels;
 	image->bytes = missing_levels(m, image->list, levels);
-	image->waste = lod_prices_waste(m, image->list, 0, lod_plan_chunks_for(m->p->scene, image->list, levels));
 	m->p->texture_levels[image->list] = (uint8_t)levels;
 	if (image->outline == ECO_NONE)
 		return;
 	image->bytes += missing_levels(m, image->outline, outline_levels);
-	image->waste += lod_prices_waste(m, image->outline, 0,
-		lod_plan_chunks_for(m->p->scene, image->outline, outline_levels));
 	m->p->texture_levels[image->outline] = (uint8_t)outline_levels;
 }
 
@@ -70,7 +67,7 @@ static void share_images(struct lod_allocation *m)
 		if (l->textured == ECO_NONE)
 			continue;
 		const struct image_price *image = &m->prices->images[l->image];
-		l->image_part = (image->bytes + image->waste) / image->users[cell];
+		l->image_part = image->bytes / image->users[cell];
 	}
 }
 
@@ -78,12 +75,12 @@ bool lod_images_make(struct lod_allocation *m)
 {
 	struct lod_prices *prices = m->prices;
 	const struct eco_scene *scene = m->p->scene;
-	prices->images = calloc(prices->ladder_count + 1u, sizeof *prices->images);
+	prices->images = lod_arena_try(&prices->memory, prices->ladder_count, sizeof *prices->images);
 	if (!m->p->texture_levels)
 		m->p->texture_levels = calloc(scene->list_count + 1u, 1);
 	if (!m->p->texture_levels)
 		return false;
-	uint32_t *of = calloc(scene->list_count + 1u, sizeof *of);
+	uint32_t *of = lod_arena_try(&prices->memory, scene->list_count, sizeof *of);
 	for (int pass = 0; pass < 2 && of && prices->images; pass++)
 		for (uint32_t i = 0; i < prices->ladder_count; i++) {
 			struct ladder_price *l = &prices->ladders[i];
@@ -103,8 +100,7 @@ bool lod_images_make(struct lod_allocation *m)
 			l->image = of[l->image] - 1;
 			prices->images[l->image].users[cell]++;
 		}
-	free(of);
-	if (!of || !prices->images)
+	if (prices->memory.failed)
 		return false;
 	for (uint32_t i = 0; i < prices->image_count; i++)
 		set_levels(m, &prices->images[i], prices->images[i].most,

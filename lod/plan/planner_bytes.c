@@ -25,7 +25,7 @@
 #define FEW_FALL 4               /* vertices of one try over those of the next, where hardly any fit */
 #define SIZE_MARGIN 0.002        /* of the bytes, since what is beside differs from one answer to the next */
 #define SIZE_TRIES 5             /* answers whose bytes are counted */
-#define WASTE_COARSER 3.0        /* beside their bytes chunks of coarser answers cost so many times these that the answer lacks */
+#define TIMES_COARSER 4.0        /* their bytes count chunks of coarser answers that the answer lacks */
 #define SPARE_WORTH 1e-8         /* without a budget a byte of a plant's lists must set this share of the plants' pixels
                                   * right: 100 kB a thousandth */
 #define SPARE_WRONG 0.005        /* missed is no more than this share of what is wrong before, ... */
@@ -532,7 +532,7 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 	struct lod_planner *p = s->allocation->p;
 	enum eco_code code = lod_plan_needs(p->scene, answer, &kept, error);
 	if (!code)
-		code = lod_prices_make(s->allocation, &kept, WASTE_COARSER, error);
+		code = lod_prices_make(s->allocation, &kept, TIMES_COARSER, error);
 	if (!code)
 		code = sweep_prices(s, p->input->request->vertices, error);
 	free(kept.items);

@@ -1,7 +1,7 @@
 /* Deussen's rule, solved for a budget. One sample distance d' (radians: the mean distance of neighbouring
  * samples on the image plane at distance 1) decides for every tile whether its summary suffices, and for
  * every organ at every distance how many points or lines it gets. Smaller d' means more vertices; the rule
- * takes the smallest d' whose plan fits and spends the rest of the budget by the measured curves.
+ * takes the smallest d' whose plan fits.
  *
  * Deussen 2002, section 5, with corrections:
  *   points  p = c_p A / (2 r^2) / d'^2. The paper multiplies by n_p as well and compares the result with
@@ -12,30 +12,18 @@
  *           no more use than points: never more lines than samples.
  *   importance multiplies an organ's share of the budget (4.3).
  *
- * As in the paper, plants out of view are left out and occlusion is ignored. Two things are better than
- * there, so that measurements compare rules and not primitives: scales are those measured for each list, and
- * the rest of the budget follows the measured curves (lod/EXPERIMENTS.md, Deussen's rule with measured
- * scales).
+ * As in the paper, plants out of view are left out and occlusion is ignored. One thing is better than there, so that
+ * measurements compare rules and not primitives: scales are those measured for each list.
  *
  * V(d') is a step function and not quite monotone: a tile that opens may cost a little less than its summary
- * did. So d' is searched on a fixed exact grid and the plan's vertices are always counted. The structure
- * (open tiles, plants that show cells) may be that of a finer d' than the vertices, where that uses more of
- * the budget. */
+ * did. So d' is searched on a fixed exact grid and the plan's vertices are always counted. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/base/array_grow.h"
 #include "lod/ladder.h"
-#include "lod/heap.h"
-
-/* ---- The fill ---- */
-
-/* The rest of a budget once d' is found. Greedy by wrong pixels saved per
- * vertex, first on whole slots, then on shares of them, so that the last vertices go to as many plants as
- * possible. It ends early where the work is done that the plan may take. */
 
 struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry,
 	uint64_t vertices)
@@ -49,153 +37,9 @@ struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod
 	return lod_ladder_curve(p->scene, ladder, lod_way_share(lod_planner_way(p, entry->ladder), vertices));
 }
 
-static uint64_t entry_floor(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
-{
-	vertices = vertices < entry->full ? vertices : entry->full;
-	return entry->slot == ECO_NONE ? vertices : lod_way_floor(lod_planner_way(p, entry->ladder),
-		vertices);
-}
-
-static uint64_t entry_next(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
-{
-	if (vertices >= entry->full)
-		return UINT64_MAX;
-	return entry->slot == ECO_NONE ? vertices + 1 : lod_way_next(lod_planner_way(p, entry->ladder),
-		vertices);
-}
-
-/* The next number of vertices to try: about an eighth more, so that a fill takes few steps. */
-static uint64_t entry_target(const struct lod_planner *p, const struct lod_entry *entry)
-{
-	uint64_t next = entry_next(p, entry, entry->vertices);
-	if (next == UINT64_MAX)
-		return next;
-	uint64_t further = entry_floor(p, entry, entry->vertices + entry->vertices / 8 + 1);
-	return further > next ? further : next;
-}
-
-/* Wrong pixels saved per vertex by going to `target`. Never negative: a curve may rise by noise. */
-static double entry_gain(const struct lod_planner *p, const struct lod_entry *entry, uint64_t target)
-{
-	struct eco_curve now = lod_planner_curve(p, entry, entry->vertices),
-		then = lod_planner_curve(p, entry, target);
-	double saved = ((double)now.fp + now.fn - then.fp - then.fn) * entry->pixels;
-	return (saved > 0 ? saved : 0) / (double)(target - entry->vertices);
-}
-
-#define STEP_WORK (5 * LOD_WORK_CURVE)
-#define SHARE_WORK 8000u         /* beside the plants that are gone through */
-
-/* Plants of one slot by hash. */
-struct hashes { uint32_t anchor; uint8_t band; uint32_t count[ECO_SHARE_ONE]; };
-
-static void collect_hash(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count,
-	uint32_t plant, uint32_t hash)
-{
-	struct hashes *h = ctx;
-	(void)plant;
-	for (uint32_t i = 0; i < anchor_count; i++)
-		if (anchors[i].anchor == h->anchor && anchors[i].band == h->band)
-			h->count[hash]++;
-}
-
-/* Gives the next number of vertices to as many plants of the slot as fit: those with the smallest hashes. */
-static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint64_t left,
-	struct hashes *hashes)
-{
-	const struct lod_slot *slot = &p->visible.slots[entry->slot];
-	uint64_t next = entry_next(p, entry, entry->vertices);
-	if (next == UINT64_MAX || next - entry->vertices > left)
-		return 0;
-	uint64_t most = left / (next - entry->vertices), plants = 0;
-	memset(hashes, 0, sizeof *hashes);
-	hashes->anchor = slot->anchor;
-	hashes->band = slot->band;
-	lod_planner_work(p, SHARE_WORK + LOD_WORK_TALLY * p->visible.plants);
-	lod_visible_tree_each(&p->visible, slot->plant, p->gates, collect_hash, hashes);
-	uint32_t share = 0;
-	while (share < ECO_SHARE_ONE && plants + hashes->count[share] <= most)
-		plants += hashes->count[share++];
-	if (plants == 0)
-		return 0;
-	entry->more = next;
-	entry->share = share;
-	entry->reason = (struct lod_reason){ .why = LOD_WHY_LEFT_OVER, .ahead = plants };
-	return plants * (next - entry->vertices);
-}
-
-/* Nothing has to be chosen if all that is open fits. False: it does not. */
-static bool fill_all(struct lod_planner *p)
-{
-	uint64_t left = p->input->request->vertices - p->vertices, sum = 0, more;
-	for (uint32_t i = 0; i < p->entry_count; i++) {
-		const struct lod_entry *entry = &p->entries[i];
-		if (__builtin_mul_overflow(entry_floor(p, entry, entry->full) - entry->vertices, entry->count, &more)
-				|| __builtin_add_overflow(sum, more, &sum) || sum > left)
-			return false;
-	}
-	for (uint32_t i = 0; i < p->entry_count; i++) {
-		struct lod_entry *entry = &p->entries[i];
-		uint64_t most = entry_floor(p, entry, entry->full);
-		if (most > entry->vertices)
-			entry->reason.why = LOD_WHY_LEFT_OVER;
-		entry->vertices = most;
-	}
-	p->vertices += sum;
-	return true;
-}
-
-static enum eco_code fill_rest(struct lod_planner *p, struct eco_error *error)
-{
-	if (fill_all(p))
-		return ECO_OK;
-	uint64_t left = p->input->request->vertices - p->vertices;
-	struct lod_heap_item *heap = malloc((p->entry_count + 1) * sizeof *heap);
-	struct hashes *hashes = malloc(sizeof *hashes);
-	uint32_t count = 0;
-	if (!heap || !hashes) {
-		free(heap);
-		free(hashes);
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
-			p->entry_count);
-	}
-	for (uint32_t i = 0; i < p->entry_count; i++) {
-		uint64_t target = entry_target(p, &p->entries[i]);
-		if (target != UINT64_MAX)
-			heap[count++] = (struct lod_heap_item){ entry_gain(p, &p->entries[i], target), i };
-	}
-	lod_heap_make(heap, count);
-	lod_planner_work(p, STEP_WORK * (uint64_t)count);
-	while (count && left && !lod_planner_over(p, 4)) {
-		lod_planner_work(p, STEP_WORK);
-		struct lod_entry *entry = &p->entries[heap[0].id];
-		uint64_t target = entry_target(p, entry), affordable = entry->vertices + left / entry->count;
-		if (target > affordable)
-			target = entry_floor(p, entry, affordable);
-		bool whole = target != UINT64_MAX && target > entry->vertices;
-		if (whole) {
-			left -= (target - entry->vertices) * entry->count;
-			entry->vertices = target;
-			entry->reason.why = LOD_WHY_LEFT_OVER;
-			target = entry_target(p, entry);
-			heap[0].key = target == UINT64_MAX ? -1 : entry_gain(p, entry, target);
-		} else if (entry->count > 1) {
-			left -= fill_share(p, entry, left, hashes);
-		}
-		if (!whole || target == UINT64_MAX)
-			heap[0] = heap[--count];
-		lod_heap_sift(heap, count, 0);
-	}
-	p->vertices = p->input->request->vertices - left;
-	free(heap);
-	free(hashes);
-	return ECO_OK;
-}
-
 #define SPLAT_FACTOR 1.3         /* c_p */
-#define STEPS_PER_OCTAVE 32
+#define STEPS_PER_OCTAVE 256     /* of d': next to none of a budget is left */
 #define STEP_LAST (STEPS_PER_OCTAVE * 60)
-#define STRUCTURE_TRIES 12       /* finer structures looked at when budget is left over */
 #define PLACES_MOST 1000000u     /* plants looked at with a step, where summaries stand for the others */
 #define NODE_WORK 300u           /* of a tile in view, from opening it at many steps to sending its cut */
 
@@ -450,67 +294,6 @@ static enum eco_code solve(struct lod_planner *p, int *solution, struct eco_erro
 	return ECO_OK;
 }
 
-/* Amounts for the structure of `structure`, at the finest step not finer than it that fits; vertices 0 if
- * none does. */
-static enum eco_code points_that_fit(struct lod_planner *p, int structure, struct eco_error *error)
-{
-	int low = -1, high = structure + 1;
-	while (high - low > 1 && !(low >= 0 && lod_planner_over(p, 4))) {
-		int middle = low + (high - low) / 2;
-		enum eco_code code = count_vertices(p, middle, error);
-		if (code)
-			return code;
-		*(p->vertices <= p->input->request->vertices ? &low : &high) = middle;
-	}
-	enum eco_code code = count_vertices(p, low < 0 ? 0 : low, error);
-	if (low < 0 && !code) {
-		p->vertices = 0;
-		for (uint32_t i = 0; i < p->entry_count; i++)
-			p->entries[i].vertices = 0;
-	}
-	return code;
-}
-
-/* ---- Structure and hull points together ---- */
-
-static enum eco_code plan_structure(struct lod_planner *p, int structure, struct eco_error *error)
-{
-	enum eco_code code = open_step(p, structure, error);
-	if (!code)
-		code = points_that_fit(p, structure, error);
-	if (!code)
-		code = fill_rest(p, error);
-	return code;
-}
-
-/* The structure that uses the budget best: the solved one, or, where its curves have all ended below the
- * budget, a finer one. */
-static enum eco_code best_structure(struct lod_planner *p, int solved, int *best, struct eco_error *error)
-{
-	uint64_t most = 0, budget = p->input->request->vertices;
-	*best = solved < 0 ? 0 : solved;
-	int step = *best, stride = 1;
-	for (int i = 0; i < STRUCTURE_TRIES && !(i && lod_planner_over(p, 2)); i++) {
-		struct eco_error local = { 0 };
-		enum eco_code code = plan_structure(p, step, &local);
-		if (code && code != ECO_TOO_LARGE)
-			return eco_fail(error, code, "%s", local.text);
-		if (code && i == 0)
-			return eco_fail(error, code, "%s", local.text);
-		if (code)
-			break;
-		if (p->vertices > most || i == 0) {
-			most = p->vertices;
-			*best = step;
-		}
-		if (most == budget || step == STEP_LAST)
-			break;
-		step = step + stride < STEP_LAST ? step + stride : STEP_LAST;
-		stride *= 2;
-	}
-	return ECO_OK;
-}
-
 /* Wrong pixels summed over organs as if nothing overlapped, then shrunk to the picture. A picture that is
  * asked to hold t times its pixels is covered by the share t / (1 + t). */
 static struct eco_prediction predict(const struct lod_planner *p)
@@ -531,16 +314,18 @@ static struct eco_prediction predict(const struct lod_planner *p)
 
 enum eco_code lod_rule_deussen(struct lod_planner *p, struct eco_error *error)
 {
-	int solved, structure;
-	enum eco_code code = solve(p, &solved, error);
+	int step;
+	bool fits;
+	enum eco_code code = solve(p, &step, error);
 	if (!code)
-		code = best_structure(p, solved, &structure, error);
-	if (!code)
-		code = plan_structure(p, structure, error);
+		code = try_level(p, step < 0 ? 0 : step, &fits, error);
 	if (code)
 		return code;
+	for (uint32_t i = 0; !fits && i < p->entry_count; i++)
+		p->entries[i].vertices = 0;
+	p->vertices = fits ? p->vertices : 0;
 	p->converged = true;         /* by halving whole numbers of steps: there is one that fits, or none */
-	p->sample_distance = distance_at(structure);
+	p->sample_distance = distance_at(step < 0 ? 0 : step);
 	p->prediction = predict(p);
 	return ECO_OK;
 }

@@ -73,21 +73,23 @@ enum eco_code lod_uses_make(struct lod_allocation *m, struct eco_error *error)
 	for (uint32_t n = 0; n < nodes; n++)
 		count += m->tile_choices[n].open ? visible->nodes[n].tally_count : 0;
 	uint32_t *first = calloc(slots + 1u, sizeof *first), *next = malloc((count + 1u) * sizeof *next);
-	bool good = first && next && (uses->items = malloc((count + 1u) * sizeof *uses->items))
-		&& (uses->cells = malloc((count + 1u) * sizeof *uses->cells))
-		&& (uses->by_slot = malloc((count + 1u) * sizeof *uses->by_slot))
-		&& (uses->first = malloc((nodes + 1u) * sizeof *uses->first))
-		&& (uses->slot_first = calloc(slots + 1u, sizeof *uses->slot_first))
-		&& (uses->near = calloc(slots + 1u, sizeof *uses->near))
-		&& (uses->each = calloc(slots + 1u, sizeof *uses->each))
-		&& (uses->drawn = calloc(slots + 1u, sizeof *uses->drawn))
-		&& (uses->seen = calloc(slots + 1u, sizeof *uses->seen))
-		&& (uses->moved = calloc(slots + 1u, sizeof *uses->moved))
-		&& (uses->redrawn = calloc(slots + 1u, sizeof *uses->redrawn))
-		&& (uses->own = calloc(nodes + 1u, sizeof *uses->own))
-		&& (uses->stale = calloc(nodes + 1u, sizeof *uses->stale))
-		&& (uses->reach = calloc(nodes + 1u, sizeof *uses->reach))
-		&& (uses->weight = calloc(nodes + 1u, sizeof *uses->weight));
+	struct lod_arena *a = &m->memory;
+	uses->items = lod_arena_try(a, count, sizeof *uses->items);
+	uses->cells = lod_arena_try(a, count, sizeof *uses->cells);
+	uses->by_slot = lod_arena_try(a, count, sizeof *uses->by_slot);
+	uses->first = lod_arena_try(a, nodes + 1u, sizeof *uses->first);
+	uses->slot_first = lod_arena_try(a, slots + 1u, sizeof *uses->slot_first);
+	uses->near = lod_arena_try(a, slots, sizeof *uses->near);
+	uses->each = lod_arena_try(a, slots, sizeof *uses->each);
+	uses->drawn = lod_arena_try(a, slots, sizeof *uses->drawn);
+	uses->seen = lod_arena_try(a, slots, sizeof *uses->seen);
+	uses->moved = lod_arena_try(a, slots, sizeof *uses->moved);
+	uses->redrawn = lod_arena_try(a, slots, sizeof *uses->redrawn);
+	uses->own = lod_arena_try(a, nodes, sizeof *uses->own);
+	uses->stale = lod_arena_try(a, nodes, sizeof *uses->stale);
+	uses->reach = lod_arena_try(a, nodes, sizeof *uses->reach);
+	uses->weight = lod_arena_try(a, nodes, sizeof *uses->weight);
+	bool good = first && next && !a->failed;
 	if (good) {
 		fill(m, first, next);
 		fill_by_slot(uses, nodes, slots);
@@ -97,26 +99,6 @@ enum eco_code lod_uses_make(struct lod_allocation *m, struct eco_error *error)
 	free(next);
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for the plants of %u "
 		"tiles", nodes);
-}
-
-void lod_uses_free(struct lod_uses *uses)
-{
-	free(uses->items);
-	free(uses->first);
-	free(uses->by_slot);
-	free(uses->slot_first);
-	free(uses->cells);
-	free(uses->near);
-	free(uses->each);
-	free(uses->own);
-	free(uses->stale);
-	free(uses->drawn);
-	free(uses->seen);
-	free(uses->moved);
-	free(uses->redrawn);
-	free(uses->reach);
-	free(uses->weight);
-	*uses = (struct lod_uses){ 0 };
 }
 
 void lod_uses_sum_cells(struct lod_allocation *m)

@@ -270,7 +270,7 @@ UNIT_TEST(a_tile_draws_its_plants_or_its_summary_where_bytes_have_a_price)
 			const struct lod_tile_choice *choice = &r.m.tile_choices[n];
 			const struct lod_cost *cost = &choice->cost;
 			double plants, summary, paid = cost->alike + cost->open
-				+ lambda * cost->vertices + r.m.price * (cost->bytes + cost->waste);
+				+ lambda * cost->vertices + r.m.price * cost->bytes;
 			open += choice->share >= 1;
 			closed += choice->share <= 0 && choice->points > 0;
 			if (holds || !draws_both(&r.m, n) || !(choice->points > 0))
