@@ -13,8 +13,8 @@
 #define TRIANGLES_SMALL 0.45 /* and a share of these for a small one */
 #define SPRAY_LEAST 5.0      /* leaves */
 #define SPRAY_MOST 225.0
-#define CARDS 3000.0
-#define CARDS_MAX 6000.0    /* a larger crown is thinner */
+#define CARDS 4000.0
+#define CARDS_MAX 8000.0    /* a larger crown is thinner */
 #define SHADE_SPREAD 0.25
 #define GOLDEN_DEG 137.50776405
 

@@ -80,10 +80,15 @@ static bool is_inside(const struct grower *g, struct gen_v3 at)
 /* Metres from a point to the crown's edge, `most` at most. */
 static double room(const struct grower *g, struct gen_v3 from, struct gen_v3 way, double most)
 {
-	for (int i = 1; i <= 24; i++)
-		if (!is_inside(g, gen_mad(from, way, most * i / 24)))
-			return most * (i - 1) / 24;
-	return most;
+	double inside = 0, step = most / 24;
+	while (inside < most && is_inside(g, gen_mad(from, way, inside + step)))
+		inside += step;
+	for (int i = 0; i < 5 && inside < most; i++) {
+		step /= 2;
+		if (is_inside(g, gen_mad(from, way, inside + step)))
+			inside += step;
+	}
+	return fmin(inside, most);
 }
 
 /* 0 deep inside, 1 at the outside and the top */
@@ -327,7 +332,7 @@ static void draw_flower(struct grower *g, struct gen_v3 at, struct gen_v3 way, d
 		struct gen_v3 out = gen_turned(across, way, 360.0 * k / 7);
 		gen_leaf(g->mesh, (uint8_t)(g->foliage.flower + gen_foliage_shade(&g->foliage, 0.5)),
 			&(struct gen_leaf){ .at = at,
-				.along = gen_mad(out, way, 0.35),
+				.along = gen_mad(out, way, 0.6),
 				.face = way,
 				.length = 0.6 * length,
 				.width = 0.42 * length,
@@ -342,7 +347,7 @@ static void draw_head(struct grower *g, const struct branch *stem)
 	double length = g->h->head_part * g->height * gen_random_in(g->random, 0.85, 1.15);
 	struct gen_v3 at = stem->at[stem->count - 1], way = gen_unit(gen_sub(at, stem->at[stem->count - 2]));
 	unsigned kind = one_of(g->h->head, kinds);
-	if (kind == 1)
+	if (kind == 1 && g->foliage.flowers > 0)
 		draw_flower(g, at, way, length);
 	for (uint32_t k = 0; kind == 2 && k < 14; k++) {
 		struct gen_leaf leaf = { .at = gen_mad(at, way, -0.3 * length * (k % 4) / 4), .length = 0.8 * length,
@@ -509,7 +514,7 @@ static void set_cells(struct gen_spray *spray, const struct gen_plant_look *look
 			spray->rgb[k][c] = (uint8_t)(low + (high - (double)low) * k / (GEN_CELLS - 1));
 			spray->wood[c] = (uint8_t)(look->bark >> (16 - 8 * c));
 		}
-	spray->uneven = look->is_motley ? 0.24 : 0.12;
+	spray->uneven = 0.24;
 }
 
 static void make_materials(struct grower *g, uint8_t organ[GEN_MATERIALS_MAX], struct gen_spray sprays[2],
@@ -527,7 +532,7 @@ static void make_materials(struct grower *g, uint8_t organ[GEN_MATERIALS_MAX], s
 		g->foliage.cards[k] = gen_material(g->mesh, names[k], 0xffffff, names[k]);
 		memset(organ + *first[k], k ? ECO_ORGAN_FLOWER : ECO_ORGAN_FOLIAGE, GEN_SHADES + 1);
 		sprays[k] = g->foliage.spray;
-		set_cells(&sprays[k], look, colors[k][0], colors[k][1]);
+		set_cells(&sprays[k], look, k ? colors[k][0] : scaled(look->leaf, 0.72), k ? colors[k][1] : scaled(look->leaf, 1.22));
 	}
 	if (look->flowers == 0)
 		sprays[1].leaves = 0;
@@ -552,12 +557,26 @@ bool eco_library_habit(size_t i, struct eco_habit *habit)
 	return true;
 }
 
+/* Crowns narrower than usual have thinner stems, and lost lower boughs to the shade of neighbours: the base rises by the share
+ * `clear` of what the crown lacks in width, or to where it was measured; what is above moves along. */
+static struct habits_row raised(const struct habits_row *row, const struct eco_library_plant *plant)
+{
+	struct habits_row h = *row;
+	double wide = plant->crown_m / fmin(h.crown * plant->height_m, h.widest_m), left;
+	h.trunk *= sqrt(gen_clamp(wide, 0.3, 1.5));
+	h.base = plant->base > 0 ? plant->base : h.base + (1 - h.base) * h.clear * fmax(1 - wide, 0);
+	left = (1 - h.base) / (1 - row->base);
+	h.foot = fmax(1 - left * (1 - h.foot), fmin(h.foot, 0.02));
+	h.leader = 1 - left * (1 - h.leader);
+	return h;
+}
+
 void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], struct gen_spray sprays[2], size_t i,
 	const struct eco_library_plant *plant, const struct gen_plant_look *look, uint64_t seed)
 {
 	static const char *const arrangements[] = { "around", "ranks", "tuft", "fan", "ribbon", NULL };
 	static const char *const plans[] = { "round", "box", "wall", "rows", NULL };
-	const struct habits_row *h = &habits_rows[i];
+	const struct habits_row raised_row = raised(&habits_rows[i], plant), *h = &raised_row;
 	struct gen_random random = { seed };
 	struct grower g = { .h = h,
 		.mesh = mesh,

@@ -12,6 +12,7 @@
 #include "ecofiles/format/pack.h"
 #include "ecofiles/generate/generate_growth.h"
 #include "ecofiles/import/model/model_parts.h"
+#include "ecofiles/import/places/words.h"
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 #define FRESH 0x9cbc54u    /* leaves that have just unfolded */
@@ -100,7 +101,7 @@ static void set_season(struct gen_plant_look *look, const struct looks_row *row,
 	if (season == ECO_SEASON_WINTER && !woody && (deciduous || is_given(row->autumn)))
 		look->leaf = STRAW;
 	look->is_bare = season == ECO_SEASON_WINTER && woody && deciduous;
-	if (strcmp(row->blooms, eco_season_names[season]) == 0)
+	if (eco_words_have(row->blooms, eco_season_names[season]))
 		look->flowers = row->share;
 }
 
@@ -150,6 +151,9 @@ enum eco_code eco_library_check(const struct eco_library_plant *plant, struct ec
 			"%s, %g m high with a crown of %g m: a crown is %g to %g times as wide as its plant "
 			"is high",
 			habit.name, plant->height_m, plant->crown_m, SLENDER_LEAST, SLENDER_MOST);
+	if (!(plant->base >= 0 && plant->base <= ECO_LIBRARY_BASE_MOST))
+		return eco_fail(error, ECO_BAD_INPUT, "%s with a crown from %g of its height on: it begins at 0 to %g", habit.name,
+			plant->base, ECO_LIBRARY_BASE_MOST);
 	if (plant->individual > ECO_LIBRARY_INDIVIDUALS)
 		return eco_fail(error, ECO_BAD_INPUT, "individual %u: there are %u", plant->individual,
 			ECO_LIBRARY_INDIVIDUALS);

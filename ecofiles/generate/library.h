@@ -24,6 +24,7 @@ extern const char *const eco_season_names[ECO_SEASON_COUNT + 1]; /* ends with NU
 
 #define ECO_LIBRARY_LEAST_M 0.02
 #define ECO_LIBRARY_MOST_M 150.0
+#define ECO_LIBRARY_BASE_MOST 0.95
 #define ECO_LIBRARY_INDIVIDUALS 16u
 #define ECO_LIBRARY_TRIANGLES_MAX 60000u
 
@@ -31,6 +32,7 @@ struct eco_library_plant {
 	char habit[24]; /* as in habits.tsv */
 	/* height; mean width of the crown, 0: usual for the habit */
 	double height_m, crown_m;
+	double base; /* lower end of the crown as a share of the height; 0: by the habit and the crown's width; to BASE_MOST */
 	char genus[48]; /* any name with a genus; "": a plant of the habit's form */
 	enum eco_season season;
 	uint32_t individual; /* from 1; 0: 1 */
