@@ -50,8 +50,8 @@ static char *paths_of(const struct eco_source_plant *source)
 {
 	const struct eco_library_plant *l = &source->library;
 	char *all = NULL;
-	if (source->model_count == 0 && asprintf(&all, "library: %s, %s, %.10g m, crown %.10g m, %s, %u", l->habit, l->genus,
-			l->height_m, l->crown_m, eco_season_names[l->season], l->individual) < 0)
+	if (source->model_count == 0 && asprintf(&all, "library: %s, %s, %.10g m, crown %.10g m, base %.10g, %s, %u", l->habit, l->genus,
+			l->height_m, l->crown_m, l->base, eco_season_names[l->season], l->individual) < 0)
 		eco_end("no memory");
 	for (uint32_t i = 0; i < source->model_count; i++) {
 		char *canonical = realpath(source->models[i], NULL), *longer = NULL;

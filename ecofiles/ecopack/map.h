@@ -27,7 +27,7 @@ struct map_kind {                /* plants of one name, in whatever file */
 
 /* metres from the origin; height 0: not known; species: of m->species; row of an inventory, from 1; 0: it is
  * of none; line of the file, from 1; 0: it has none; class: 1 + that of m->tints, 0: it has none */
-struct map_point { float x, y, height_m, crown_m; uint32_t kind, species, file, row, line, class; };
+struct map_point { float x, y, height_m, crown_m, base; uint32_t kind, species, file, row, line, class; };
 struct map_points { struct map_point *items; uint32_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */

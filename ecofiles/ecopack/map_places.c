@@ -74,8 +74,8 @@ static void find_kinds(struct map *m)
 }
 
 /* height_m: NAN where the plant's own counts; scale multiplies it. species NULL: as the plant is named. */
-struct stand { const double *at; double height_m, scale; const char *species; uint32_t file, row, line; double crown_m;
-	uint32_t class; };
+struct stand { const double *at; double height_m, scale; const char *species; uint32_t file, row, line; double crown_m,
+	base; uint32_t class; };
 
 static void add_plant(struct map *m, uint32_t source, uint32_t plant, const struct stand *stand)
 {
@@ -83,7 +83,7 @@ static void add_plant(struct map *m, uint32_t source, uint32_t plant, const stru
 	double height = isnan(stand->height_m) ? m->sources.items[source].plants[plant].height_m
 		: stand->height_m;
 	struct map_point point = { (float)at[0], (float)at[1],
-		height > 0 ? (float)(height * stand->scale) : 0, (float)stand->crown_m, m->kind_of[source][plant], 0, stand->file,
+		height > 0 ? (float)(height * stand->scale) : 0, (float)stand->crown_m, (float)stand->base, m->kind_of[source][plant], 0, stand->file,
 		stand->row, stand->line, stand->class };
 	point.species = eco_string_number(&m->species, stand->species ? stand->species
 		: m->kinds[point.kind].name);
@@ -145,7 +145,7 @@ static void add_rows(struct map *m, uint32_t source, const struct eco_positions_
 		add_plant(m, source, row.plant, &(struct stand){ row.at, row.height_m, row.scale,
 			row.species, file, row.row <= UINT32_MAX ? (uint32_t)row.row : 0,
 			row.line <= UINT32_MAX && eco_positions_has_lines(reader) ? (uint32_t)row.line : 0,
-			isnan(row.crown_radius_m) ? 0 : 2 * row.crown_radius_m * row.scale,
+			isnan(row.crown_radius_m) ? 0 : 2 * row.crown_radius_m * row.scale, isnan(row.base) ? 0 : row.base,
 			eco_tints_value(&m->tints, &spec->tint, row.tint) });
 	}
 	eco_positions_report(reader, say, m);

@@ -25,8 +25,8 @@ static const struct eco_field plant_fields[] = {
 	ECO_FIELDS_END
 };
 static const struct eco_field library_fields[] = {
-	ECO_OTHER("library"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("genus"), ECO_OTHER("season"),
-	ECO_OTHER("individual"), ECO_OTHER("importance"), ECO_FIELDS_END
+	ECO_OTHER("library"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("base"), ECO_OTHER("genus"),
+	ECO_OTHER("season"), ECO_OTHER("individual"), ECO_OTHER("importance"), ECO_FIELDS_END
 };
 static const struct eco_field importance_fields[] = {
 	IMPORTANCE("wood", source_plant, importance[ECO_ORGAN_WOOD]),
@@ -228,12 +228,13 @@ static void parse_library(struct eco_source *source, const struct eco_json *at, 
 {
 	struct eco_json node = eco_json_member(at, "library");
 	const char *habit = NULL, *genus = "";
-	size_t sizes = count_numbers(at, "height_m"), crowns = count_numbers(at, "crown_m"), individuals = count_numbers(at, "individual");
+	size_t sizes = count_numbers(at, "height_m"), crowns = count_numbers(at, "crown_m"),
+	       bases = count_numbers(at, "base"), individuals = count_numbers(at, "individual");
 	struct eco_error why = { .code = ECO_OK };
 	eco_scene_need(eco_json_text(at, "library", sizeof plant->library.habit - 1, &habit)
 		&& eco_json_text(at, "genus", sizeof plant->library.genus - 1, &genus));
-	if (crowns > 1 && crowns != sizes)
-		eco_scene_fail(at, "%zu heights with %zu crowns: each has its own, or all have one", sizes, crowns);
+	if ((crowns > 1 && crowns != sizes) || (bases > 1 && bases != sizes))
+		eco_scene_fail(at, "%zu heights with %zu crowns and %zu bases: each has its own, or all have one", sizes, crowns, bases);
 	if (*genus && !eco_flora_of(genus, NULL).genus)
 		eco_scene_fail(&node, "no genus of \"%.40s\" is known; without \"genus\" a plant has the leaves of its form", genus);
 	plant->library.season = source->season;
@@ -247,6 +248,7 @@ static void parse_library(struct eco_source *source, const struct eco_json *at, 
 		double number = number_of(at, "individual", i, 1);
 		own->height_m = number_of(at, "height_m", i / individuals, eco_library_height(habit));
 		own->crown_m = number_of(at, "crown_m", i / individuals, 0);
+		own->base = number_of(at, "base", i / individuals, 0);
 		own->individual = number >= 1 && number <= UINT16_MAX ? (uint32_t)number : UINT16_MAX;
 		plant[i].height_m = own->height_m;
 		if (own->individual != number || eco_library_check(own, &why))

@@ -12,7 +12,7 @@
 #define MAP_MAX (1u << 20)
 #define VALUE_BYTES 200u
 #define VALUES_MAX 4096u
-#define COLUMNS_MAX (ECO_FILTERS_MAX / 2)    /* in each of "only" and "skip" */
+#define COLUMNS_MAX (ECO_FILTERS_MAX / 3)    /* in each of "only", "skip" and "instead" */
 #define SOURCES_MAX 16u              /* of height */
 
 #define FIELD(name, kind, low, high, member) ECO_FIELD(name, kind, low, high, positions_spec, member)
@@ -22,7 +22,8 @@ static const struct eco_field row_fields[] = {
 	FIELD("unit", UNIT, 0, 0, unit_m), ECO_OTHER("polar"), ECO_OTHER("quadrat"), FIELD("crs", CRS, 0, 0, crs),
 	FIELD("vertical", TEXT, 0, 0, vertical), ECO_OTHER("separator"), ECO_OTHER("decimal"),
 	ECO_OTHER("thousands"), ECO_OTHER("species"), FIELD("codes", TEXT, 0, 0, codes), ECO_OTHER("map"), ECO_OTHER("plant"),
-	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("tint"), ECO_OTHER("crown_base"),
+	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("instead"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"), ECO_OTHER("tint"),
+	ECO_OTHER("crown_base"),
 	FIELD("levels", WHOLE, 1, 1024, levels), COLUMN("scale", scale), COLUMN("yaw_deg", yaw_deg),
 	ECO_OTHER("duplicates"), ECO_OTHER("grown"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
 };
@@ -61,7 +62,7 @@ static const struct eco_field height_fields[] = {
 	SOURCE("from_dbh_in"), SOURCE("from_age"), SOURCE("from_year"), ECO_FIELDS_END
 };
 
-/* ---- "only" and "skip": the rows wanted ---- */
+/* ---- "only", "skip" and "instead": the rows wanted ---- */
 
 static void parse_value(const struct eco_json *at, struct eco_value *value)
 {
@@ -89,25 +90,46 @@ static void parse_filter(const struct eco_json *at, struct eco_filter *filter)
 	}
 }
 
-static void parse_columns(const struct eco_json *at, const char *name, struct eco_filter *filters,
-	uint32_t *count)
+static void parse_columns(const struct eco_json *columns, bool only, struct eco_filter *filters, uint32_t *count)
 {
-	struct eco_json columns = eco_json_member(at, name), entry = { .file = NULL };
-	if (!columns.value)
+	struct eco_json entry = { .file = NULL };
+	if (!columns->value)
 		return;
-	eco_scene_need(eco_json_names(&columns, COLUMNS_MAX));
-	while (eco_json_next(&columns, &entry)) {
+	eco_scene_need(eco_json_names(columns, COLUMNS_MAX));
+	while (eco_json_next(columns, &entry)) {
 		struct eco_filter *filter = &filters[(*count)++];
-		filter->only = strcmp(name, "only") == 0;
+		filter->only = only;
 		parse_filter(&entry, filter);
 	}
 }
 
 void eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
 {
+	struct eco_json only = eco_json_member(at, "only"), skip = eco_json_member(at, "skip");
 	*filters = eco_alloc(ECO_FILTERS_MAX, sizeof **filters);
-	parse_columns(at, "only", *filters, count);
-	parse_columns(at, "skip", *filters, count);
+	parse_columns(&only, true, *filters, count);
+	parse_columns(&skip, false, *filters, count);
+}
+
+/* Plant to columns to values. */
+static void parse_instead(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	struct eco_json plants = eco_json_member(at, "instead"), entry = { .file = NULL };
+	uint32_t columns = 0;
+	if (!plants.value)
+		return;
+	eco_scene_need(eco_json_names(&plants, COLUMNS_MAX));
+	while (eco_json_next(&plants, &entry)) {
+		uint32_t plant = eco_source_plant_named(source, &entry, entry.key), i = spec->filter_count;
+		columns += (uint32_t)json_object_size(entry.value);
+		if (columns > COLUMNS_MAX)
+			eco_scene_fail(&plants, "more than %u columns", COLUMNS_MAX);
+		parse_columns(&entry, false, spec->filters, &spec->filter_count);
+		for (; i < spec->filter_count; i++) {
+			spec->filters[i].plant = plant;
+			spec->filters[i].variant_count = source->plants[plant].variant_count;
+		}
+	}
 }
 
 /* ---- Species ---- */
@@ -534,6 +556,7 @@ void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json
 	parse_tint(source, at, spec);
 	parse_base(source, at, spec);
 	eco_scene_parse_filters(at, &spec->filters, &spec->filter_count);
+	parse_instead(source, at, spec);
 	parse_place(source, at, spec);
 }
 

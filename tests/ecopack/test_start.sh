@@ -587,6 +587,18 @@ rm -rf "$DIR/my"
 "$PACK" start "$DIR/off.csv" "$DIR/metres.asc" -o "$DIR/my" --crs EPSG:25832 --plant vase >"$DIR/out" 2>&1 || complain "a habit: $(cat "$DIR/out")"
 is '[.ground.heights, .plants.vase.library]' '["../metres.asc","vase"]'
 
+# ---- Dead trees stand as dead ones: the model of one, else the library's; crowns begin where they were measured ----
+awk 'BEGIN { print "species,x_m,y_m,height_m,status,crown base height (m)"
+	for (i = 0; i < 60; i++) printf "Picea abies,%d,%d,%d,%s,%.1f\n", i % 8 * 5, i * 3, 20 + i % 5, i % 6 ? "Alive" : "Dead", 10 + i % 5 / 2 }' >"$DIR/dead.csv"
+start 0 '10 rows where "status" is Dead .they stand as dead trees' dead.csv
+is '.instances[0].instead' '{"maple_dead":{"status":["Dead"]}}'
+rm -rf "$DIR/my"
+"$PACK" start "$DIR/dead.csv" -o "$DIR/my" >"$DIR/out" 2>&1 || complain "dead: $(cat "$DIR/out")"
+is '[.instances[0].instead, .plants.dead.library]' '[{"dead":{"status":["Dead"]}},"dead"]'
+is '.plants."picea spruce".base' 0.5
+"$PACK" make --draft "$DIR/my/scene.json" -o "$DIR/my.eco" >"$DIR/out" 2>&1 && grep -q '10  another plant: "instead" by "status"' "$DIR/out" ||
+	complain "dead: $(cat "$DIR/out")"
+
 # ---- A variant that cannot be read is told at once ----
 mkdir "$DIR/variants"
 cp "$DIR/models/stieleiche.obj" "$DIR/variants/oak_1.obj"

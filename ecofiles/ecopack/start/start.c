@@ -84,6 +84,7 @@ static void start_free(struct start *s)
 	free(s->raster_paths);
 	free(s->scene);
 	json_decref(s->skip);
+	json_decref(s->dead);
 	json_decref(s->tint);
 	json_decref(s->other);
 	json_decref(s->buildings);

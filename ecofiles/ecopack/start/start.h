@@ -52,7 +52,7 @@ struct start_model {             /* a plant of the scene: a file, or several ali
 	enum eco_up up;              /* as its shape says, where its format says another axis; else FOUND */
 	bool grade;                  /* its foliage is too bright */
 	const char *habit, *genus;   /* of the library; habit NULL: files; genus "": any of its form */
-	double size_m[START_SIZES], width_m[START_SIZES]; uint32_t sizes, individuals;   /* width 0: usual */
+	double size_m[START_SIZES], width_m[START_SIZES], base[START_SIZES]; uint32_t sizes, individuals;   /* width, base 0: usual */
 };
 
 enum start_tier { START_BY_NAME, START_BY_GENUS, START_BY_FORM, START_BY_LIBRARY, START_BY_NOTHING, START_LEFT_OUT,
@@ -92,6 +92,8 @@ struct start {
 	const char *base_unit;               /* else a height */
 	int now;                             /* the year from which ages are counted */
 	json_t *skip;                        /* of rows without a plant: column to values */
+	json_t *dead; uint64_t dead_rows;    /* of rows with a dead plant, likewise */
+	uint32_t dead_model;                 /* ECO_NONE: there are no such rows */
 	uint32_t tint_column;                /* as --tint says; ECO_NONE: not given */
 	json_t *tint;                        /* as a scene has it; NULL: none */
 	struct start_model *models; uint32_t model_count, model_capacity;
@@ -131,7 +133,7 @@ void start_models_find(struct start *s);
 /* A model of that name, or one like it if there is one already. */
 struct start_model *start_model_add(struct start *s, const char *base, size_t bytes);
 void start_match_species(struct start *s);
-void start_library_add(struct start *s, const char *name);   /* a plant of no genus; `name`: of a habit that is there */
+uint32_t start_library_add(struct start *s, const char *name);       /* a plant of no genus; `name`: of a habit that is there */
 /* The library's plant of a genus or form, which is added if it is not there; its number. */
 uint32_t start_library_plant(struct start *s, const struct eco_flora *flora);
 /* Rare genera get a plant of their habit together. */

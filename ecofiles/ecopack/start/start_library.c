@@ -37,11 +37,11 @@ static uint32_t add_plant(struct start *s, const char *habit, const char *genus,
 	return s->model_count - 1;
 }
 
-void start_library_add(struct start *s, const char *name)
+uint32_t start_library_add(struct start *s, const char *name)
 {
 	struct eco_habit habit;
 	for (size_t i = 0; eco_library_habit(i, &habit) && strcmp(habit.name, name) != 0; i++) {}
-	add_plant(s, name, "", habit.like);
+	return add_plant(s, name, "", habit.like);
 }
 
 uint32_t start_library_plant(struct start *s, const struct eco_flora *flora)
@@ -88,7 +88,7 @@ void start_library_merge(struct start *s)
 
 /* ---- Which sizes ---- */
 
-struct bin { uint64_t rows, crowns; double height, square, crown; };         /* sums; square: of heights */
+struct bin { uint64_t rows, crowns, bases; double height, square, crown, base; };    /* sums; square: of heights */
 struct need { struct bin bin[START_SIZES]; double top; uint64_t rows; struct eco_spread heights; };
 
 static uint32_t bin_of(double top, double height)
@@ -127,6 +127,8 @@ static void gather(const struct start *s, const struct map *map, struct need *ne
 			bin->square += height * height;
 			bin->crown += (double)point->crown_m;
 			bin->crowns += point->crown_m > 0;
+			bin->base += (double)point->base;
+			bin->bases += point->base > 0;
 		}
 		for (uint32_t i = 0; pass == 0 && i < s->model_count; i++)
 			needs[i].top = needs[i].heights.seen ? eco_spread_quantile(&needs[i].heights, TALL) : 0;
@@ -142,8 +144,8 @@ static void give_away(struct need *n, uint32_t bin)
 	for (uint32_t b = bin + 1; n->bin[to].rows == 0 || to == bin; b++)
 		to = b;
 	struct bin *from = &n->bin[bin], *at = &n->bin[to];
-	*at = (struct bin){ at->rows + from->rows, at->crowns + from->crowns, at->height + from->height, at->square + from->square,
-		at->crown + from->crown };
+	*at = (struct bin){ at->rows + from->rows, at->crowns + from->crowns, at->bases + from->bases, at->height + from->height,
+		at->square + from->square, at->crown + from->crown, at->base + from->base };
 	*from = (struct bin){ 0 };
 }
 
@@ -177,9 +179,11 @@ static double rounded(double m) { return m >= 2 ? round(m * 10) / 10 : fmax(roun
 
 static void take_sizes(struct start_model *m, const struct need *n)
 {
-	bool crowns = true;
-	for (uint32_t b = 0; b < START_SIZES; b++)
+	bool crowns = true, bases = true;
+	for (uint32_t b = 0; b < START_SIZES; b++) {
 		crowns = crowns && n->bin[b].crowns == n->bin[b].rows;
+		bases = bases && (2 * n->bin[b].bases > n->bin[b].rows || n->bin[b].rows == 0);
+	}
 	for (uint32_t b = START_SIZES; b-- > 0;) {
 		if (n->bin[b].rows == 0)
 			continue;
@@ -187,6 +191,7 @@ static void take_sizes(struct start_model *m, const struct need *n)
 		double height = fmin(rounded(n->bin[b].square / n->bin[b].height), ECO_LIBRARY_MOST_M);
 		double crown = n->bin[b].crown / n->bin[b].height * height;
 		m->size_m[m->sizes] = height;
+		m->base[m->sizes] = bases ? fmin(round(100 * n->bin[b].base / n->bin[b].bases) / 100, ECO_LIBRARY_BASE_MOST) : 0;
 		m->width_m[m->sizes++] = crowns ? rounded(fmin(fmax(crown, 0.05 * height), 4 * height)) : 0;
 	}
 	if (m->sizes == 0 && m->flora.height_m > 0)          /* no row says one */

@@ -384,6 +384,20 @@ static void match_all(struct start *s)
 	choose_fallback(s);
 }
 
+/* A dead plant's model, else the library's. */
+static void match_dead(struct start *s)
+{
+	s->dead_model = ECO_NONE;
+	if (s->dead_rows == 0)
+		return;
+	for (uint32_t i = 0; i < s->model_count && s->dead_model == ECO_NONE; i++)
+		if (s->models[i].is_dead)
+			s->dead_model = i;
+	if (s->dead_model == ECO_NONE)
+		s->dead_model = start_library_add(s, "dead");
+	s->models[s->dead_model].rows += s->dead_rows;
+}
+
 void start_match_species(struct start *s)
 {
 	if (s->options->plant)
@@ -397,4 +411,5 @@ void start_match_species(struct start *s)
 		one_for_all(s, start_library_plant(s, &any), "--species-column, --plant", "no column names a species");
 	} else
 		ask_for_species(s);
+	match_dead(s);
 }

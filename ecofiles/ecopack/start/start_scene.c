@@ -86,6 +86,7 @@ static json_t *library_json(const struct start_model *m)
 	set_text(plant, "genus", m->genus);
 	set_numbers(plant, "height_m", m->size_m, m->sizes);
 	set_numbers(plant, "crown_m", m->width_m, m->sizes);
+	set_numbers(plant, "base", m->base, m->sizes);
 	if (m->individuals > 1)
 		json_object_set_new(plant, "individual", json_pack("[i,i]", 1, 2));
 	return plant;
@@ -310,6 +311,8 @@ static json_t *entry_json(const struct start *s)
 		json_object_set(entry, "tint", s->tint);
 	if (json_object_size(s->skip) > 0)
 		json_object_set(entry, "skip", s->skip);
+	if (s->dead_model != ECO_NONE)
+		json_object_set_new(entry, "instead", json_pack("{s:O}", s->models[s->dead_model].name, s->dead));
 	for (size_t i = 0; i < 2; i++) {         /* a file's own turn and scale, as a plan's blocks have them */
 		const char *own = i ? "scale" : "yaw_deg";
 		for (uint32_t k = 0; k < s->table.column_count; k++)

@@ -343,7 +343,7 @@ static void find_crown_base(struct start *s)
 	s->base_unit = unit ? unit : s->height.unit.unit ? s->height.unit.unit : "m";
 	snprintf(took, sizeof took, "\"%.60s\"%s%s", name, s->base_is_ratio ? ", a ratio" : " in ",
 		s->base_is_ratio ? "" : s->base_unit);
-	start_guess(s, "crown base", took, "\"crown_base\" in the scene", "it chooses between variants");
+	start_guess(s, "crown base", took, "\"crown_base\" in the scene", "it chooses between variants, and plants of the library begin there");
 }
 
 /* ---- Ages ---- */
@@ -456,18 +456,21 @@ static void add_gone(struct start *s, uint32_t column, enum gone kind)
 	char names[160] = "", dead[100] = "", took[200], number[32];
 	uint64_t rows = 0, all = 0, dead_rows = 0;
 	eco_check(eco_table_values_read(&values, &s->source, &name, 1, s->error));
-	json_t *gone = json_array();
+	json_t *gone = json_array(), *standing = json_array();
 	for (uint32_t i = 0; i < values.count; i++) {
+		bool fits = strlen(values.items[i].text) <= 200 && json_array_size(gone) + json_array_size(standing) < 4096;
 		all += values.items[i].rows;
 		if (is_dead(kind, values.items[i].text)) {
 			eco_phrase_add(dead, sizeof dead, values.items[i].text);
 			dead_rows += values.items[i].rows;
+			if (fits)
+				json_array_append_new(standing, json_string(values.items[i].text));
 		}
 		if (!is_gone(kind, values.items[i].text))
 			continue;
 		rows += values.items[i].rows;
 		eco_phrase_add(names, sizeof names, values.items[i].text);
-		if (strlen(values.items[i].text) <= 200 && json_array_size(gone) < 4096)
+		if (fits)
 			json_array_append_new(gone, json_string(values.items[i].text));
 	}
 	if (rows > 0 && (double)rows <= GONE_MOST * (double)all) {
@@ -479,9 +482,12 @@ static void add_gone(struct start *s, uint32_t column, enum gone kind)
 	if (dead_rows > 0) {
 		snprintf(took, sizeof took, "%s row%s where \"%.60s\" is %.60s", eco_phrase_count(dead_rows, number),
 			dead_rows == 1 ? "" : "s", name, dead);
-		start_guess(s, "dead", took, "\"skip\" in the scene", "they stand, drawn as the living; \"skip\" leaves them out");
+		start_guess(s, "dead", took, "\"instead\" in the scene", "they stand as dead trees; \"skip\" leaves them out");
+		json_object_set(s->dead, name, standing);
+		s->dead_rows += dead_rows;
 	}
 	json_decref(gone);
+	json_decref(standing);
 	eco_table_values_free(&values);
 }
 
@@ -538,6 +544,7 @@ static void find_things(struct start *s)
 static void find_gone(struct start *s)
 {
 	s->skip = json_object();
+	s->dead = json_object();
 	find_things(s);
 	for (uint32_t i = 0; i < s->table.column_count; i++) {
 		enum gone kind = kind_of(s->table.columns[i]);

@@ -74,7 +74,7 @@ static bool passes_filters(struct eco_positions *p)
 	char text[64];
 	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
 		const char *value = eco_row_field(p, ECO_COLUMN_FILTERS + i);
-		if (eco_filter_passes(&p->spec->filters[i], value, eco_row_decimal(p)))
+		if (p->spec->filters[i].variant_count > 0 || eco_filter_passes(&p->spec->filters[i], value, eco_row_decimal(p)))
 			continue;
 		count_in(p, &p->filtered[i], eco_row_shown(value, text, sizeof text));
 		eco_row_skip(p, ECO_SKIP_FILTERED, text);
@@ -131,6 +131,21 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 	if (species->plant == ECO_NONE)
 		eco_row_skip(p, species->name ? ECO_SKIP_LEFT_OUT : ECO_SKIP_UNKNOWN_SPECIES, text);
 	return species->plant != ECO_NONE;
+}
+
+/* The plant that "instead" of the scene says, the last one that fits. */
+static void take_instead(struct eco_positions *p, struct eco_position *record)
+{
+	char text[64];
+	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
+		const struct eco_filter *filter = &p->spec->filters[i];
+		const char *value = eco_row_field(p, ECO_COLUMN_FILTERS + i);
+		if (filter->variant_count == 0 || eco_filter_passes(filter, value, eco_row_decimal(p)))
+			continue;
+		record->plant = record->variant_first = filter->plant;
+		record->variant_count = filter->variant_count;
+		count_in(p, &p->filtered[i], eco_row_shown(value, text, sizeof text));
+	}
 }
 
 /* ---- Rows for errors ---- */
@@ -322,6 +337,7 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 		record->plant = 0;
 		return GOOD;
 	}
+	take_instead(p, record);
 	read_sizes(p, record);
 	record->yaw_deg = read_yaw(p);
 	record->scale = read_scale(p);

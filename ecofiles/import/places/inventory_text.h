@@ -48,7 +48,7 @@ enum eco_size_form eco_text_width(const char *text, char decimal, double *number
  * 1970, "Heisei 7" in Japanese; NaN: none. */
 double eco_text_year(const char *text);
 
-#define ECO_FILTERS_MAX 64u
+#define ECO_FILTERS_MAX 96u
 
 /* text folded (inventory_text.h), "*" is any text; NULL: the number */
 struct eco_value { char *text; double number; };
@@ -58,6 +58,7 @@ struct eco_filter {
 	bool only;                   /* drops rows with none of the values; else rows with one of them */
 	struct eco_value *values;
 	uint32_t value_count;
+	uint32_t plant, variant_count;       /* that such rows are, instead of being left out; variant_count 0: none */
 };
 
 /* Whether a row with this text in the column is kept. `decimal` as in eco_text_number. */

@@ -120,7 +120,7 @@ static void filter_lines(const struct report *r, const struct eco_positions_coun
 {
 	for (uint32_t i = 0; i < r->reader->spec->filter_count; i++) {
 		const struct eco_filter *f = &r->reader->spec->filters[i];
-		count_line(r, &c->filters[i], c->where, f->only ? "left out: \"%.60s\" is none of \"only\""
+		count_line(r, &c->filters[i], c->where, f->variant_count > 0 ? "another plant: \"instead\" by \"%.60s\"" : f->only ? "left out: \"%.60s\" is none of \"only\""
 			: "left out: \"skip\" of \"%.60s\"", f->column);
 	}
 }
