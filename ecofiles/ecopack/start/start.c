@@ -183,6 +183,7 @@ static void run_steps(void *start)
 		start_models_find(s);
 	start_match_species(s);
 	start_models_see(s);
+	start_library_usual(s);
 	start_tint(s);
 	start_scene(s);
 	start_write(s);

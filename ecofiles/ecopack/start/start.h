@@ -138,6 +138,8 @@ uint32_t start_library_add(struct start *s, const char *name);       /* a plant 
 uint32_t start_library_plant(struct start *s, const struct eco_flora *flora);
 /* Rare genera get a plant of their habit together. */
 void start_library_merge(struct start *s);
+/* Usual sizes, for rows that say none: of trees beside models that are lower than usual, as much lower. */
+void start_library_usual(struct start *s);
 /* Sizes and individuals that the rows need. */
 void start_library_sizes(struct start *s, const struct map *map);
 void start_models_see(struct start *s);

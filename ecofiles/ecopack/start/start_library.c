@@ -180,6 +180,8 @@ static double rounded(double m) { return m >= 2 ? round(m * 10) / 10 : fmax(roun
 static void take_sizes(struct start_model *m, const struct need *n)
 {
 	bool crowns = true, bases = true;
+	if (n->rows > 0)
+		m->sizes = 0;
 	for (uint32_t b = 0; b < START_SIZES; b++) {
 		crowns = crowns && n->bin[b].crowns == n->bin[b].rows;
 		bases = bases && (2 * n->bin[b].bases > n->bin[b].rows || n->bin[b].rows == 0);
@@ -194,8 +196,34 @@ static void take_sizes(struct start_model *m, const struct need *n)
 		m->base[m->sizes] = bases ? fmin(round(100 * n->bin[b].base / n->bin[b].bases) / 100, ECO_LIBRARY_BASE_MOST) : 0;
 		m->width_m[m->sizes++] = crowns ? rounded(fmin(fmax(crown, 0.05 * height), 4 * height)) : 0;
 	}
-	if (m->sizes == 0 && m->flora.height_m > 0)          /* no row says one */
-		m->size_m[m->sizes++] = rounded(fmin(OF_GENUS * m->flora.height_m, eco_library_height(m->habit)));
+}
+
+/* The height of models that the rows use, as a share of what is usual for their like: the median, at most 1. */
+static double given_share(const struct start *s)
+{
+	struct eco_spread shares = { .seen = 0 };
+	double share;
+	for (uint32_t i = 0; i < s->model_count; i++) {
+		const struct start_model *m = &s->models[i];
+		if (!m->habit && m->rows > 0 && m->height_m > 0 && eco_form_is_tree(m->flora.form))
+			eco_spread_add(&shares, m->height_m / eco_library_height(eco_library_habit_of(&m->flora)));
+	}
+	share = shares.seen ? fmin(eco_spread_quantile(&shares, 0.5), 1) : 1;
+	eco_spread_free(&shares);
+	return share;
+}
+
+void start_library_usual(struct start *s)
+{
+	double share = given_share(s);
+	for (uint32_t i = 0; i < s->model_count; i++) {
+		struct start_model *m = &s->models[i];
+		if (!m->habit)
+			continue;
+		double usual = eco_library_height(m->habit), genus = m->flora.height_m > 0 ? OF_GENUS * m->flora.height_m : usual;
+		m->size_m[0] = rounded(fmin(usual, genus) * (eco_form_is_tree(m->flora.form) ? share : 1));
+		m->sizes = 1;
+	}
 }
 
 /* Second individuals, for the plants with most rows first. */
