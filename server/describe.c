@@ -228,7 +228,7 @@ static void describe_species(struct srv_json *json, const char *species, json_in
 
 /* said: {"of": number of species, "most": [[name or null, plants], ...]}; NULL: nothing. The number is
  * at least that of the species named. */
-static void describe_stood_for(struct srv_json *json, const char *plant, const json_t *said)
+static void describe_stood_for(struct srv_json *json, const char *plant, const json_t *said, bool object)
 {
 	const json_t *most = json_object_get(said, "most"), *one;
 	uint64_t named = json_array_size(most), i, least = named ? named : 1;
@@ -239,16 +239,21 @@ static void describe_stood_for(struct srv_json *json, const char *plant, const j
 	json_array_foreach(most, i, one)
 		describe_species(json, json_string_value(json_array_get(one, 0)),
 			json_integer_value(json_array_get(one, 1)));
-	srv_json_add(json, "]}");
+	srv_json_add(json, "]");
+	if (object)
+		srv_json_add(json, "object:%d", true);
+	srv_json_add(json, "}");
 }
 
 void srv_describe_species(struct srv_json *json, const struct srv_scene *scene)
 {
 	const json_t *plants = json_object_get(scene->meta, "plants");
 	srv_json_add(json, "{pack:%s plants:[", pack_id(scene).hex);
-	for (uint32_t i = 0; i < scene->pack->scene.plant_count; i++)
-		describe_stood_for(json, scene->pack->scene.plants[i].name,
-			json_object_get(json_array_get(plants, i), "species"));
+	for (uint32_t i = 0; i < scene->pack->scene.plant_count; i++) {
+		const json_t *plant = json_array_get(plants, i);
+		describe_stood_for(json, scene->pack->scene.plants[i].name, json_object_get(plant, "species"),
+			json_is_true(json_object_get(plant, "object")));
+	}
 	srv_json_add(json, "]}");
 }
 

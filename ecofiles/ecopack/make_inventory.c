@@ -234,7 +234,7 @@ static json_t *searches_json(const struct lod_plant *plant)
 
 static json_t *plant_json(const struct make_plant *plant)
 {
-	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:f, s:o, s:[f,f,f], s:f}", "name",
+	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:f, s:o, s:[f,f,f], s:f, s:o*}", "name",
 		plant->name, "model", basename(plant->path),
 		"height_m", floor((double)plant->built.plant.height_m * 1e4 + 0.5) / 1e4, "triangles_in",
 		(json_int_t)plant->built.triangles_in,
@@ -243,7 +243,8 @@ static json_t *plant_json(const struct make_plant *plant)
 		"grid_bits", (json_int_t)grid_bits(plant), "half_a_pixel_m",
 		floor(half_a_pixel_m(&plant->built) * 1e4 + 0.5) / 1e4,
 		"searches", searches_json(&plant->built), "foot", plant->foot[0], plant->foot[1],
-		plant->foot[2], "scale", plant->scale);
+		plant->foot[2], "scale", plant->scale, "object",
+		plant->block || plant->source->object ? json_true() : NULL);
 }
 
 static json_t *rows_json(const struct make *m)

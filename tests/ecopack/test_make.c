@@ -194,6 +194,12 @@ UNIT_TEST(test_buildings_are_blocks_that_stand_on_the_ground)
 		assert_true(at[i][2] >= 0.1 * (west + 20) - 0.5 - 0.01 && at[i][2] <= 0.1 * (at[i][0] + 20));
 	}
 	assert_int_equal(triangles, 120 * 10);
+	/* what is no plant is said in the pack's META, which says nothing of plants */
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL), *said = json_object_get(meta, "plants");
+	for (uint32_t i = 0; i < s->plant_count; i++)
+		assert_true(json_is_true(json_object_get(json_array_get(said, i), "object")) == (i > 0));
+	assert_null(json_object_get(json_array_get(said, 0), "object"));
+	json_decref(meta);
 	OWNED(eco_pack) *again = NULL;
 	struct eco_error error = { 0 };
 	assert_ok(make("quarter.json", "again.eco", 1, &error), error);

@@ -141,6 +141,7 @@ UNIT_TEST(species_are_the_plants_names_where_a_pack_says_nothing)
 	for (uint32_t i = 0; i < scene()->plant_count; i++) {
 		const json_t *plant = json_array_get(plants, i), *species = json_object_get(plant, "species");
 		assert_string_equal(text_of(plant, "plant"), scene()->plants[i].name);
+		assert_null(json_object_get(plant, "object"));
 		assert_true(count_in(plant, "species_count") == 1 && json_array_size(species) == 1);
 		assert_string_equal(text_of(json_array_get(species, 0), "species"), scene()->plants[i].name);
 		assert_null(json_object_get(json_array_get(species, 0), "plants"));
@@ -164,11 +165,12 @@ UNIT_TEST(all_species_that_a_pack_names_are_said)
 		json_array_append_new(most, json_pack("[s, i]", name, 40 - i));
 	}
 	json_decref(small->meta);
-	small->meta = json_pack("{s: [{s: {s: i, s: o}}]}", "plants", "species", "of", 3, "most", most);
+	small->meta = json_pack("{s: [{s: {s: i, s: o}, s: b}]}", "plants", "species", "of", 3, "most", most, "object", 1);
 	srv_describe_species(&json, small);
 	json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL);
 	const json_t *plant = json_array_get(json_object_get(said, "plants"), 0),
 	      *species = json_object_get(plant, "species");
+	assert_true(json_is_true(json_object_get(plant, "object")));
 	assert_true(count_in(plant, "species_count") == 40 && json_array_size(species) == 40);
 	assert_string_equal(text_of(json_array_get(species, 39), "species"), "kind 39");
 	assert_int_equal(count_in(json_array_get(species, 39), "plants"), 1);
