@@ -10,6 +10,7 @@
 #include "client-min/view_select.h"
 #include "client-min/web/web_light.h"
 #include "client-min/web/web_program.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/bytes.h"
 
 struct web {
@@ -28,6 +29,9 @@ struct web {
 	struct lod_eye eye;                      /* of the picture */
 	enum view_tint tint;
 	bool smooth;
+	bool *hidden; uint32_t hidden_count, hidden_room;        /* by plant; those behind them are shown */
+	bool no_summaries, no_ground;
+	uint64_t marked;                         /* the owner that is highlighted; 0: none */
 	uint32_t samples;                        /* of each of its pixels; 0: what it shows is not here any more */
 	uint32_t cut;                            /* up to which the next sample is recorded */
 	struct view_sky sky;
@@ -58,6 +62,7 @@ void web_free(struct web *web)
 	view_gl_close(web->gl);
 	view_picture_free(&web->picture);
 	free(web->owners);
+	free(web->hidden);
 	eco_wire_parser_free(web->parser);
 	view_select_free(&web->selection);
 	view_select_free(&web->casters);
@@ -165,6 +170,42 @@ int web_finish(struct web *web)
 
 /* ---- What is drawn ---- */
 
+int web_hide(struct web *web, double plant, double hidden)
+{
+	forget_error(web);
+	if (plant == WEB_SUMMARIES)
+		web->no_summaries = hidden != 0;
+	if (plant == WEB_GROUND)
+		web->no_ground = hidden != 0;
+	while (plant >= web->hidden_count) {
+		if (!eco_array_grow(&web->hidden, &web->hidden_room, web->hidden_count, sizeof *web->hidden))
+			return (int)eco_no_memory(&web->error, "what is hidden");
+		web->hidden[web->hidden_count++] = false;
+	}
+	if (plant >= 0)
+		web->hidden[(uint32_t)plant] = hidden != 0;
+	return 0;
+}
+
+static bool is_hidden(const struct web *web, uint32_t plant)
+{
+	return plant == ECO_NONE ? web->no_summaries : plant < web->hidden_count && web->hidden[plant];
+}
+
+/* No cut draws what is hidden. Instances and the ground stay. */
+static void hide_members(const struct web *web, struct view_selection *s)
+{
+	uint32_t kept = 0, first = 0;
+	for (uint32_t c = 0; c < s->cut_count; c++) {
+		uint32_t end = s->member_first[c + 1];
+		for (uint32_t m = first; m < end; m++)
+			if (!is_hidden(web, s->instances[s->members[m]].plant))
+				s->members[kept++] = s->members[m];
+		first = end;
+		s->member_first[c + 1] = kept;
+	}
+}
+
 /* Casters of shadows of the store's plan, once a picture needs them. */
 static enum eco_code select_casters(struct web *web)
 {
@@ -173,7 +214,10 @@ static enum eco_code select_casters(struct web *web)
 			|| !view_store_plan(web->store))
 		return ECO_OK;
 	lod_eye_make(&eye, &web->request.view);
-	return view_select_casters(&web->casters, web->store, &eye, &web->error);
+	enum eco_code code = view_select_casters(&web->casters, web->store, &eye, &web->error);
+	if (!code)
+		hide_members(web, &web->casters);
+	return code;
 }
 
 int web_select(struct web *web)
@@ -190,6 +234,7 @@ int web_select(struct web *web)
 		return (int)code;
 	view_select_free(&web->selection);
 	web->selection = selection;
+	hide_members(web, &web->selection);
 	web->samples = 0;
 	web_light_forget(&web->light);
 	web->evictions = view_store_stats(web->store).evictions;
@@ -229,7 +274,9 @@ int web_prepare(struct web *web, double width, double height)
 static enum eco_code draw_sample(struct web *web, uint32_t sample, uint64_t most)
 {
 	struct lod_eye eye = web->eye;
-	const struct view_draw_job job = { .store = web->store, .selection = &web->selection, .eye = &eye,
+	struct view_selection shown = web->selection;
+	shown.ground.count = web->no_ground ? 0 : shown.ground.count;
+	const struct view_draw_job job = { .store = web->store, .selection = &shown, .eye = &eye,
 		.near_m = view_store_near_m(web->store), .tint = web->tint, .smooth = web->smooth };
 	lod_eye_sample(&eye, sample);
 	enum eco_code code = view_gl_record_part(web->gl, &job, most, &web->cut, &web->picture, &web->error);
@@ -312,6 +359,8 @@ void web_present(struct web *web, const double *depth, const double *viewport, d
 		.ground = ground != 0 };
 	for (int i = 0; i < 4; i++)
 		place.viewport[i] = (int)viewport[i];
+	for (uint32_t i = 0; web->marked && i < web->selection.instance_count && !place.marked; i++)
+		place.marked = web->selection.instances[i].owner == web->marked ? i + 1 : 0;
 	web_light_present(&web->light, web->gl, &place);
 }
 
@@ -506,20 +555,46 @@ static void say_cuts(const struct web *web, uint32_t instance, struct eco_writer
 	eco_write_format(text, "]");
 }
 
+/* The mean of a plant's widths along x and y, metres, by the list that is held and reaches farthest; 0: none is held
+ * that has places. */
+static double crown_of(const struct web *web, const struct view_instance *instance)
+{
+	double most = 0;
+	for (uint32_t i = 0; i < view_store_list_count(web->store); i++) {
+		const struct view_list *list = view_store_list_at(web->store, i);
+		const struct eco_elements *e = &list->elements;
+		double wide = 0;
+		if (list->list.kind > ECO_LIST_POINTS || list->list.owner != instance->plant || !e->corner_count)
+			continue;
+		for (int axis = 0; axis < 2; axis++) {
+			int32_t low = INT32_MAX, high = INT32_MIN;
+			for (uint32_t c = 0; c < e->corner_count; c++) {
+				int32_t p = e->position[3 * (size_t)c + (size_t)axis];
+				low = p < low ? p : low;
+				high = p > high ? p : high;
+			}
+			wide += ((double)high - low) * list->list.grid_step[axis] / 2;
+		}
+		most = fmax(most, wide);
+	}
+	return most * instance->place.scale * lod_place_width(&instance->place);
+}
+
 static void say_plant(const struct web *web, const struct view_instance *instance,
 	struct eco_writer *text)
 {
 	const struct view_plant *plant = view_store_plant(web->store, instance->plant);
 	say_model(web, instance->plant, text);
 	if (plant)
-		eco_write_format(text, ",\"height_m\":%.3f", plant->plant.height_m * instance->place.scale);
+		eco_write_format(text, ",\"height_m\":%.3f,\"crown_m\":%.3f",
+			plant->plant.height_m * instance->place.scale, crown_of(web, instance));
 	eco_write_format(text, ",\"scale\":%.4f,\"list\":%u,\"index\":%u", instance->place.scale,
 		instance->list, instance->index);
 	say_point(text, "foot", instance->place.at);
 	say_cuts(web, (uint32_t)(instance - web->selection.instances), text);
 }
 
-static void say_pick(const struct web *web, const struct view_table *owners, double x, double y,
+static void say_pick(struct web *web, const struct view_table *owners, double x, double y,
 	struct eco_writer *text)
 {
 	const struct view_picture *picture = &web->picture;
@@ -536,6 +611,7 @@ static void say_pick(const struct web *web, const struct view_table *owners, dou
 	uint64_t owner = picture->owner[pixel];
 	const struct view_instance *instance = owner
 		? view_owners_find(owners, &web->selection, owner) : NULL;
+	web->marked = instance ? owner : 0;
 	view_picture_ray(picture, &web->eye, at[0], at[1], world);
 	for (int k = 0; k < 3; k++) {
 		double to = world[k] / (double)picture->depth[pixel];
@@ -568,4 +644,52 @@ const char *web_pick(struct web *web, double x, double y)
 	}
 	eco_write_u8(&web->text, 0);
 	return web->text.failed ? NULL : (const char *)web->text.bytes;
+}
+
+/* ---- Plants that are here ---- */
+
+static int by_distance(const void *a, const void *b)
+{
+	const struct view_instance *const *x = a, *const *y = b;
+	return ((*x)->distance_m > (*y)->distance_m) - ((*x)->distance_m < (*y)->distance_m);
+}
+
+const char *web_plants(struct web *web, double most)
+{
+	const struct view_selection *s = &web->selection;
+	const struct view_instance **near = malloc(((size_t)s->instance_count + 1) * sizeof *near);
+	uint32_t count = 0;
+	web->text.size = 0;
+	for (uint32_t i = 0; near && i < s->instance_count; i++)
+		if (s->instances[i].plant != ECO_NONE)
+			near[count++] = &s->instances[i];
+	if (near)
+		qsort(near, count, sizeof *near, by_distance);
+	eco_write_format(&web->text, "[");
+	for (uint32_t i = 0; i < count && i < most; i++) {
+		const struct view_instance *p = near[i];
+		const struct view_plant *plant = view_store_plant(web->store, p->plant);
+		eco_write_format(&web->text, "%s{\"kind\":\"plant\",\"distance_m\":%.3f,\"height_m\":%.3f,\"list\":%u,"
+			"\"index\":%u", i ? "," : "", p->distance_m,
+			plant ? plant->plant.height_m * p->place.scale : 0, p->list, p->index);
+		say_model(web, p->plant, &web->text);
+		say_point(&web->text, "foot", p->place.at);
+		eco_write_format(&web->text, "}");
+	}
+	eco_write_format(&web->text, "]");
+	eco_write_u8(&web->text, 0);
+	free(near);
+	return web->text.failed ? NULL : (const char *)web->text.bytes;
+}
+
+void web_mark(struct web *web, double list, double index)
+{
+	const struct view_instance *nearest = NULL;
+	for (uint32_t i = 0; i < web->selection.instance_count; i++) {
+		const struct view_instance *p = &web->selection.instances[i];
+		if (p->plant != ECO_NONE && p->list == list && p->index == index
+				&& (!nearest || p->distance_m < nearest->distance_m))
+			nearest = p;
+	}
+	web->marked = nearest ? nearest->owner : 0;
 }

@@ -48,6 +48,11 @@ int web_finish(struct web *web);
 int web_prepare(struct web *web, double width, double height);
 int web_select(struct web *web);
 int web_draw(struct web *web, const double view[10], double width, double height, double tint, double smooth);
+/* From the next web_select on nothing of a plant of the pack is drawn, nor casts a shadow; hidden 0: it is drawn again. Two
+ * numbers stand for points of many plants and for the ground, on which one walks all the same. */
+#define WEB_SUMMARIES (-1)
+#define WEB_GROUND (-2)
+int web_hide(struct web *web, double plant, double hidden);
 int web_sample(struct web *web, double vertices);
 unsigned web_samples(const struct web *web);     /* of the last picture */
 /* From now on the sun is where it is at a place and time (view_sun_at); a time of NaN: view_sun_usual there; a
@@ -75,13 +80,19 @@ double web_ground(const struct web *web, double x, double y);
  *   { "kind": "sky" }
  *   { "kind": "ground", "at": [x, y, z], "distance_m": d }
  *   { "kind": "summary", ... as the ground, "number": n, "plant": NAME }     a point for many plants
- *   { "kind": "plant", ... as a summary, "height_m": h, "scale": s, "list": l, "index": i, "foot": [x, y, z],
+ *   { "kind": "plant", ... as a summary, "height_m": h, "crown_m": w, "scale": s, "list": l, "index": i, "foot": [x, y, z],
  *     "cuts": [{ "role": NAME, "list": l, "first": f, "end": e, "of": primitives, "vertices": v }] }
  *
  * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. `plant` is the
  * pack's plant that is drawn, which may stand for several species; list and index name the one that was
- * picked to the server, which knows its species and its row. NULL: see web_error. */
+ * picked to the server, which knows its species and its row. `crown_m` is the mean of two widths of what is held of
+ * it; 0: unknown. A plant that is picked is highlighted in what web_present shows. NULL: see web_error. */
 const char *web_pick(struct web *web, double x, double y);
+/* Plants in view, the nearest first, as web_pick says them, but for what is seen of them: JSON's array, of so many at
+ * most. NULL: no memory. */
+const char *web_plants(struct web *web, double most);
+/* Highlights this plant, from now on; a list of -1: none. Nested scenes may have it several times: the nearest. */
+void web_mark(struct web *web, double list, double index);
 const char *web_digest(struct web *web);
 
 #endif

@@ -401,6 +401,7 @@ void web_light_present(const struct web_light *light, const struct view_gl *gl, 
 	web_program_texture(light->present, "u_seen", 1, view_gl_target(gl, 0));
 	glUniform4f(glGetUniformLocation(light->present, "u_depth"), place->depth[0], place->depth[1],
 		place->sky, place->ground);
+	glUniform1ui(glGetUniformLocation(light->present, "u_marked"), place->marked);
 	glEnable(GL_DEPTH_TEST);
 	glDepthFunc(GL_LEQUAL);
 	web_program_fill(light->lit.vertex_array, place->viewport);

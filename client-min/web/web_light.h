@@ -56,8 +56,13 @@ enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const 
 /* Puts the picture into what the page's context draws to: colours, and depths that hide what the page draws
  * itself, and are hidden by it. The page's depth of a pixel is depth[0] + depth[1] / distance, in [0, 1]; where
  * nothing is, the sky, it is 1, and without `sky` nothing is drawn there, nor without `ground` where no plant
- * is. Into the framebuffer that is bound, all of `viewport`: x, y, width, height. */
-struct web_place { float depth[2]; int viewport[4]; bool sky, ground; };
+ * is. marked: 1 + the number of an instance that has a rim; 0: none. Into the framebuffer that is bound, all of `viewport`: x, y, width, height. */
+struct web_place {
+	float depth[2];
+	int viewport[4];
+	bool sky, ground;
+	uint32_t marked;
+};
 void web_light_present(const struct web_light *light, const struct view_gl *gl, const struct web_place *place);
 /* Reads the colours, 3 bytes a pixel. */
 enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct eco_error *error);
