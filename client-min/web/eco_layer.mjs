@@ -17,6 +17,7 @@ import { aboutScene, EcoError, EcoStream, isOffline } from './eco_stream.mjs';
 export { EcoError };
 export const TINTS = { none: 0, kind: 1 };
 export const SHADOWS = { none: 0, standard: 1, perspective: 2 };
+const SUMMARIES = -1, GROUND = -2;       // web_client.h
 
 // a view that is out of date is given up when something of it came so long ago: else who moves on a slow line
 // would never get anything
@@ -142,6 +143,8 @@ export class EcoLayer {
 		this.most = SAMPLES_MAX;        // of them, as far as is known
 		this.ahead = { asked: 0, aborted: 0 };   // requests that said where the eye will be
 		this.source = { url, memoryBytes, keep, token };
+		this.hidden = { names: '', of: null };   // layers that are not drawn, and the stream that knows
+		this.hides = false;             // it is about to know
 		this.ready = this.open(first);
 	}
 
@@ -186,7 +189,7 @@ export class EcoLayer {
 			return stream.free();
 		this.module.GL.makeContextCurrent(this.context);
 		before.free();
-		Object.assign(this, { stream, asked: null, drawn: null });
+		Object.assign(this, { stream, asked: null, drawn: null, hides: false });
 	}
 
 	/** A stream that holds what was kept of the last visit. */
@@ -201,6 +204,40 @@ export class EcoLayer {
 		stream.free();
 		await keep.clear();
 		return new EcoStream(this.module, url, { memoryBytes, keep, pack, token });
+	}
+
+	/** The species that each plant of the pack stands for, and whether it is an object (EcoStream.species). */
+	species() {
+		const { stream } = this;
+		if (this.named?.of !== stream)
+			this.named = { of: stream, species: stream.species() };
+		this.named.species.catch(() => { this.named = null; });
+		return this.named.species;
+	}
+
+	/** From now on these are not drawn: some of 'plants' (also as points of summaries), 'objects', 'ground'. */
+	async hide(names) {
+		const { stream, module } = this, hides = (name) => names.includes(name) ? 1 : 0;
+		if (!stream || this.hidden.names === String(names) && (this.hidden.of === stream || !names.length))
+			return;
+		this.hidden = { names: String(names), of: stream };
+		this.hides = true;
+		const plants = await this.species().catch(() => null) ?? [];
+		if (stream !== this.stream || this.hidden.names !== String(names))
+			return;
+		plants.forEach(({ object }, i) => module._web_hide(stream.web, i, hides(object ? 'objects' : 'plants')));
+		for (const [number, name] of [[SUMMARIES, 'plants'], [GROUND, 'ground']])
+			module._web_hide(stream.web, number, hides(name));
+		this.hides = false;
+		stream.select();
+		this.version++;
+		this.onChange?.();
+	}
+
+	/** Highlights a plant, as one that is picked is; null: none. */
+	mark(plant) {
+		if (this.stream)
+			this.module._web_mark(this.stream.web, plant?.list ?? -1, plant?.index ?? 0);
 	}
 
 	/** Frees what the scene takes here and on the GPU. Nothing may be drawn afterwards. */
@@ -361,7 +398,7 @@ export class EcoLayer {
 
 	/** Whether all of the view that was drawn last is here. */
 	get complete() {
-		return !this.loading && !this.offline && same(this.wanted, this.asked);
+		return !this.loading && !this.offline && !this.hides && same(this.wanted, this.asked);
 	}
 
 	facts() {

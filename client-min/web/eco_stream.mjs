@@ -215,12 +215,24 @@ export class EcoStream {
 	 * that it comes from, as far as it comes from one, and the plant that it is shown as (openapi.yaml's
 	 * Plants). */
 	async plant({ list, index }) {
+		return (await this.rows(list, index, 1))[0];
+	}
+
+	/** The same of so many plants of a list, 1024 at most. */
+	async rows(list, first, count) {
 		const of = this.pack ? `&pack=${this.pack}` : '';
-		const answer = await fetch(`${this.url}/plants/${list}?first=${index}&count=1${of}`,
+		const answer = await fetch(`${this.url}/plants/${list}?first=${first}&count=${count}${of}`,
 			{ headers: access(this.token) });
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);
-		return (await answer.json()).plants[0];
+		return (await answer.json()).plants;
+	}
+
+	/** Plants in view, the nearest first (web_plants). */
+	near(most) {
+		const text = this.module._web_plants(this.web, most);
+		this.check(!text);
+		return JSON.parse(this.text(text));
 	}
 
 	/** The species that each plant of the pack stands for, by its number (openapi.yaml's Species); null: the

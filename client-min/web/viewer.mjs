@@ -1,22 +1,30 @@
 // The viewer at /: which scene, where the camera is, and what people ask of it. All of it is in the address
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
+// Longer than 600 lines: all that people ask for shares the camera, the settings and the engine's answers.
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
 import { readLink, writeLink } from './viewer_link.mjs';
-import { nameSpecies, number, showFacts, showLegend, showNorth, showPicked, showPlant, showReasons, showScale,
-	showWhy } from './viewer_panel.mjs';
+import { hasObjects, metres, nameSpecies, number, placeText, showFacts, showLegend, showNorth, showPicked,
+	showPlant, showReasons, showScale, showWhy } from './viewer_panel.mjs';
+import { fixed, t, translatePage } from './viewer_text.mjs';
+import { captioned, sayMeasured, scriptOf, showChoices, showMeasured, tourAt } from './viewer_tools.mjs';
 
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');
+const [menus, modes, layers] = ['.menu', '[data-mode]', '[data-layer]'].map((all) => [...document.querySelectorAll(all)]);
 const camera = new Camera();
-const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, smooth: 0, sun: '',
-	shadows: 'perspective' };
+// vertices 0: as many as this device draws in time (`budget`); hide: layers that are not drawn
+const settings = { scene: '', mode: 'orbit', vertices: 0, bytes: -1, kind: 0, smooth: 0, sun: '',
+	shadows: 'perspective', hide: [], views: [] };
+const BUDGET = 300000, BUDGET_LEAST = 100000, BUDGET_MOST = 3e6;
 const STILL_MS = 250, LOADING_MS = 300;
 const AHEAD_S = 1;                       // what a moving camera will need so soon is asked for, too
-let engine = null, about = null, settled = true, frame = 0, movedAt = -Infinity, recording = null;
+let engine = null, about = null, settled = true, frame = 0, movedAt = -Infinity;
+let ends = null, toured = null, saving = null;   // of what is measured; since when; the size of a picture to be saved
 let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
 let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0, wasOffline = false;
 let faults = [], sunIsLinked = false;    // what the address has that cannot be read; whether it has a sun
 let located = null;                      // the scene whose coordinates the camera has
+let budget = Number(kept('vertices')) || BUDGET;
 
 const say = (text, error = false) => {
 	$('state').textContent = text;
@@ -33,18 +41,23 @@ function readAddress() {
 	sunIsLinked = Boolean(values.sun);
 }
 
+/** The solar time of the scene's place, in ms ahead of UTC. */
+const solar = () => (about?.origin?.longitude_deg ?? NaN) * 240000;
+
+const minuteOf = (ms) => new Date(Math.round(ms / 60000) * 60000).toISOString();
+
 /** The usual time of the sun (view_sun_usual), in UTC: ten in the morning of midsummer. */
 function usualSun() {
-	const { longitude_deg: longitude, latitude_deg: latitude } = about?.origin ?? {};
-	const ms = Date.UTC(new Date().getUTCFullYear(), latitude < 0 ? 11 : 5, 21, 10) - longitude * 240000;
-	return Number.isFinite(ms) ? new Date(ms).toISOString().slice(0, 16) : '';
+	const south = about?.origin?.latitude_deg < 0;
+	const ms = Date.UTC(new Date().getUTCFullYear(), south ? 11 : 5, 21, 10) - solar();
+	return Number.isFinite(ms) ? minuteOf(ms).slice(0, 16) : '';
 }
 
 const hasPlace = () => about?.origin?.longitude_deg !== undefined;
 
 function sayFaults() {
 	const noSun = sunIsLinked && about && !hasPlace()
-		? ["The link's sun is not used: the scene has no CRS, so its place on Earth is unknown."] : [];
+		? [t("The link's sun is not used: the scene has no CRS, so its place on Earth is unknown.")] : [];
 	if (faults.length || noSun.length)
 		say([...faults, ...noSun].join(' '), true);
 }
@@ -57,12 +70,20 @@ function writeAddress() {
 
 // ---- Pictures ----
 
-/** Says to the head of the next visit's page that something of a scene is kept. */
-function remember(name) {
+/** What this browser keeps by that name, or null. */
+function kept(name) {
 	try {
-		localStorage.setItem(`kept ${name}`, 1);
+		return localStorage.getItem(name);
 	} catch {
-		// then it asks for more than it needs
+		return null;
+	}
+}
+
+function keep(name, value) {
+	try {
+		localStorage.setItem(name, value);
+	} catch {
+		// then the next visit begins anew
 	}
 }
 
@@ -75,7 +96,7 @@ async function startEngine() {
 		return port1;
 	}
 	const offscreen = canvas.transferControlToOffscreen();
-	worker.onerror = () => say('The viewer could not be loaded; reload the page to try again.', true);
+	worker.onerror = () => say(t('The viewer could not be loaded; reload the page to try again.'), true);
 	if (worker.failed)
 		worker.onerror();
 	worker.postMessage({ canvas: offscreen }, [offscreen]);
@@ -101,20 +122,23 @@ const redraw = () => { frame ||= requestAnimationFrame(draw); };
 
 function draw(now) {
 	frame = 0;
-	if (camera.step(now))
+	if (camera.step(now) || tours(now))
 		moved();
 	const moving = camera.moving() || now - movedAt < STILL_MS;
 	if (moving)
 		redraw();
 	const ratio = Math.min(devicePixelRatio, 2);
-	const size = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.max(1, Math.round(n * ratio)));
-	const { vertices, bytes, kind, smooth, shadows } = settings, sun = Date.parse(`${settings.sun}Z`) / 1000;
+	const shown = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.max(1, Math.round(n * ratio)));
+	const still = moving ? null : saving, size = still ?? shown;
+	const { vertices, bytes, kind, smooth, shadows, hide } = settings, sun = Date.parse(`${settings.sun}Z`) / 1000;
 	const convergence = (about?.origin?.convergence_deg ?? 0) * Math.PI / 180;
 	showScale(camera.metresAcross() / canvas.clientHeight, camera.heading() + convergence);
 	if (!about)
 		return;
-	engine.postMessage({ type: 'draw', number: ++asked, matrix: camera.matrix(size[0] / size[1]), size,
-		moving, eye: camera.view().eye, next: nextView(now, moving), vertices, bytes, shadows, sun: sun || null,
+	showMeasured(ends, camera.matrix(shown[0] / shown[1]));
+	engine.postMessage({ type: 'draw', number: ++asked, still: !!still, matrix: camera.matrix(size[0] / size[1]), size,
+		moving, eye: camera.view().eye, next: nextView(now, moving), vertices: vertices || budget, bytes, shadows,
+		hide, sun: sun || null,
 		tint: kind ? 'kind' : 'none', smooth: !!smooth, haze: camera.haze() });
 }
 
@@ -124,6 +148,13 @@ function moved() {
 	clearTimeout(moved.timer);
 	moved.timer = setTimeout(writeAddress, 300);
 	redraw();
+}
+
+function resized() {
+	const ratio = Math.min(devicePixelRatio, 2);
+	$('still-width').value = Math.round(canvas.clientWidth * ratio);
+	$('still-height').value = Math.round(canvas.clientHeight * ratio);
+	moved();
 }
 
 function lookAt(box, whole = false) {
@@ -151,7 +182,7 @@ function showProgress({ complete, offline, received }) {
 	}
 	incompleteSince ||= performance.now();
 	if (!complained && performance.now() - incompleteSince > LOADING_MS)
-		say(`Loading, ${number(received)} bytes so far`);
+		say(t('Loading, {} bytes so far', number(received)));
 }
 
 /** Takes a scene: from now on views of it are asked for. The camera stays if the scene before lies at the same
@@ -162,6 +193,9 @@ function know(said) {
 	document.title = `${about.title ?? settings.scene} – ecostream`;
 	$('draft').hidden = !about.draft;
 	showLegend(about.tints);
+	if (!settings.views.length)
+		settings.views = JSON.parse(kept(`views ${settings.scene}`)) ?? [];
+	showViews();
 	camera.reach(about.bounds, about.near_m);
 	const stays = !view && located && camera.transfer(located, about);
 	located = about;
@@ -179,16 +213,16 @@ const isPicked = ({ list, index }) => picked?.list === list && picked?.index ===
 
 const heard = {
 	opened(message) {
+		// the head of the next visit's page then asks for less
 		if (!token)
-			remember(settings.scene);
+			keep(`kept ${settings.scene}`, 1);
 		if (message.about.id !== about?.id)
 			know(message.about);
 	},
 	drawn(message) {
 		drawn = message;
 		showProgress(message);
-		if (message.facts && !$('panel').hidden)
-			showFacts(message.facts);
+		showOpened();
 		if (settings.mode === 'walk' ? camera.stand(message.ground ?? about.bounds.low[2])
 			: !settled && message.ground !== null && camera.lift(message.ground))
 			redraw();
@@ -202,12 +236,25 @@ const heard = {
 	},
 	named({ species }) {
 		nameSpecies(species);
-		if (drawn?.facts && !$('panel').hidden)
-			showFacts(drawn.facts);
+		$('has-objects').hidden = !hasObjects();
+		showOpened();
+	},
+	paced({ factor }) {
+		budget = Math.round(Math.min(BUDGET_MOST, Math.max(BUDGET_LEAST, budget * factor)));
+		keep('vertices', budget);
+		showSettings();
 	},
 	picked(message) {
+		if (ends)
+			return measure(message.picked.at);
 		({ picked } = message);
 		showPicked(picked, about.origin);
+	},
+	found({ text, found, searched }) {
+		const rowOf = ({ row, file }) => file ? [t('row {} of {}', row, file)] : [];
+		showChoices($('found'), found, ({ said, height_m: height, distance_m: distance }) =>
+			[said.species ?? said.plant, metres(height), t('{} away', metres(distance)), ...rowOf(said)].join(', '), choose);
+		$('found-note').textContent = text && t('{} of the {} plants nearest to the eye', found.length, number(searched));
 	},
 	identified({ picked: of, plant }) {
 		if (isPicked(of))
@@ -219,14 +266,16 @@ const heard = {
 		else if (!reasons)
 			showWhy(why);
 	},
-	saved({ blob }) {
-		save(`${settings.scene}.png`, blob);
+	async saved({ blob }) {
+		saving = null;
+		redraw();
+		save(`${settings.scene}.png`, $('caption').checked ? await captioned(blob, caption()) : blob);
 		if (!$('state').classList.contains('error'))
 			say('');
 	},
 	failed({ text, offline }) {
 		wasOffline = offline;
-		say(text, true);
+		say(t(text), true);
 	},
 };
 
@@ -275,7 +324,7 @@ function open(name) {
 	if (!name)
 		return;
 	closeCard();
-	say('Loading');
+	say(t('Loading'));
 	const url = new URL(`v1/scenes/${encodeURIComponent(name)}`, location.href).href, opened = token;
 	takeFirst(name).then((first) => {
 		if (settings.scene === name)
@@ -284,19 +333,38 @@ function open(name) {
 }
 
 function showSettings() {
-	$('vertices').value = Math.log2(settings.vertices);
-	$('vertices-text').textContent = number(settings.vertices);
-	$('bytes').value = settings.bytes < 0 ? $('bytes').max : Math.log2(settings.bytes);
-	$('bytes-text').textContent = settings.bytes < 0 ? 'no limit' : number(settings.bytes);
+	const { vertices, bytes, mode } = settings;
+	$('vertices').value = vertices ? Math.log2(vertices) : 0;
+	$('vertices-text').textContent = vertices ? number(vertices) : t('as fast as this device: {}', number(budget));
+	$('bytes').value = bytes < 0 ? $('bytes').max : Math.log2(bytes);
+	$('bytes-text').textContent = bytes < 0 ? t('no limit') : number(bytes);
 	$('kind').checked = settings.kind;
-	$('sun').value = settings.sun || usualSun();
 	$('shadows').value = settings.shadows;
-	$('sun').disabled = about && !hasPlace();
-	$('sun-note').hidden = !$('sun').disabled;
+	showSun();
 	showNorth(Boolean(about?.origin));
-	camera.setMode(settings.mode);
-	$('mode').value = settings.mode;
+	for (const box of layers)
+		box.checked = !settings.hide.includes(box.dataset.layer);
+	camera.setMode(mode);
+	for (const button of modes)
+		button.setAttribute('aria-pressed', button.dataset.mode === mode);
 	moved();
+}
+
+/** The sun by the solar time of the place, which needs no time zone. */
+function showSun() {
+	const ms = Date.parse(`${settings.sun || usualSun()}Z`) + solar(), off = Boolean(about) && !hasPlace();
+	const [day, time] = Number.isFinite(ms) ? minuteOf(ms).split('T') : ['', ''];
+	$('sun').value = Number(time.slice(0, 2)) * 60 + Number(time.slice(3, 5));
+	$('sun-text').textContent = time.slice(0, 5);
+	$('date').value = day;
+	$('sun').disabled = $('date').disabled = off;
+	$('sun-note').hidden = !off;
+}
+
+function setSun() {
+	const ms = Date.parse(`${$('date').value}T00:00Z`) + $('sun').value * 60000 - solar();
+	if (Number.isFinite(ms))
+		set('sun', minuteOf(ms).slice(0, 16));
 }
 
 function set(key, value) {
@@ -304,35 +372,65 @@ function set(key, value) {
 	showSettings();
 }
 
-function togglePanel() {
-	$('panel').hidden = !$('panel').hidden;
-	$('panel-button').setAttribute('aria-expanded', !$('panel').hidden);
-	if (!$('panel').hidden && drawn?.facts)
+/** Figures of the picture, while a menu that has some is open. */
+function showOpened() {
+	if (drawn?.facts && menus.some((menu) => menu.open))
 		showFacts(drawn.facts);
-}
-
-/** By its key the menu also takes the focus, and gives it back to the picture. */
-function pressPanel() {
-	togglePanel();
-	($('panel').hidden ? canvas : $('panel')).focus();
 }
 
 /** Colours by representation, with their legend. */
 function showKinds(on) {
 	set('kind', on ? 1 : 0);
-	if (on && $('panel').hidden)
-		togglePanel();
+	if (on)
+		$('more').open = $('details').open = true;
 }
 
 function closeCard() {
+	if (picked)
+		engine.postMessage({ type: 'mark', plant: null });
 	$('card').hidden = true;
 	picked = null;
+}
+
+/** The card, or else the menu, which gives the focus back to its button. */
+function closeOne() {
+	const menu = menus.find(({ open }) => open);
+	if (picked)
+		closeCard();
+	else if (ends)
+		toggleMeasure();
+	else if (menu) {
+		menu.open = false;
+		menu.firstElementChild.focus();
+	}
 }
 
 /** The thing that is seen at a place of the picture; without a place, in its middle. */
 function pick(at = [0.5, 0.5]) {
 	if (about)
-		engine.postMessage({ type: 'pick', at });
+		engine.postMessage({ type: 'pick', at, measures: !!ends });
+}
+
+function measure(at) {
+	if (at)
+		ends = ends.length > 1 ? [at] : [...ends, at];
+	sayMeasured(ends);
+	redraw();
+}
+
+function toggleMeasure() {
+	ends = ends ? null : [];
+	closeCard();
+	measure();
+}
+
+/** A plant that was looked for. */
+function choose({ said, ...plant }) {
+	picked = plant;
+	showPicked(picked, about.origin);
+	showPlant(said);
+	engine.postMessage({ type: 'mark', plant });
+	orbitPicked();
 }
 
 /** Looks at what was clicked, from where a plant fills much of the picture. */
@@ -352,15 +450,27 @@ function save(name, blob) {
 
 function savePicture() {
 	if (canvas.dataset.complete !== 'true' || drawn.more)
-		say('The picture is saved once all of it is here');
+		say(t('The picture is saved once all of it is here'));
+	saving = ['still-width', 'still-height'].map((id) => Math.max(16, Math.min(8192, Math.round($(id).value) || 0)));
 	engine.postMessage({ type: 'save' });
+	redraw();
+}
+
+/** A caption: the scene and its sun, the camera, and how much of the picture is expected to be right. */
+function caption() {
+	const { eye, target } = camera.view(), { vertices, predicted_q: q } = drawn.facts;
+	const sun = hasPlace() ? t('; sun of {}, {}', $('date').value, $('sun-text').textContent) : '';
+	return [`${about.title ?? settings.scene}${sun}`,
+		t('Eye {}; target {}', placeText(eye, about.origin), placeText(target, about.origin)),
+		t('Pack {}; {} vertices', about.id.slice(0, 8), number(vertices))
+			+ (q ? t('; expected agreement with full detail (Q) {}', fixed(q, 3)) : '')];
 }
 
 async function copyLink() {
 	writeAddress();
 	// only pages of this machine or by TLS may write to the clipboard
 	const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
-	say(copied ? 'Link copied' : `The link is this page's address: ${location.href}`);
+	say(copied ? t('Link copied') : t("The link is this page's address: {}", location.href));
 }
 
 function showWhole() {
@@ -368,29 +478,65 @@ function showWhole() {
 		lookAt(about.bounds, true);
 }
 
-/** Two views a second until it is pressed again: a camera script that ecoview replays. */
-function record() {
-	if (!recording) {
-		const since = performance.now(), keyframes = [];
-		const take = () => keyframes.push({ time_s: (performance.now() - since) / 1000,
-			...camera.view() });
-		take();
-		recording = { keyframes, take, timer: setInterval(take, 500) };
-	} else {
-		clearInterval(recording.timer);
-		recording.take();
-		const script = JSON.stringify({ fps: 2, keyframes: recording.keyframes }, null, 1);
-		save(`${settings.scene}.camera.json`, new Blob([script], { type: 'application/json' }));
-		recording = null;
-	}
-	$('record').setAttribute('aria-pressed', !!recording);
-	$('record').textContent = recording ? 'Stop' : 'Record';
+// ---- Views and tours ----
+
+function showViews() {
+	const look = ({ eye, target }) => {
+		set('mode', 'orbit');
+		camera.look(eye, target);
+		moved();
+	};
+	showChoices($('view-list'), settings.views, ({ name }) => name, look,
+		(view) => setViews(settings.views.filter((other) => other !== view)));
+	$('tour').disabled = $('script').disabled = !settings.views.length;
+}
+
+/** The browser keeps them, and the address has them, so that a link shows them, too. */
+function setViews(views) {
+	settings.views = views;
+	if (!token)
+		keep(`views ${settings.scene}`, JSON.stringify(views));
+	showViews();
+	writeAddress();
+}
+
+function addView() {
+	const { eye, target } = camera.view(), { views } = settings;
+	const names = views.map(({ name }) => name), free = views.concat(null).map((_, i) => t('View {}', i + 1));
+	setViews([...views, { name: free.find((name) => !names.includes(name)), eye, target }]);
+}
+
+/** Whether a tour moves the camera. */
+function tours(now) {
+	if (toured === null)
+		return false;
+	const view = tourAt(settings.views, Math.max(0, now - toured) / 1000, matchMedia('(prefers-reduced-motion)').matches);
+	if (!view)
+		return toggleTour(false);
+	const { eye } = camera.view(), way = Math.hypot(...eye.map((v, i) => v - view.eye[i]));
+	if (way > 1e-4)
+		camera.look(view.eye, view.target);
+	else
+		redraw();                        // where it rests the picture gets its samples
+	return way > 1e-4;
+}
+
+function toggleTour(on = toured === null) {
+	toured = on && settings.views.length ? performance.now() : null;
+	$('tour').setAttribute('aria-pressed', toured !== null);
+	if (on)
+		set('mode', 'orbit');
+	return false;
 }
 
 const shortcuts = {
-	c: () => showKinds(!settings.kind), p: savePicture, r: record, i: () => pick(), l: copyLink,
-	h: showWhole,
+	c: () => showKinds(!settings.kind), p: savePicture, i: () => pick(), l: copyLink, h: showWhole, f: toggleFull,
+	m: toggleMeasure, t: () => toggleTour(),
 };
+
+function toggleFull() {
+	(document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()).catch(() => {});
+}
 
 /** Reads the address: at first, and when a link is pasted over it. `scenes`: names; before they are
  * known the scene that the address names is taken on trust, so that its picture comes sooner. */
@@ -407,7 +553,7 @@ function goToAddress(scenes) {
 		camera.look(...view);
 	showSettings();
 	if (!known && named)
-		faults.push(`This server has no scene ${named}; this is ${settings.scene}.`);
+		faults.push(t('This server has no scene {}; this is {}.', named, settings.scene));
 	sayFaults();
 }
 
@@ -417,12 +563,12 @@ async function start() {
 	goToAddress(null);
 	const answer = await fetch('v1/scenes').catch(() => null);
 	if (!answer?.ok)
-		return say('The server does not answer; reload the page to try again.', true);
+		return say(t('The server does not answer; reload the page to try again.'), true);
 	const { scenes } = await answer.json(), names = scenes.map(({ name }) => name);
 	if (token && !names.includes(settings.scene))
 		names.push(settings.scene);
 	if (!names.length)
-		return say('This server has no scenes.', true);
+		return say(t('This server has no scenes.'), true);
 	$('scene').replaceChildren(...names.map((name) => new Option(name)));
 	addEventListener('hashchange', () => {
 		say('');
@@ -431,45 +577,81 @@ async function start() {
 	goToAddress(names);
 }
 
-camera.listen(canvas, moved, pick);
-addEventListener('resize', moved);
+translatePage();
+camera.listen(canvas, () => {
+	toggleTour(false);
+	moved();
+}, pick);
+addEventListener('resize', resized);
+resized();
 addEventListener('keydown', (event) => {
 	const key = event.key.toLowerCase(), typing = event.target.matches('select, input:not([type=checkbox])');
 	if (withModifier(event) || (typing && key !== 'escape'))
 		return;
-	if (key === 'escape' && picked)
-		closeCard();
-	else if (key === 'escape')
-		pressPanel();
+	if (key === 'escape')
+		closeOne();
 	else if (shortcuts[key] && !cameraKeys.has(key))
 		shortcuts[key]();
 });
-$('panel-button').onclick = togglePanel;
+document.addEventListener('fullscreenchange', () => $('full').setAttribute('aria-pressed', !!document.fullscreenElement));
+$('full').hidden = !document.fullscreenEnabled;
+$('full').onclick = toggleFull;
+for (const menu of menus)
+	menu.ontoggle = showOpened;
+for (const button of modes)
+	button.onclick = () => set('mode', button.dataset.mode);
+for (const box of layers)
+	box.onchange = () => set('hide', layers.filter(({ checked }) => !checked).map(({ dataset }) => dataset.layer));
 $('scene').onchange = () => {
-	[view, faults, sunIsLinked] = [null, [], false];
+	[view, faults, sunIsLinked, settings.views] = [null, [], false, []];
 	// so that the browser's way back leads to the scene before
 	clearTimeout(moved.timer);
 	writeAddress();
 	history.pushState(null, '', `#scene=${encodeURIComponent($('scene').value)}`);
 	open($('scene').value);
 };
-$('mode').onchange = () => set('mode', $('mode').value);
-$('vertices').oninput = () => set('vertices', Math.round(2 ** $('vertices').value));
+$('vertices').oninput = () => {
+	const { value, min } = $('vertices');
+	set('vertices', value === min ? 0 : Math.round(2 ** value));
+};
 $('bytes').oninput = () => {
 	const { value, max } = $('bytes');
 	set('bytes', value === max ? -1 : Math.round(2 ** value));
 };
 $('kind').onchange = () => showKinds($('kind').checked);
-$('sun').onchange = () => set('sun', $('sun').value);
+$('sun').oninput = $('date').onchange = setSun;
 $('shadows').onchange = () => set('shadows', $('shadows').value);
 $('whole').onclick = showWhole;
 $('save').onclick = savePicture;
 $('link').onclick = copyLink;
-$('record').onclick = record;
+$('measure').onclick = toggleMeasure;
+$('add-view').onclick = addView;
+$('tour').onclick = () => toggleTour();
+$('script').onclick = () => save(`${settings.scene}.camera.json`,
+	new Blob([scriptOf(settings.views, camera.view())], { type: 'application/json' }));
+$('query').oninput = () => {
+	clearTimeout(choose.timer);
+	choose.timer = setTimeout(() => engine.postMessage({ type: 'find', text: $('query').value.trim() }), 300);
+};
 $('explain').onclick = () => engine.postMessage({ type: 'explain' });
 $('card-orbit').onclick = orbitPicked;
 $('card-close').onclick = closeCard;
+// held, they are keys; without a pointer each press is a step
+for (const button of document.querySelectorAll('[data-key]')) {
+	const { dataset: { key } } = button, hold = () => {
+		camera.held.add(key);
+		moved();
+	};
+	button.onpointerdown = hold;
+	button.onpointerup = button.onpointercancel = button.onpointerleave = () => camera.held.delete(key);
+	button.oncontextmenu = (event) => event.preventDefault();
+	button.onclick = ({ detail }) => {
+		if (detail === 0)
+			hold(setTimeout(() => camera.held.delete(key), 300));
+	};
+}
 $('state').onclick = () => say('');
 start().catch((error) => say(error.message, true));
 // for tests and for the curious
-globalThis.viewer = { camera, settings, get about() { return about; }, get drawn() { return drawn; }, get picked() { return picked; } };
+globalThis.viewer = { camera, settings, heard, get about() { return about; }, get drawn() { return drawn; },
+	get picked() { return picked; }, get budget() { return budget; } };

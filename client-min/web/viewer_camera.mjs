@@ -2,7 +2,8 @@
 // the ground, or flies. Mouse, touch and keyboard do the same three things: turn, move, come nearer.
 
 const FOV_Y_DEG = 45, PITCH_MAX = 1.55, TURN = 0.005, KEY_TURN = 1.2;
-const STEEP = -0.8;                      // pitch of the steepest first view
+const FLAT = -0.33, STEEP = -0.8;        // pitch of the flattest first view, and of the steepest
+const CLOSE = 0.9;                       // a first view is so much nearer than where all corners are seen
 const HAZE_M = 20000;                    // as view_select.h has it
 const EYE_M = 1.7;                       // above the ground, of who walks
 const CLICK_PX = 6, CLICK_MS = 600;      // a pointer that moves more, or is held longer, drags
@@ -59,14 +60,14 @@ export class Camera {
 	 * the width needs a larger distance than the height, the distance is the geometric mean of the two. */
 	frame({ low, high }, aspect, whole = false) {
 		const half = high.map((v, i) => (v - low[i]) / 2);
-		[this.yaw, this.pitch] = [Math.PI / 2, Math.max(-0.4 / Math.min(aspect, 1), STEEP)];
+		[this.yaw, this.pitch] = [Math.PI / 2, Math.max(FLAT / Math.min(aspect, 1), STEEP)];
 		const [, ahead, down] = this.forward(), tan = Math.tan(FOV_Y_DEG * Math.PI / 360);
 		const corners = [-1, 1].flatMap((south) => [-1, 1].map((top) => [south * half[1], top * half[2]]));
 		const fits = (across) => Math.max(...corners.map((corner) => across(corner) / tan
 			- (corner[0] * ahead + corner[1] * down)), this.near * 10);
 		const wide = fits(() => half[0] / aspect), tall = fits(([y, z]) => Math.abs(z * ahead - y * down));
 		this.target = low.map((v, i) => (v + high[i]) / 2);
-		this.distance = whole || tall > wide ? Math.max(tall, wide) : Math.sqrt(tall * wide);
+		this.distance = whole ? Math.max(tall, wide) : CLOSE * Math.min(tall, Math.sqrt(tall * wide));
 	}
 
 	/** Takes the view from one scene (openapi.yaml's Scene) to another, if both lie at the same place: their bounds are

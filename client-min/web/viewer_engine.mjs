@@ -4,14 +4,19 @@
 //   { type: 'open', url, token, first }             another scene; 'opened' brings what is said of it;
 //                                                  first: EcoLayer's, or its body comes later:
 //   { type: 'answer', body }                        that
-//   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, smooth, sun, shadows, haze }
+//   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, smooth, sun, shadows, haze, hide,
+//     still }
 //                                                  the view from now on; at rest its picture gets more
-//                                                  samples, and 'sampled' says how many it has
+//                                                  samples, and 'sampled' says how many it has; 'paced' says
+//                                                  by which factor its vertices should change
+//   { type: 'find', text }                          plants in view of that species or row: 'found'
 //   { type: 'pick', at }                            what is seen there? 'picked', then of a plant 'identified':
-//                                                  its row, and 'explained': why so
+//                                                  its row, and 'explained': why so. It is highlighted
+//   { type: 'mark', plant }                         highlights another, by list and index; null: none
 //   'named', once a picture is complete, brings the species that its plants stand for
 //   { type: 'explain' }                             why is the picture what it is?
-//   { type: 'save' }                                the picture as a PNG, once it has all samples: 'saved'
+//   { type: 'save' }                                the next picture that is drawn with `still`, as a PNG, once it has
+//                                                  all samples: 'saved'. `pick` with `measures` says only what is there
 //
 // and from it these answers, 'drawn' with what there is to say of the picture, and 'failed'.
 import { EcoLayer } from './eco_layer.mjs';
@@ -26,6 +31,8 @@ const PIXELS_MAX = 1.6e6;
 const PART_LEAST = 50000, PART_MOST = 1e9, PART_MS = 20;
 // a moving picture, and the first one, may take so long; it has fewer pixels and no leaves for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
+const PACE_PICTURES = 6, PACE_FACTOR = 1.5;      // so many in turn are late, or early, and the budget changes so
+const NEAR_MOST = 5000, FOUND_MOST = 20, PIECE = 512;   // plants that are searched, and shown; rows that are asked for at once
 const ROWS_MAX = 40;                             // of an explanation that are shown
 const nextFrame = globalThis.requestAnimationFrame?.bind(globalThis) ?? ((f) => setTimeout(f, 16));
 
@@ -37,7 +44,7 @@ class Engine {
 		const attributes = { antialias: false, alpha: false, preserveDrawingBuffer: true };
 		this.gl = canvas.getContext('webgl2', attributes);
 		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false, stale: false,
-			movingScale: 0.4, part: PART_LEAST });
+			movingScale: 0.4, part: PART_LEAST, pictures: 0 });
 		this.gl?.clearColor(0.55, 0.6, 0.65, 1);        // of the page, until there is a picture
 		this.gl?.clear(this.gl.COLOR_BUFFER_BIT);
 		if (!this.gl)
@@ -111,11 +118,21 @@ class Engine {
 		this.stale ||= layer.sampled > before || layer.refines !== refines;
 	}
 
-	/** A moving picture has as many pixels as can be drawn in time. */
+	/** A moving picture has as many pixels as can be drawn in time. Where the fewest are too many, or all of them take
+	 * much less, picture after picture, the vertices are too many, or few. */
 	pace(ms) {
-		if (this.wanted.moving)
-			this.movingScale *= Math.sqrt(between(0.5, MOVING_MS / Math.max(ms, 1), 1.5));
-		this.movingScale = between(MOVING_LEAST, this.movingScale, 1);
+		if (!this.wanted.moving)
+			return;
+		const late = this.movingScale === MOVING_LEAST && ms > 1.5 * MOVING_MS;
+		const spends = this.said.facts?.vertices > this.wanted.vertices / 2;
+		const early = spends && this.movingScale === 1 && ms < MOVING_MS / 3;
+		this.pictures = late ? Math.min(0, this.pictures) - 1 : early ? Math.max(0, this.pictures) + 1 : 0;
+		this.movingScale = between(MOVING_LEAST,
+			this.movingScale * Math.sqrt(between(0.5, MOVING_MS / Math.max(ms, 1), 1.5)), 1);
+		if (Math.abs(this.pictures) < PACE_PICTURES)
+			return;
+		this.post({ type: 'paced', factor: late ? 1 / PACE_FACTOR : PACE_FACTOR });
+		this.pictures = 0;
 	}
 
 	answer({ body }) {
@@ -152,9 +169,10 @@ class Engine {
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
 		const { vertices, bytes, tint, smooth, sun, shadows, haze } = wanted;
-		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
+		const scale = wanted.still ? 1 : Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
 		Object.assign(layer, { vertices, bytes, tint, smooth, sun, shadows, haze, moving, hurried: this.movingScale < 1,
 			scale: moving ? scale * this.movingScale : scale });
+		layer.hide(wanted.hide).catch((error) => this.fail(error.message));
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);
 		gl.clearDepth(1);
@@ -181,16 +199,53 @@ class Engine {
 	/** Without an answer plants keep the pack's names. */
 	async name(stream) {
 		this.named = stream;
-		const species = await stream.species().catch(() => null);
+		const species = await this.layer.species().catch(() => null);
 		if (this.named === stream)
 			this.post({ type: 'named', species });
 	}
 
-	async pick({ at }) {
+	mark({ plant }) {
+		this.layer?.mark(plant);
+		this.redraw();
+	}
+
+	/** Plants in view whose species, model or number of a row is looked for, the nearest first. */
+	async find({ text }) {
+		const { stream } = this.layer ?? {}, found = [], words = text.toLowerCase();
+		this.finding = text;
+		const near = text && stream?.selected ? stream.near(NEAR_MOST) : [];
+		for (const plant of near) {
+			const said = await this.rowOf(stream, plant);
+			if (this.finding !== text)
+				return;
+			const texts = [said.species ?? '', said.plant].map((name) => name.toLowerCase());
+			if (/^\d+$/.test(text) ? String(said.row) === text : texts.some((name) => name.includes(words)))
+				found.push({ ...plant, said });
+			if (found.length === FOUND_MOST)
+				break;
+		}
+		this.post({ type: 'found', text, found, searched: near.length });
+	}
+
+	/** The server's description of a plant, from the pieces of rows that were asked for. */
+	async rowOf(stream, { list, index }) {
+		const first = index - index % PIECE, key = `${list} ${first}`;
+		if (this.rows?.of !== stream)
+			this.rows = { of: stream, pieces: new Map() };
+		const { pieces } = this.rows;
+		if (!pieces.has(key))
+			pieces.set(key, stream.rows(list, first, PIECE));
+		return (await pieces.get(key))[index - first];
+	}
+
+	async pick({ at, measures }) {
 		if (!this.layer?.stream?.selected || !this.draw())
 			return;
 		const picked = this.layer.pick(...at);
 		this.post({ type: 'picked', picked });
+		if (measures)
+			return this.mark({ plant: null });
+		this.redraw();
 		if (picked.kind === 'plant')
 			this.post({ type: 'identified', picked, plant: await this.layer.stream.plant(picked) });
 		if (picked.cuts?.length)
@@ -227,7 +282,7 @@ class Engine {
 
 	async offer() {
 		const { moving, complete, offline } = this.said;
-		if (!this.saving || moving || !(complete || offline) || this.layer.refines)
+		if (!this.saving || !this.wanted.still || moving || !(complete || offline) || this.layer.refines)
 			return;
 		this.saving = false;
 		const { canvas } = this;

@@ -6,7 +6,7 @@
 	const ratio = Math.min(devicePixelRatio, 2), bytes = Number(given.get('bytes') ?? -1);
 	const [width, height] = [innerWidth, innerHeight].map((n) => Math.max(1, Math.round(n * ratio)));
 	const [eye, target] = ['eye', 'target'].map((key) => given.get(key)?.split(',').map(Number));
-	const url = `v1/scenes/${encodeURIComponent(scene)}`, vertices = Number(given.get('vertices') ?? 300000);
+	const url = `v1/scenes/${encodeURIComponent(scene)}`, vertices = Number(given.get('vertices')) || 300000;
 	const wanted = { width, height, vertices: Math.min(vertices, 80000),
 		bytes: Math.min(bytes < 0 ? Infinity : bytes, 65536) };
 	const query = `eye=${eye}&target=${target}&fov_y_deg=45&${new URLSearchParams(wanted)}`;

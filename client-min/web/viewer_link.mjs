@@ -14,6 +14,14 @@ function whole(least, most) {
 	};
 }
 
+/** Some of these words, each once; '' is none. */
+function some(...words) {
+	return (value) => {
+		const given = value.split(',').filter((word) => word);
+		return given.every((word) => words.includes(word)) ? [...new Set(given)] : undefined;
+	};
+}
+
 function point(value) {
 	const parts = value.split(',').map((part) => part.trim() === '' ? NaN : Number(part));
 	return parts.length === 3 && parts.every(Number.isFinite) ? parts : undefined;
@@ -27,18 +35,27 @@ function time(value) {
 	return value === '' ? '' : Number.isNaN(ms) ? undefined : new Date(ms).toISOString().slice(0, second ? 19 : 16);
 }
 
+/** A list of views, each with a name; '' is none. */
+function views(value) {
+	const all = value.split(';').filter((one) => one).map((one) => one.split('~')).map(([name, eye = '', target = '']) =>
+		({ name, eye: point(eye), target: point(target) }));
+	return all.every(({ eye, target }) => eye && target) ? all : undefined;
+}
+
 const A_POINT = 'X,Y,Z in metres';
 /** Functions that read a value, or find it undefined, and a phrase for the value expected. */
 const readers = {
 	scene: [text],
 	token: [text],
 	mode: [choice('orbit', 'walk', 'fly'), 'orbit, walk or fly'],
-	vertices: [whole(1, VERTICES_MAX), `a whole number from 1 to ${VERTICES_MAX}`],
+	vertices: [whole(0, VERTICES_MAX), `a whole number up to ${VERTICES_MAX}, 0 for as many as the device draws`],
 	bytes: [whole(-1, Number.MAX_SAFE_INTEGER), 'a whole number, -1 for no limit'],
 	kind: [whole(0, 1), '0 or 1'],
 	smooth: [whole(0, 1), '0 or 1'],
 	sun: [time, 'a time such as 2026-06-21T10:00Z'],
 	shadows: [choice('none', 'standard', 'perspective'), 'none, standard or perspective'],
+	hide: [some('plants', 'objects', 'ground'), 'some of plants, objects, ground'],
+	views: [views, 'NAME~X,Y,Z~X,Y,Z;... with eye and target'],
 	eye: [point, A_POINT],
 	target: [point, A_POINT],
 };
@@ -65,9 +82,10 @@ export function readLink(hash) {
 }
 
 /** The link of settings, which have the names above, and a view. */
-export function writeLink({ scene, sun, ...settings }, { eye, target }) {
+export function writeLink({ scene, sun, views: kept, ...settings }, { eye, target }) {
 	const place = (v) => v.map((n) => Number(n.toFixed(3))).join(',');
-	const parts = { scene: encodeURIComponent(scene), ...settings, sun: sun && `${sun}Z`, eye: place(eye),
-		target: place(target) };
+	const views = kept.map((view) => [encodeURIComponent(view.name), place(view.eye), place(view.target)].join('~'));
+	const parts = { scene: encodeURIComponent(scene), ...settings, sun: sun && `${sun}Z`, views: views.join(';'),
+		eye: place(eye), target: place(target) };
 	return `#${Object.entries(parts).map(([key, value]) => `${key}=${value}`).join('&')}`;
 }

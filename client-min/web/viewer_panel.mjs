@@ -1,17 +1,18 @@
 // The viewer's words on the picture: figures, a legend, scale and north, which plant was clicked, and why
 // the picture is what it is.
 
+import { fixed, t } from './viewer_text.mjs';
+
 const $ = (id) => document.getElementById(id);
 
 export function number(n) {
 	if (n >= 1e6)
-		return `${(n / 1e6).toFixed(2)} M`;
-	return n >= 1e4 ? `${(n / 1e3).toFixed(0)} k` : `${Math.round(n)}`;
+		return `${fixed(n / 1e6, 2)} M`;
+	return n >= 1e4 ? `${fixed(n / 1e3, 0)} k` : `${Math.round(n)}`;
 }
 
-const metres = (length) => length < 10000 ? `${length.toFixed(length < 10 ? 2 : 1)} m`
-	: `${(length / 1000).toFixed(1)} km`;
-const count = (n, one) => `${number(n)} ${one}${n === 1 ? '' : 's'}`;
+export const metres = (length) => length < 10000 ? `${fixed(length, length < 10 ? 2 : 1)} m`
+	: `${fixed(length / 1000, 1)} km`;
 
 const span = (text) => Object.assign(document.createElement('span'), { textContent: text });
 
@@ -40,12 +41,15 @@ function swatch(color) {
 const NAMED_MOST = 3;            // of several species, in a line
 let known = [];                  // by the number of a plant of the pack: openapi.yaml's Species
 
-const UNSTATED = 'species not stated';
+const UNSTATED = t('species not stated');
 
 /** The server's description of the plants' species, or null. */
 export function nameSpecies(species) {
 	known = species ?? [];
 }
+
+const isObject = (plant) => Boolean(known[plant]?.object);
+export const hasObjects = () => known.some(({ object }) => object);
 
 /** The species that a plant of the pack stands for: "oak, ash and 3 more", and all of them. */
 function speciesOf({ number: index, name }) {
@@ -53,13 +57,13 @@ function speciesOf({ number: index, name }) {
 	const { species_count: all, species } = known[index]?.plant === name ? known[index] : own;
 	const names = species.map(({ species: one }) => one ?? UNSTATED), [only] = names;
 	if (all === 1)
-		return { short: only, long: isSame(only, name) ? only : `${only}, shown as ${name}` };
-	const more = (count) => count ? ` and ${number(count)} more` : '';
+		return { short: only, long: isSame(only, name) ? only : t('{}, shown as {}', only, name) };
+	const more = (count) => count ? t(' and {} more', number(count)) : '';
 	const most = Math.min(all, NAMED_MOST) - 1;
 	const counted = species.map(({ species: one, plants }) => `${one ?? UNSTATED} (${plants})`);
-	const last = all > NAMED_MOST ? more(all - most) : ` and ${names[most]}`;
+	const last = all > NAMED_MOST ? more(all - most) : t(' and {}', names[most]);
 	return { short: `${names.slice(0, most).join(', ')}${last}`,
-		long: `Shown as ${name}: ${counted.join(', ')}${more(all - species.length)}` };
+		long: t('Shown as {}: {}', name, counted.join(', ')) + more(all - species.length) };
 }
 
 /** Whether a plant's species is what it is shown as. */
@@ -86,7 +90,7 @@ export function showLegend(tints = []) {
 	const lists = tints.map(({ classes }) => {
 		const ul = document.createElement('ul');
 		ul.append(...classes.map(({ name, color, plants }) =>
-			item(color ? swatch(color) : span('own'), span(name), span(number(plants)))));
+			item(color ? swatch(color) : span(t('own')), span(name), span(number(plants)))));
 		return ul;
 	});
 	const legend = $('legend'), [head] = legend.children;
@@ -97,21 +101,35 @@ export function showLegend(tints = []) {
 
 // ---- The picture ----
 
+/** Plants of the pack, those that are called alike as one, of their mean height. */
+function bySpecies(models) {
+	const all = new Map();
+	for (const model of models) {
+		const { short, long } = speciesOf(model), { count, height_m: height } = model, one = all.get(short);
+		const sum = (one?.count ?? 0) + count;
+		all.set(short, { short, long: one ? `${one.long}; ${long}` : long, count: sum, number: model.number,
+			height_m: ((one?.height_m ?? 0) * (sum - count) + height * count) / sum });
+	}
+	return [...all.values()];
+}
+
 export function showFacts(facts) {
 	const tiles = facts.roles.some(({ name, vertices }) => name === 'summaries' && vertices);
 	const figures = [
-		['Vertices', number(facts.vertices)],
-		['Plants in view', tiles ? `${number(facts.plants)}, more as points` : number(facts.plants)],
-		['Predicted Q', facts.predicted_q?.toFixed(3) ?? '–'],
-		['Bytes so far', number(facts.bytes)],
-		['Decoded', `${(facts.memory_bytes / 2 ** 20).toFixed(1)} MiB`],
+		[t('Vertices'), number(facts.vertices)],
+		[t('Plants in view'), tiles ? t('{}, more as points', number(facts.plants)) : number(facts.plants)],
+		[t('Predicted Q'), facts.predicted_q ? fixed(facts.predicted_q, 3) : '–'],
+		[t('Bytes so far'), number(facts.bytes)],
+		[t('Decoded'), `${fixed(facts.memory_bytes / 2 ** 20, 1)} MiB`],
 	];
 	$('figures').replaceChildren(...figures.map(row));
 	$('roles').replaceChildren(...facts.roles.filter((role) => role.vertices).map((role) =>
-		item(swatch(role.color), span(role.name), span(number(role.vertices)))));
-	const species = facts.models.sort((a, b) => b.count - a.count).map((plant) =>
-		item(named(speciesOf(plant)), span(metres(plant.height_m)), span(`× ${number(plant.count)}`)));
-	const none = tiles ? 'Only points that stand for many plants' : 'None';
+		item(swatch(role.color), span(t(role.name)), span(number(role.vertices)))));
+	// objects come after the plants
+	const last = ({ number: of }) => isObject(of) ? 1 : 0;
+	const species = bySpecies(facts.models).sort((a, b) => last(a) - last(b) || b.count - a.count).map((plant) =>
+		item(named(plant), span(metres(plant.height_m)), span(`× ${number(plant.count)}`)));
+	const none = t(tiles ? 'Only points that stand for many plants' : 'None');
 	$('species').replaceChildren(...species.length ? species : [item(none)]);
 }
 
@@ -136,13 +154,13 @@ export function showScale(pixel, heading) {
 /** Up on the map is north where the scene has a CRS, else only its y. */
 export function showNorth(known) {
 	$('north').lastElementChild.textContent = known ? 'N' : 'Y';
-	$('north').setAttribute('aria-label', known ? 'North' : 'The scene\'s y axis');
+	$('north').setAttribute('aria-label', t(known ? 'North' : 'The y axis of the scene'));
 }
 
 // ---- What was clicked ----
 
 /** A place for people: in the scene's coordinates if it has some, which find it in an inventory. */
-function placeText([x, y, z], origin) {
+export function placeText([x, y, z], origin) {
 	const text = (value, i) => (value + (origin?.at[i] ?? 0)).toFixed(2);
 	return `${text(x, 0)}, ${text(y, 1)}, ${text(z, 2)}${origin?.crs ? ` (${origin.crs})` : ' m'}`;
 }
@@ -153,41 +171,44 @@ function drawnBy(cuts) {
 	const sums = new Map();
 	for (const { role, first, end } of cuts)
 		sums.set(role, (sums.get(role) ?? 0) + end - first);
-	return [...sums].map(([role, drawn]) => [role, number(drawn)]);
+	return [...sums].map(([role, drawn]) => [t(role), number(drawn)]);
 }
 
-const titles = { plant: 'A plant', sky: 'The sky', ground: 'The ground', summary: 'Many plants as one point' };
+const titles = { plant: 'A plant', object: 'A building or other object', sky: 'The sky', ground: 'The ground',
+	summary: 'Many plants as one point' };
 
 /** `picked`: what is seen there (web_client.h). */
 export function showPicked(picked, origin) {
 	const { kind, plant, number: index, at, foot, cuts = [] } = picked;
-	const { height_m: height, distance_m: distance } = picked;
-	const facts = [], species = plant && speciesOf({ number: index, name: plant });
+	const { height_m: height, crown_m: crown, distance_m: distance } = picked;
+	const facts = [], species = plant && speciesOf({ number: index, name: plant }), object = isObject(index);
 	if (height)
-		facts.push(['Height', metres(height)]);
+		facts.push([t('Height'), metres(height)]);
+	if (crown)
+		facts.push([t(object ? 'Width' : 'Crown width'), metres(crown)]);
 	if (kind === 'summary' && plant)
-		facts.push(['Of these', named(species)]);
-	if (at)
-		facts.push([foot ? 'Stands at' : 'Place', placeText(foot ?? at, origin)],
-			['Distance', metres(distance)]);
-	$('card-title').textContent = titles[kind];
+		facts.push([t('Of these'), named(species)]);
+	if (at ?? foot)
+		facts.push([t(foot ? 'Stands at' : 'Place'), placeText(foot ?? at, origin)],
+			[t('Distance'), metres(distance)]);
+	$('card-title').textContent = t(titles[object ? 'object' : kind]);
 	$('card-facts').replaceChildren(...facts.map(row));
 	$('card-why').replaceChildren();
 	$('card-drawn').hidden = !cuts.length;
 	$('card-forms').replaceChildren(...drawnBy(cuts).map(row));
-	$('card-orbit').hidden = !at;
+	$('card-orbit').hidden = !(at ?? foot);
 	$('card').hidden = false;
 }
 
 /** The plant by the inventory that it comes from, if it comes from one. The picture alone knows only what
  * it is shown as, which may stand for several species. */
 export function showPlant({ species, plant, class: tint, file, row: number, line }) {
-	$('card-title').textContent = species ?? 'Species not stated';
-	const facts = isSame(species, plant) ? [] : [['Shown as', plant]];
+	$('card-title').textContent = species ?? t('Species not stated');
+	const facts = isSame(species, plant) ? [] : [[t('Shown as'), plant]];
 	if (tint)
-		facts.push(['Class', tint]);
+		facts.push([t('Class'), tint]);
 	if (file)
-		facts.push(['Row', `${number} of ${file}${line ? ` (line ${line})` : ''}`]);
+		facts.push([t('Row'), t('{} of {}', number, file) + (line ? t(' (line {})', line) : '')]);
 	$('card-facts').rows[0].after(...facts.map(row));
 }
 
@@ -200,8 +221,8 @@ export function showReasons(reasons) {
 			text: vertices > most ? reason : text });
 	}
 	const texts = [...kinds.values()].sort((a, b) => b.sum - a.sum).slice(0, REASONS_MAX);
-	const parts = texts.length > 1 ? ['mostly, ', 'in part, '] : [''];
-	$('card-why').replaceChildren(...texts.map(({ text }, i) => item(span(`Why: ${parts[i]}${text}`))));
+	const parts = texts.length > 1 ? ['Why: mostly, {}', 'Why: in part, {}'] : ['Why: {}'];
+	$('card-why').replaceChildren(...texts.map(({ text }, i) => item(span(t(parts[i], text)))));
 }
 
 // ---- Why the picture is what it is ----
@@ -228,15 +249,14 @@ const percent = (share) => share < 0.01 ? '< 1 %' : `${Math.round(100 * share)} 
 function spentOn(spent) {
 	const all = Object.values(spent).reduce((a, b) => a + b, 0);
 	return Object.entries(spent).filter(([, vertices]) => vertices).sort(([, a], [, b]) => b - a)
-		.map(([why, vertices]) => item(span(meanings[why] ?? why), span(percent(vertices / all))));
+		.map(([why, vertices]) => item(span(t(meanings[why] ?? why)), span(percent(vertices / all))));
 }
 
 /** Whom a reason is about, and its figures for those who want them. */
 function whyText({ plant, tile, distance_m: distance, plants, vertices, reason }) {
-	const many = count(plants, 'plant');
-	const who = plant ? `${plant}, ${metres(distance)} away, ${many}` : tile === undefined ? 'The ground'
-		: `${many} of a part of the scene`;
-	return [who, reason, vertices ? `${number(vertices)} vertices` : ''];
+	const who = plant ? t('{}, {} away, plants: {}', plant, metres(distance), number(plants))
+		: tile === undefined ? t('The ground') : t('Plants of a part of the scene: {}', number(plants));
+	return [who, reason, vertices ? t('{} vertices', number(vertices)) : ''];
 }
 
 export function showWhy({ lambda, spent, rows, more }) {
@@ -246,9 +266,9 @@ export function showWhy({ lambda, spent, rows, more }) {
 		return li;
 	});
 	const least = lambda > 0
-		? `Each vertex puts ${lambda.toPrecision(2)} pixels right, or more; none is drawn for less.`
-		: 'There is room for all detail of this view.';
+		? t('Each vertex puts {} pixels right, or more; none is drawn for less.', lambda.toPrecision(2))
+		: t('There is room for all detail of this view.');
 	$('spent').replaceChildren(...spentOn(spent));
-	$('why').replaceChildren(item(span(least)), ...items, ...more ? [item(span(`and ${more} more`))] : []);
+	$('why').replaceChildren(item(span(least)), ...items, ...more ? [item(span(t('and {} more', more)))] : []);
 	$('why-here').hidden = false;
 }

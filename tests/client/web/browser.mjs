@@ -105,9 +105,9 @@ export class Browser {
 		throw new Error(`not within ${ms} ms: ${expression}; the page says: ${said}`);
 	}
 
-	/** A PNG of the page. */
-	async picture() {
-		const { data } = await this.send('Page.captureScreenshot', { format: 'png' });
+	/** A PNG of the page, or of a part of it: { x, y, width, height, scale }. */
+	async picture(clip) {
+		const { data } = await this.send('Page.captureScreenshot', { format: 'png', clip });
 		return Buffer.from(data, 'base64');
 	}
 
