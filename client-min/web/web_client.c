@@ -564,7 +564,9 @@ static double crown_of(const struct web *web, const struct view_instance *instan
 		const struct view_list *list = view_store_list_at(web->store, i);
 		const struct eco_elements *e = &list->elements;
 		double wide = 0;
-		if (list->list.kind > ECO_LIST_POINTS || list->list.owner != instance->plant || !e->corner_count)
+		/* a summary's owner is a tile */
+		if (list->list.kind > ECO_LIST_POINTS || list->list.attributes & ECO_ATTR_PLANT
+				|| list->list.owner != instance->plant || !e->corner_count)
 			continue;
 		for (int axis = 0; axis < 2; axis++) {
 			int32_t low = INT32_MAX, high = INT32_MIN;
