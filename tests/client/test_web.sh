@@ -51,10 +51,11 @@ lay_picture() { # NAME: of a scene, 600 m a side about its origin
 lay_picture park
 "$BUILD/ecopack" make --draft "$dir/source-park/picture.json" -o "$dir/picture.eco" --quiet \
 	|| fail "make picture"
-# without a CRS
+# without a CRS, and with an object
 mkdir "$dir/source-bare"
 printf 'v -0.5 0 0\nv 0.5 0 0\nv 0 1 0\nf 1 2 3\n' >"$dir/source-bare/blade.obj"
-echo '{"plants": {"grass": {"model": "blade.obj"}}, "instances": [{"plant": "grass", "at": [0, 0]}]}' >"$dir/source-bare/scene.json"
+echo '{"plants": {"grass": {"model": "blade.obj"}, "wall": {"model": "blade.obj", "object": true}},
+	"instances": [{"plant": "grass", "at": [0, 0]}, {"plant": "wall", "at": [0.6, 0.2]}]}' >"$dir/source-bare/scene.json"
 "$BUILD/ecopack" make --draft "$dir/source-bare/scene.json" -o "$dir/bare.eco" --quiet 2>/dev/null || fail "make bare"
 "$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "bare=$dir/bare.eco" "city=$dir/city.eco" \
 	"$dir/meadow.eco" "$dir/park.eco" "dusk=$dir/park.eco" "kinds=$dir/meadow.eco" "picture=$dir/picture.eco" \

@@ -625,6 +625,23 @@ async function isNowhereOnEarth() {
 	expect(await text('state').then((said) => said.includes('CRS')), 'nobody is told that the sun of a link is not used');
 	expect(await text('north') === 'Y', `without a CRS the arrow says ${await text('north')}`);
 	await ask("document.getElementById('state').click()");
+	await hasAnObject();
+}
+
+/** A wall is no plant: its layer is offered, leaves the plant, and the card says what it is. */
+async function hasAnObject() {
+	const names = "viewer.drawn.facts.models.map(({ name }) => name).join()", toggle = "document.querySelector('[data-layer=objects]').click()";
+	await browser.until(`!document.getElementById('has-objects').hidden && ${names} === 'grass,wall'`);
+	const all = await onScreen();
+	await ask(toggle);
+	await browser.until(`location.hash.includes('hide=objects') && ${complete}`);
+	expect(!all.equals(await onScreen()), 'an object is drawn in spite of its layer');
+	await ask(toggle);
+	await browser.until(`location.hash.includes('hide=&') && ${complete}`);
+	expect(all.equals(await onScreen()), 'an object does not come back');
+	await ask("viewer.heard.picked({ picked: { kind: 'plant', plant: 'wall', number: 1, height_m: 1, foot: [0, 0, 0], distance_m: 2 } })");
+	expect(await text('card-title') === 'A building or other object', `a wall is ${await text('card-title')}`);
+	await press('Escape');
 }
 
 /** A link's values are taken in every known form; the person is told of a value that cannot be read. Parameters
