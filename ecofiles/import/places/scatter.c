@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "build/words/blue_noise.table"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
@@ -53,6 +54,15 @@ static enum eco_code too_many(struct eco_scatter *s)
 }
 
 /* ---- The set, repeated over the plane ---- */
+
+void eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
+{
+	_Static_assert(sizeof blue_noise_rows / sizeof *blue_noise_rows == ECO_BLUE_NOISE_POINTS, "a row for each point");
+	for (uint32_t i = 0; i < ECO_BLUE_NOISE_POINTS; i++) {
+		points[i][0] = (uint16_t)blue_noise_rows[i].x;
+		points[i][1] = (uint16_t)blue_noise_rows[i].y;
+	}
+}
 
 static struct lattice *make_lattice(void)
 {

@@ -17,12 +17,11 @@ enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco
 	const struct eco_frame *frame, struct eco_error *error);
 void eco_scatter_input_free(struct eco_scatter_input *input);
 
-/* ---- Places (blue_noise.c) ---- */
+/* ---- Places (words/blue_noise.tsv) ---- */
 
 #define ECO_BLUE_NOISE_POINTS 4096u
 
-/* x and y in 1/65536 of the square's side; the first n points are evenly spread for any n. The same on
- * every machine. */
+/* x and y in 1/65536 of the square's side; the first n points are evenly spread for any n. */
 void eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2]);
 
 #endif
