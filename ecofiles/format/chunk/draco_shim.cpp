@@ -1,6 +1,6 @@
 // The only C++ of ecofiles that knows Draco. Draco's decoders allocate what a stream declares: so many
-// attributes of so many components. So the decoders are subclassed at the two points where Draco has read
-// these declarations and not yet acted on them; there anything but the expected columns is refused.
+// attributes of so many components. So the decoders are subclassed at the points where Draco has read
+// these declarations and not yet acted on them; there anything beyond what is expected is refused.
 #include "ecofiles/format/chunk/draco_shim.h"
 
 #include <cstdlib>
@@ -55,24 +55,81 @@ void (*note_no_memory)(void);
 	std::abort();
 }
 
-// A decoder that stops before the first attribute is decoded unless that is all: positions of three integers.
-template <class Base>
-class Guarded : public Base {
+// LEB128 as Draco writes it; false when it runs out or exceeds 32 bits.
+bool varint(const uint8_t *bytes, size_t size, size_t *at, uint32_t *value)
+{
+	uint64_t v = 0;
+	for (int shift = 0; shift < 35; shift += 7) {
+		if (*at >= size)
+			return false;
+		const uint8_t b = bytes[(*at)++];
+		v |= static_cast<uint64_t>(b & 0x7f) << shift;
+		if (b < 0x80) {
+			*value = static_cast<uint32_t>(v);
+			return v <= UINT32_MAX;
+		}
+	}
+	return false;
+}
+
+struct Bounds {
+	uint32_t faces, points;
+	int attributes, components;  // components: of all attributes of a point
+	bool exceeded;               // out: they were
+};
+
+// Checks the counts at the front of the connectivity, which the decoder would trust.
+bool connectivity_fits(const draco::DecoderBuffer &buffer, bool edgebreaker, Bounds *bounds)
+{
+	const uint8_t *bytes = reinterpret_cast<const uint8_t *>(buffer.data_head());
+	const size_t size = static_cast<size_t>(buffer.remaining_size());
+	size_t at = 0;
+	uint32_t first, second, symbols, splits;
+	if (!varint(bytes, size, &at, &first) || !varint(bytes, size, &at, &second))
+		return false;
+	const uint32_t faces = edgebreaker ? second : first, points = edgebreaker ? first : second;
+	bounds->exceeded = faces > bounds->faces || points > bounds->points;
+	if (bounds->exceeded || !edgebreaker)
+		return !bounds->exceeded;
+	if (at >= size || bytes[at++] >= bounds->attributes)
+		return false;
+	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces
+		&& splits <= symbols;
+}
+
+// A decoder that stops where a count exceeds its bound, before allocating for it.
+template <class Base, bool kEdgebreaker>
+class Bounded : public Base {
+ public:
+	explicit Bounded(Bounds *bounds) : bounds_(bounds) {}
+
  protected:
+	bool DecodeConnectivity() override
+	{
+		return connectivity_fits(*this->buffer(), kEdgebreaker, bounds_)
+			&& Base::DecodeConnectivity();
+	}
+
 	bool CreateAttributesDecoder(int32_t id) override
 	{
-		return id == 0 && Base::CreateAttributesDecoder(id);
+		return id < bounds_->attributes && Base::CreateAttributesDecoder(id);
 	}
 
 	bool DecodeAllAttributes() override
 	{
 		const draco::PointCloud *cloud = this->point_cloud();
+		int components = 0;
 
-		if (this->num_attributes_decoders() != 1 || cloud->num_attributes() != 1)
+		for (int32_t i = 0; i < cloud->num_attributes(); i++)
+			components += cloud->attribute(i)->num_components();
+		if (cloud->num_attributes() > bounds_->attributes || components > bounds_->components)
 			return false;
-		const draco::PointAttribute *a = cloud->attribute(0);
-		return a->data_type() == draco::DT_INT32 && a->num_components() == 3 && Base::DecodeAllAttributes();
+		bounds_->exceeded = cloud->num_points() > bounds_->points;
+		return !bounds_->exceeded && Base::DecodeAllAttributes();
 	}
+
+ private:
+	Bounds *bounds_;
 };
 
 void add_positions(draco::PointCloud *cloud, const int32_t *values, uint32_t rows)
@@ -117,8 +174,10 @@ enum eco_code decode(Decoder &&decoder, const uint8_t *bytes, size_t size, bool 
 enum eco_code read_faces(const draco::Mesh &mesh, uint32_t faces, int32_t *position, uint32_t *vertex,
 struct eco_error *error)
 {
-	const draco::PointAttribute *a = mesh.attribute(0);
+	const draco::PointAttribute *a = mesh.num_attributes() == 1 ? mesh.attribute(0) : nullptr;
 
+	if (a == nullptr || a->data_type() != draco::DT_INT32 || a->num_components() != 3)
+		return refuse(error, ECO_DAMAGED, "not positions of three integers alone", "");
 	if (mesh.num_faces() != faces)
 		return refuse(error, ECO_DAMAGED, "faces are missing", "");
 	for (uint32_t f = 0; f < faces; f++) {
@@ -142,105 +201,10 @@ struct eco_error *error)
 	return ECO_OK;
 }
 
-// LEB128 as Draco writes it; false when it runs out or exceeds 32 bits.
-bool varint(const uint8_t *bytes, size_t size, size_t *at, uint32_t *value)
-{
-	uint64_t v = 0;
-	for (int shift = 0; shift < 35; shift += 7) {
-		if (*at >= size)
-			return false;
-		const uint8_t b = bytes[(*at)++];
-		v |= static_cast<uint64_t>(b & 0x7f) << shift;
-		if (b < 0x80) {
-			*value = static_cast<uint32_t>(v);
-			return v <= UINT32_MAX;
-		}
-	}
-	return false;
-}
-
-// Whether a stream starts as Draco 1.5 writes it: our encoder could not have written another.
-bool mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
-{
-	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; the traversal: 0 standard, 2 valence
-	const uint8_t head[11] = { 'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0 };
-	size_t at = sizeof head + 1;
-	uint32_t vertices, count, symbols, splits;
-	if (size <= at || std::memcmp(bytes, head, sizeof head) != 0 || (bytes[11] != 0 && bytes[11] != 2))
-		return false;
-	if (!varint(bytes, size, &at, &vertices) || !varint(bytes, size, &at, &count))
-		return false;
-	if (count != faces || vertices > static_cast<uint64_t>(faces) * 3)
-		return false;
-	if (at >= size || bytes[at++] != 0)    // connectivity of further attributes
-		return false;
-	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces
-		&& splits <= symbols;
-}
-
 // ---- Meshes of glTF files ----
 
 constexpr int kForeignAttributesMax = 32;
 constexpr int kForeignComponentsMax = 64;    // of all attributes of a point
-
-struct Bounds {
-	uint32_t faces, points;
-	bool exceeded;               // out: they were
-};
-
-// Checks the counts at the front of the connectivity, which the decoder would trust.
-bool connectivity_fits(const draco::DecoderBuffer &buffer, bool edgebreaker, Bounds *bounds)
-{
-	const uint8_t *bytes = reinterpret_cast<const uint8_t *>(buffer.data_head());
-	const size_t size = static_cast<size_t>(buffer.remaining_size());
-	size_t at = 0;
-	uint32_t first, second, symbols, splits;
-	if (!varint(bytes, size, &at, &first) || !varint(bytes, size, &at, &second))
-		return false;
-	const uint32_t faces = edgebreaker ? second : first, points = edgebreaker ? first : second;
-	bounds->exceeded = faces > bounds->faces || points > bounds->points;
-	if (bounds->exceeded || !edgebreaker)
-		return !bounds->exceeded;
-	if (at >= size || bytes[at++] > kForeignAttributesMax)
-		return false;
-	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces
-		&& splits <= symbols;
-}
-
-// A decoder that stops where a count exceeds its bound, before allocating for it.
-template <class Base, bool kEdgebreaker>
-class Bounded : public Base {
- public:
-	explicit Bounded(Bounds *bounds) : bounds_(bounds) {}
-
- protected:
-	bool DecodeConnectivity() override
-	{
-		return connectivity_fits(*this->buffer(), kEdgebreaker, bounds_)
-			&& Base::DecodeConnectivity();
-	}
-
-	bool CreateAttributesDecoder(int32_t id) override
-	{
-		return id < kForeignAttributesMax && Base::CreateAttributesDecoder(id);
-	}
-
-	bool DecodeAllAttributes() override
-	{
-		const draco::PointCloud *cloud = this->point_cloud();
-		int components = 0;
-
-		for (int32_t i = 0; i < cloud->num_attributes(); i++)
-			components += cloud->attribute(i)->num_components();
-		if (cloud->num_attributes() > kForeignAttributesMax || components > kForeignComponentsMax)
-			return false;
-		bounds_->exceeded = cloud->num_points() > bounds_->points;
-		return !bounds_->exceeded && Base::DecodeAllAttributes();
-	}
-
- private:
-	Bounds *bounds_;
-};
 
 template <class T>
 T *array_of(size_t count)
@@ -353,11 +317,15 @@ enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, 
 enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position,
 	uint32_t *vertex, struct eco_error *error)
 {
-	if (!mesh_start(bytes, size, faces))
-		return refuse(error, ECO_DAMAGED, "not a mesh of that many faces", "");
+	// as Draco 1.5 writes it: magic, bitstream 2.2, a mesh, edgebreaker, no flags; traversal: 0 standard, 2 valence
+	const uint8_t head[11] = { 'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0 };
+	Bounds bounds = { faces, faces > UINT32_MAX / 3 ? UINT32_MAX : 3 * faces, 1, 3, false };
+
+	if (size < 12 || std::memcmp(bytes, head, sizeof head) != 0 || (bytes[11] & ~2) != 0)
+		return refuse(error, ECO_DAMAGED, "not a mesh", "");
 	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
 		draco::Mesh mesh;
-		const enum eco_code code = decode(Guarded<draco::MeshEdgebreakerDecoder>(), bytes, size,
+		const enum eco_code code = decode(Bounded<draco::MeshEdgebreakerDecoder, true>(&bounds), bytes, size,
 			true, &mesh, error);
 
 		return code != ECO_OK ? code : read_faces(mesh, faces, position, vertex, error);
@@ -368,7 +336,7 @@ enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t 
 	uint32_t points_max, struct eco_draco_attribute *attributes, uint32_t attribute_count,
 	struct eco_draco_mesh *mesh, struct eco_error *error)
 {
-	Bounds bounds = { faces_max, points_max, false };
+	Bounds bounds = { faces_max, points_max, kForeignAttributesMax, kForeignComponentsMax, false };
 
 	*mesh = eco_draco_mesh{};
 	for (uint32_t i = 0; i < attribute_count; i++)
