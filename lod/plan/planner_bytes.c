@@ -11,8 +11,6 @@
 #include "lod/plan/price_search.h"
 
 #define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
-#define PRICE_BACK 0.5           /* octaves: a raise by more is made smaller where it leaves half of the bytes */
-#define PRICE_FAR_BACK 16.0      /* the same where nothing is drawn */
 #define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
 #define PRICE_LAMBDAS 3          /* tried where vertices bind as well, ... */
 #define PRICE_ENOUGH 0.95        /* ... until they use so much of the budget */
@@ -171,14 +169,6 @@ static void keep_fitted(const struct lod_planner *p, uint32_t ladders, struct fi
 	best->mix = mix;
 }
 
-static bool is_among(const double *tried, int count, double bytes)
-{
-	for (int i = 0; i < count; i++)
-		if (tried[i] == bytes)
-			return true;
-	return false;
-}
-
 /* Priced bytes of the largest answer that fits and of the smallest that does not, and what these have in all. */
 struct tried { double low, high, low_size, high_size; };
 
@@ -206,25 +196,7 @@ static enum eco_code fill_dearer(const struct lod_lambda_search *s, struct fitte
 	return fill_fitted(s, fit, budget, error);
 }
 
-/* Lowers prices that leave hardly anything, or nothing, by so many octaves and less, as far as the answer fits. */
-static enum eco_code lower_while_fits(const struct lod_lambda_search *s, struct fitted *fit, double less,
-	uint64_t budget, struct eco_error *error)
-{
-	const struct lod_planner *p = s->allocation->p;
-	const uint64_t most = p->input->request->bytes;
-	enum eco_code code = ECO_OK;
-	for (; !code && less > PRICE_BACK && p->bytes < most / 2; less /= 2) {
-		const double fits = fit->octave;
-		code = fill_dearer(s, fit, -less, budget, error);
-		if (code || p->bytes <= most)
-			continue;
-		fit->octave = fits;
-		code = fill_fitted(s, fit, budget, error);
-	}
-	return code;
-}
-
-/* Raises prices until the answer fits; the last raise may be by many octaves. */
+/* Raises prices until the answer fits. */
 static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct fitted *fit, uint64_t budget,
 	struct eco_error *error)
 {
@@ -233,7 +205,7 @@ static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct 
 	enum eco_code code = ECO_OK;
 	for (; !code && p->bytes > p->input->request->bytes && fit->octave < LOD_PRICE_HIGHEST; more *= 2)
 		code = fill_dearer(s, fit, more, budget, error);
-	return code ? code : lower_while_fits(s, fit, more / 4, budget, error);
+	return code;
 }
 
 /* The prediction, which depends on the bytes that plants usually get, whatever the answer is. */
@@ -258,17 +230,12 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	struct lod_planner *p = m->p;
 	const uint32_t ladders = lod_prices_ladders(m);
 	enum eco_code code = ECO_OK;
-	double most = (double)p->input->request->bytes, tried[SIZE_TRIES];
+	double most = (double)p->input->request->bytes;
 	struct tried between = { 0, INFINITY, 0, 0 };
 	bool last = false;               /* the allocation is that of the best answer */
 	for (int i = 0; i < SIZE_TRIES && !code; i++) {
 		now->first = i == 0;
-		double before = now->size, bytes = tried[i] = find_prices(s, most - now->beside, budget, now);
-		if (is_among(tried, i, bytes)) {         /* there is a gap: tries what lies beyond it */
-			now->beside += now->size - most;
-			last = false;
-			continue;
-		}
+		double before = now->size, bytes = find_prices(s, most - now->beside, budget, now);
 		code = fill_fitted(s, now, budget, error);
 		now->size = (double)p->bytes;
 		now->wrong = p->wrong;
@@ -288,8 +255,6 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	/* what was computed of summaries since then may change the choice a little */
 	if (!code && (double)p->bytes > most)
 		code = raise_until_fits(s, best, budget, error);
-	if (!code && !p->vertices)
-		code = lower_while_fits(s, best, PRICE_FAR_BACK, budget, error);
 	return code;
 }
 
