@@ -9,19 +9,18 @@
 #include <string.h>
 
 #include "lod/plan/byte_price_state.h"
+#include "lod/plan/knapsack.h"
 #include "lod/plan/price_search.h"
 
 #define BINS 256                 /* of the bytes that kinds share */
-#define ENOUGH 0.985             /* of the bytes: no other price of tiles is tried */
+#define ENOUGH 0.985             /* of the bytes: kinds need share none */
 #define TRIES 5                  /* of a mix: tiles that choose others need bytes, too */
 /* octaves of the prices whose limits kinds may have, beside the price of tiles; the first is that price */
 static const double around[] = { 0, 1.5, 0.5, -0.125, -0.5, -1, -2 };
 #define PRICES (sizeof around / sizeof *around)
 const double lod_kinds_levels[] = { 1, 4 };
 #define LEVELS (sizeof lod_kinds_levels / sizeof *lod_kinds_levels)
-#define OPTIONS (PRICES * LEVELS)
-/* octaves beside the same that tiles may pay: with fewer bytes of kinds there may be more of these, and the reverse */
-static const double tiles[] = { 0, -0.125, -0.5, -1.5, 0.75 };
+#define OPTIONS (uint32_t)(PRICES * LEVELS)
 
 struct kinds {
 	struct lod_allocation *m;
@@ -47,7 +46,7 @@ static void measure(const struct kinds *k, size_t price, double lambda)
 	struct lod_allocation *m = k->m;
 	const struct lod_visible_tree *visible = &m->p->visible;
 	double *bytes = k->bytes + price * LEVELS * k->count, *wrong = k->wrong + price * LEVELS * k->count;
-	struct lod_mix to = { k->limits + price * k->ladders, k->off + price * k->count, k->levels, 0, true };
+	struct lod_mix to = { k->limits + price * k->ladders, k->off + price * k->count, k->levels, true };
 	m->limited = true;
 	for (size_t level = 0; level < LEVELS; level++, bytes += k->count, wrong += k->count) {
 		memset(k->levels, (int)level, k->count);
@@ -75,43 +74,31 @@ static bool varies(const struct kinds *k, uint32_t kind)
 	return false;
 }
 
-/* Chooses an option for each kind that has a choice: the least that is wrong within so many bytes [K 11.5]. False: none
- * fits, or no memory. */
+/* Chooses an option for each kind that has a choice: the least that is wrong within so many bytes. False: none fits, or no
+ * memory. */
 static bool choose(const struct kinds *k, double room)
 {
-	double *least = calloc(2 * (BINS + 1), sizeof *least), *next = least + BINS + 1, unit;
-	uint8_t *picks = calloc((size_t)k->count * (BINS + 1) + 1, 1);
-	bool good = least && picks;
+	struct lod_knapsack_option *options = malloc((OPTIONS * k->count + 1) * sizeof *options);
+	struct lod_knapsack_class *classes = malloc((k->count + 1u) * sizeof *classes);
+	uint32_t *chosen = malloc((k->count + 1u) * sizeof *chosen), count = 0;
 	for (uint32_t i = 0; i < k->count; i++)
 		room -= varies(k, i) ? 0 : k->bytes[i];
-	unit = room / BINS;
-	good &= room > 0;
-	for (uint32_t i = 0; good && i < k->count; i++) {
-		uint8_t *pick = picks + (size_t)i * (BINS + 1);
-		for (int b = 0; b <= BINS; b++)
-			next[b] = INFINITY;
-		for (size_t j = 0; varies(k, i) && j < OPTIONS; j++) {
-			int cost = (int)fmin(BINS + 1, ceil(k->bytes[j * k->count + i] / unit));
-			for (int b = cost; b <= BINS; b++)
-				if (least[b - cost] + k->wrong[j * k->count + i] < next[b]) {
-					next[b] = least[b - cost] + k->wrong[j * k->count + i];
-					pick[b] = (uint8_t)j;
-				}
-		}
-		if (varies(k, i))
-			memcpy(least, next, (BINS + 1) * sizeof *least);
-		lod_planner_work(k->m->p, varies(k, i) ? OPTIONS * BINS / 8 : OPTIONS);
-	}
-	int left = BINS;
-	good = good && least[BINS] < INFINITY;
-	memset(k->chosen, 0, k->count);
-	for (uint32_t i = k->count; good && i-- > 0;)
+	bool good = options && classes && chosen && room > 0;
+	for (uint32_t i = 0; good && i < k->count; i++)
 		if (varies(k, i)) {
-			k->chosen[i] = picks[(size_t)i * (BINS + 1) + left];
-			left -= (int)ceil(k->bytes[k->chosen[i] * k->count + i] / unit);
+			for (uint32_t j = 0; j < OPTIONS; j++)
+				options[OPTIONS * count + j] = (struct lod_knapsack_option){ k->wrong[j * k->count + i],
+					(uint64_t)ceil(k->bytes[j * k->count + i] / (room / BINS)) };
+			classes[count] = (struct lod_knapsack_class){ OPTIONS * count, OPTIONS * (count + 1), 0, false };
+			count++;
 		}
-	free(least);
-	free(picks);
+	good = good && lod_knapsack_solve(k->m->p, options, classes, count, BINS, chosen);
+	count = 0;
+	for (uint32_t i = 0; good && i < k->count; i++)
+		k->chosen[i] = varies(k, i) ? (uint8_t)(chosen[count++] % OPTIONS) : 0;
+	free(options);
+	free(classes);
+	free(chosen);
 	return good;
 }
 
@@ -134,72 +121,42 @@ static double sum_first(const double *bytes, uint32_t count)
 	return sum;
 }
 
-struct shared { double worth, bytes; };      /* worth: wrong pixels, vertices paid */
-
-/* Tries the mix for what tiles at a price leave of the bytes; where tiles choose others then, for less. */
-static bool share(const struct kinds *k, double lambda, double target, struct lod_mix *to, struct shared *best)
+/* Tries the mix for what tiles leave of the bytes; where tiles choose others then, for less. */
+static bool share(const struct kinds *k, double lambda, double target, double octave, struct lod_mix *to)
 {
 	struct lod_allocation *m = k->m;
-	double others = lod_price_relax(m, lambda, to->octave, NULL), room;
+	double bytes = lod_price_relax(m, lambda, octave, NULL), worth = lod_price_wrong(m) + lambda * m->cost.vertices;
+	if (bytes >= ENOUGH * target)
+		return false;
 	for (size_t i = PRICES; i-- > 0;)
 		measure(k, i, lambda);
-	others -= sum_first(k->bytes, k->count);
-	room = target - others;
+	double room = target - bytes + sum_first(k->bytes, k->count);
 	for (int i = 0; i < TRIES && room > 0 && choose(k, room); i++) {
 		mix(k, to);
-		double now = lod_price_relax(m, lambda, to->octave, to), worth = lod_price_wrong(m)
-			+ lambda * m->cost.vertices;
-		if (now <= target && worth < best->worth
-				&& m->cost.vertices <= (double)m->p->input->request->vertices) {
-			*best = (struct shared){ worth, now };
-			return true;
-		}
-		if (now <= target)
-			break;
-		room -= now - target;
+		bytes = lod_price_relax(m, lambda, octave, to);
+		if (bytes <= target)
+			return lod_price_wrong(m) + lambda * m->cost.vertices < worth
+				&& m->cost.vertices <= (double)m->p->input->request->vertices;
+		room -= bytes - target;
 	}
 	return false;
 }
 
-static void copy(const struct kinds *k, struct lod_mix *to, const struct lod_mix *from)
-{
-	memcpy(to->limits, from->limits, k->ladders * sizeof *to->limits);
-	memcpy(to->off, from->off, k->count);
-	memcpy(to->levels, from->levels, k->count);
-	to->octave = from->octave;
-	to->used = true;
-}
-
 double lod_kinds_share(struct lod_allocation *m, double lambda, double target, double octave, struct lod_mix *to)
 {
+	struct lod_arena a = { 0 };
 	struct kinds k = { .m = m, .count = m->p->scene->plant_count, .ladders = m->prices->ladder_count };
-	struct lod_mix next = { 0 };
-	k.limits = malloc(((PRICES + 1) * k.ladders + 1) * sizeof *k.limits);
-	k.off = malloc((PRICES + 1) * k.count + 1);
-	k.bytes = malloc((2 * OPTIONS * k.count + 1) * sizeof *k.bytes);
-	k.chosen = malloc(3 * k.count + 1u);
-	to->used = false;
-	bool good = k.limits && k.off && k.bytes && k.chosen;
-	for (size_t i = PRICES; good && i-- > 0;) {
+	k.limits = lod_arena_try(&a, PRICES * (k.ladders + 1u), sizeof *k.limits);
+	k.off = lod_arena_try(&a, PRICES * (k.count + 1u), 1);
+	k.bytes = lod_arena_try(&a, OPTIONS * (k.count + 1u), sizeof *k.bytes);
+	k.wrong = lod_arena_try(&a, OPTIONS * (k.count + 1u), sizeof *k.wrong);
+	k.chosen = lod_arena_try(&a, k.count, 1);
+	k.levels = lod_arena_try(&a, k.count, 1);
+	for (size_t i = PRICES; !a.failed && i-- > 0;) {
 		lod_price_relax(m, lambda, fmin(LOD_PRICE_HIGHEST, octave + around[i]), NULL);
 		note(&k, i);
 	}
-	double bytes = lod_price_relax(m, lambda, octave, NULL);
-	struct shared best = { lod_price_wrong(m) + lambda * m->cost.vertices, bytes };
-	for (size_t i = 0; good && i < sizeof tiles / sizeof *tiles && best.bytes < ENOUGH * target
-			&& !(i && lod_planner_over(m->p, 3)); i++) {
-		k.wrong = k.bytes + OPTIONS * k.count;
-		k.levels = k.chosen + k.count;
-		next.levels = k.levels + k.count;
-		next.limits = k.limits + PRICES * k.ladders;
-		next.off = k.off + PRICES * k.count;
-		next.octave = fmin(LOD_PRICE_HIGHEST, octave + tiles[i]);
-		if (share(&k, lambda, target, &next, &best))
-			copy(&k, to, &next);
-	}
-	free(k.limits);
-	free(k.off);
-	free(k.bytes);
-	free(k.chosen);
+	to->used = !a.failed && share(&k, lambda, target, octave, to);
+	lod_arena_free(&a);
 	return lod_price_relax(m, lambda, octave, to);
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/base/array_grow.h"
+#include "lod/plan/knapsack.h"
 
 #define BINS 256u                /* into which a budget of vertices is divided; fewer where ... */
 #define TRIES (1u << 18)         /* ... so many options in bins are tried */
@@ -30,8 +31,6 @@ struct few {
 	struct option *options;      uint32_t count, capacity;
 	struct class *classes;       uint32_t class_count;
 	uint64_t bins, unit;         /* of vertices */
-	uint32_t *picks;             /* per class and bin: an option */
-	bool *wholes;                /* the same: a class in place of those before is better */
 	bool failed;
 };
 
@@ -163,63 +162,22 @@ static void make_bins(struct few *f)
 	f->bins = left / f->unit;
 }
 
-/* Bins of an option's vertices above those that its class begins with, rounded up. */
-static uint64_t cost_of(const struct few *f, const struct class *class, uint32_t option)
-{
-	return (f->options[option].vertices - f->options[class->first].vertices + f->unit - 1) / f->unit;
-}
-
-/* The least that is wrong with at most so many bins: from[] before a class, to[] with it. */
-static void add_to_bins(const struct few *f, uint32_t c, const double *from, double *to)
-{
-	const struct class *class = &f->classes[c];
-	uint32_t *pick = f->picks + c * (f->bins + 1);
-	for (uint64_t b = 0; b <= f->bins; b++)
-		to[b] = INFINITY;
-	for (uint32_t o = class->first; o < class->end; o++)
-		for (uint64_t b = cost_of(f, class, o); b <= f->bins; b++) {
-			double wrong = from[b - cost_of(f, class, o)] + f->options[o].wrong;
-			if (wrong < to[b]) {
-				to[b] = wrong;
-				pick[b] = o;
-			}
-		}
-}
-
-/* Dynamic programming over vertices [K 11.5]. Sets each class's option; ECO_NONE: another class draws in its place. */
+/* Sets each class's option; ECO_NONE: another class draws in its place. */
 static void choose(struct few *f, uint32_t *chosen)
 {
-	size_t row = f->bins + 1;
-	double *least = calloc((f->class_count + 2) * row, sizeof *least), *whole = least + (f->class_count + 1) * row;
-	f->picks = malloc(f->class_count * row * sizeof *f->picks);
-	f->wholes = calloc(f->class_count * row, 1);
-	f->failed |= !least || !f->picks || !f->wholes;
-	for (uint32_t c = 0; !f->failed && c < f->class_count; c++) {
-		const double *before = least + c * row;
-		double *next = least + (c + 1) * row;
-		if (!f->classes[c].whole) {
-			add_to_bins(f, c, before, next);
-			continue;
-		}
-		add_to_bins(f, c, least + f->classes[c].from * row, whole);
-		for (uint64_t b = 0; b < row; b++) {
-			f->wholes[c * row + b] = whole[b] < before[b];
-			next[b] = fmin(whole[b], before[b]);
-		}
-	}
-	uint64_t left = f->bins;
-	for (uint32_t c = f->class_count; !f->failed && c-- > 0;) {
+	struct lod_knapsack_option *options = malloc((f->count + 1u) * sizeof *options);
+	struct lod_knapsack_class *classes = malloc((f->class_count + 1u) * sizeof *classes);
+	for (uint32_t c = 0; options && classes && c < f->class_count; c++) {
 		const struct class *class = &f->classes[c];
-		chosen[c] = ECO_NONE;
-		if (class->whole && !f->wholes[c * row + left])
-			continue;
-		chosen[c] = f->picks[c * row + left];
-		left -= cost_of(f, class, chosen[c]);
-		while (class->whole && c > class->from)
-			chosen[--c] = ECO_NONE;
+		classes[c] = (struct lod_knapsack_class){ class->first, class->end, class->from, class->whole };
+		for (uint32_t o = class->first; o < class->end; o++)
+			options[o] = (struct lod_knapsack_option){ f->options[o].wrong, (f->options[o].vertices
+				- f->options[class->first].vertices + f->unit - 1) / f->unit };
 	}
-	lod_planner_work(f->fill->allocation->p, (uint64_t)f->count * row / 8);
-	free(least);
+	f->failed |= !options || !classes || !lod_knapsack_solve(f->fill->allocation->p, options, classes,
+		f->class_count, f->bins, chosen);
+	free(options);
+	free(classes);
 }
 
 /* No plants are drawn as a whole, so that all candidates are there to choose from. */
@@ -292,8 +250,6 @@ enum eco_code lod_fill_few(struct lod_fill *fill, uint64_t budget, struct eco_er
 	fill->converged = true;
 	free(f.options);
 	free(f.classes);
-	free(f.picks);
-	free(f.wholes);
 	free(chosen);
 	return code;
 }

@@ -163,7 +163,6 @@ static void keep_fitted(const struct lod_planner *p, uint32_t ladders, struct fi
 	memcpy(mix.limits, now->mix.limits, ladders * sizeof *mix.limits);
 	memcpy(mix.off, now->mix.off, p->scene->plant_count);
 	memcpy(mix.levels, now->mix.levels, p->scene->plant_count);
-	mix.octave = now->mix.octave;
 	mix.used = now->mix.used;
 	*best = *now;
 	best->mix = mix;
@@ -268,21 +267,20 @@ static enum eco_code fit_bytes(const struct lod_lambda_search *s, uint64_t budge
 	if (code)
 		return code;
 	size_t ladders = lod_prices_ladders(m), plants = m->p->scene->plant_count;
-	uint32_t *limits = malloc((2 * ladders + 1) * sizeof *limits);
-	bool *off = malloc(2 * plants + 1);
-	uint8_t *levels = malloc(2 * plants + 1);
+	struct lod_arena a = { 0 };
+	uint32_t *limits = lod_arena_try(&a, 2 * ladders, sizeof *limits);
+	bool *off = lod_arena_try(&a, 2 * plants, 1);
+	uint8_t *levels = lod_arena_try(&a, 2 * plants, 1);
 	struct fitted now = { .lambda = lod_lambda_at(s->last), .octave = NAN, .near = point.octave,
-		.lowest = point.lowest, .mix = { limits, off, levels, 0, false } }, best = now;
+		.lowest = point.lowest, .mix = { limits, off, levels, false } }, best = now;
 	best.mix.limits += ladders;
 	best.mix.off += plants;
 	best.mix.levels += plants;
 	best.size = INFINITY;
 	best.octave = LOD_PRICE_HIGHEST;
-	code = limits && off && levels ? fit_prices(s, budget, &now, &best, error)
+	code = !a.failed ? fit_prices(s, budget, &now, &best, error)
 		: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %zu ladders", ladders);
-	free(limits);
-	free(off);
-	free(levels);
+	lod_arena_free(&a);
 	return code;
 }
 

@@ -26,7 +26,7 @@ static double price_of(double octave)
 
 double lod_price_relax(struct lod_allocation *m, double lambda, double octave, const struct lod_mix *mix)
 {
-	m->price = price_of(mix && mix->used ? mix->octave : octave);
+	m->price = price_of(octave);
 	m->limited = false;
 	lod_allocation_relax(m, lambda);         /* levels of impostors are those of the price, too */
 	if (mix && mix->used) {

@@ -146,7 +146,7 @@ static void find_price(struct relaxed *r, uint32_t *searched, uint32_t *some)
 static bool share_bytes(struct relaxed *r, double octave)
 {
 	struct lod_mix mix = { malloc((lod_prices_ladders(&r->m) + 1) * sizeof *mix.limits),
-		malloc(r->p.scene->plant_count + 1u), malloc(r->p.scene->plant_count + 1u), 0, false };
+		malloc(r->p.scene->plant_count + 1u), malloc(r->p.scene->plant_count + 1u), false };
 	double bytes = lod_price_relax(&r->m, 1e-3, octave, NULL), target = 2 * bytes,
 		worth = lod_price_wrong(&r->m) + 1e-3 * r->m.cost.vertices,
 		now = lod_kinds_share(&r->m, 1e-3, target, octave, &mix);
