@@ -453,6 +453,7 @@ determinism:
 
 layers: $(TEST_LIBS) $(MODULES)
 	@tests/layers.sh tests/layers.txt $(B)
+	@tests/parts.sh tests/layers.txt $(B)
 	@tests/prose.sh
 
 headers:

@@ -19,7 +19,7 @@ function room_of(path,   r) {    # the longest room that the path lies in
 BEGIN {
 	while ((getline line <table) > 0) {
 		sub(/#.*/, "", line)
-		if (split(line, part, "|") < 3) continue
+		if (split(line, part, "|") < 3 || part[1] ~ /^part/) continue
 		gsub(/ /, "", part[1])
 		may[part[1]] = " " part[2] " "
 		n = split(part[3], name, " ")

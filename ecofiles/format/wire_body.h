@@ -40,6 +40,13 @@ struct eco_wire_body {
 	uint64_t name_from, named_bytes;     /* chunks of so many bytes are named; 0: none. Bytes of those */
 };
 
+/* About what a chunk takes in a body: its payload, its fields, and with a list's first chunk the list's record. */
+static inline double eco_wire_chunk_bytes(const struct eco_scene *scene, uint32_t list, uint32_t ordinal)
+{
+	const struct eco_list *l = &scene->lists[list];
+	return (double)scene->chunks[l->chunk_first + ordinal].size_bytes + 3 + (ordinal ? 0 : 12 + (double)l->group_count);
+}
+
 /* `holdings` may be NULL. `name_from`: as in a request. */
 enum eco_code eco_wire_body_init(struct eco_wire_body *body, const struct eco_scene *scene, const struct eco_pack *pack,
 	const struct eco_holdings *holdings, uint64_t name_from, struct eco_error *error);

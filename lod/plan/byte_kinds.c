@@ -18,8 +18,7 @@
 /* octaves of the prices whose limits kinds may have, beside the price of tiles; the first is that price */
 static const double around[] = { 0, 1.5, 0.5, -0.125, -0.5, -1, -2 };
 #define PRICES (sizeof around / sizeof *around)
-const double lod_kinds_levels[] = { 1, 4 };
-#define LEVELS (sizeof lod_kinds_levels / sizeof *lod_kinds_levels)
+#define LEVELS LOD_KINDS_LEVELS
 #define OPTIONS (uint32_t)(PRICES * LEVELS)
 
 struct kinds {

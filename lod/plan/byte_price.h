@@ -22,11 +22,6 @@
 
 #define LOD_PRICE_ROUNDS 3       /* of limits at each lambda and price: with two more bytes predict more often a
                                   * worse picture */
-/* beside a payload: fields of a chunk, and the record of a list that the client does not know */
-#define LOD_CHUNK_FRAME_BYTES 3
-#define LOD_LIST_FRAME_BYTES 12
-#define LOD_GROUP_FRAME_BYTES 1          /* and of each group of plants in it */
-
 /* Finds what everything in view would cost. `kept`: chunks that come anyway, sooner or later, so that all
  * others count `times` their bytes; NULL: all count once. It must outlive the prices. */
 enum eco_code lod_prices_make(struct lod_allocation *allocation, const struct eco_holdings *kept,
@@ -43,7 +38,8 @@ void lod_prices_tighten(struct lod_allocation *allocation);
 /* Limits of all ladders in view; per plant, whether none of its organs is drawn, and which of lod_kinds_levels its
  * textures pay. Set, they are those of the next relaxation that makes none. */
 struct lod_mix { uint32_t *limits; bool *off; uint8_t *levels; bool used; };
-extern const double lod_kinds_levels[];          /* times the price of tiles */
+#define LOD_KINDS_LEVELS 2u
+extern const double lod_kinds_levels[LOD_KINDS_LEVELS];  /* times the price of tiles */
 void lod_kinds_set(struct lod_allocation *allocation, const struct lod_mix *mix);
 /* The plant that a ladder in view is of. Adds to each plant's bytes those of its lists, as the last relaxation chose
  * them, and to its wrong pixels those for want of textures. */

@@ -11,13 +11,6 @@
 
 /* ---- Bytes ---- */
 
-static double chunk_bytes(const struct lod_planner *p, uint32_t list, uint32_t ordinal)
-{
-	const struct eco_list *l = &p->scene->lists[list];
-	return (double)p->scene->chunks[l->chunk_first + ordinal].size_bytes + LOD_CHUNK_FRAME_BYTES
-		+ (ordinal ? 0 : LOD_LIST_FRAME_BYTES + LOD_GROUP_FRAME_BYTES * (double)l->group_count);
-}
-
 /* Chunks [from, to) of a list that the client lacks. */
 double lod_prices_missing(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
@@ -25,7 +18,7 @@ double lod_prices_missing(const struct lod_allocation *m, uint32_t list, uint32_
 	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;
 	double sum = 0;
 	for (uint32_t c = from > held ? from : held; c < to; c++)
-		sum += (c < kept ? 1 : m->prices->factor) * chunk_bytes(m->p, list, c);
+		sum += (c < kept ? 1 : m->prices->factor) * eco_wire_chunk_bytes(m->p->scene, list, c);
 	return sum;
 }
 

@@ -4,8 +4,9 @@
 #include <stdlib.h>
 
 #include "ecofiles/format/ground_tile.h"
+#include "ecofiles/format/wire_body.h"
 #include "lod/ground_choice.h"
-#include "lod/plan/byte_price.h"
+#include "lod/plan/planner.h"
 #include "lod/plan/visibility.h"
 
 #define NODES_MAX 16384u
@@ -149,8 +150,7 @@ static double missing_bytes(const struct eco_scene *scene, const struct eco_hold
 	uint32_t list = scene->ground_images[tile].list, end = lod_plan_chunks_for(scene, list, levels);
 	double sum = 0;
 	for (uint32_t c = eco_holdings_chunks(holdings, list); c < end; c++)
-		sum += (double)scene->chunks[scene->lists[list].chunk_first + c].size_bytes +
-			LOD_CHUNK_FRAME_BYTES + (c ? 0 : LOD_LIST_FRAME_BYTES);
+		sum += eco_wire_chunk_bytes(scene, list, c);
 	return sum;
 }
 

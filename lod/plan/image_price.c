@@ -10,6 +10,8 @@
 #include "lod/plan/byte_price.h"
 #include "lod/plan/texture_levels.h"
 
+const double lod_kinds_levels[LOD_KINDS_LEVELS] = { 1, 4 };
+
 /* Pixels that a texel of a ladder's texture is wide where a choice stands. */
 static double texel_px(const struct lod_allocation *m, const struct ladder_price *l, uint32_t id)
 {
