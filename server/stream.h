@@ -22,7 +22,7 @@
  * Next view. Chunks that its plan lacks follow the answer within the same bytes.
  *
  * Named chunks. Chunks of at least so many bytes are named by id and size, not carried, if the request says
- * so. The client fetches them from .../chunks/{id} or from any host that has them (ecopack export). Budgets
+ * so. The client fetches them from .../chunks/{id} or from any host that has them, as a cache. Budgets
  * count their bytes as if they were carried.
  *
  * The same input gives the same bytes: no clock, no history, nothing shared. */
@@ -50,6 +50,7 @@ struct srv_stream_input {
 	uint64_t work_max;                           /* of all its plans, as struct lod_planner_input */
 	bool explain;                                /* the answer says why it is as it is */
 	bool single;                                 /* one step, without coarser answers before it */
+	uint8_t *places;                             /* as struct lod_planner_input */
 	/* looked at while it is planned and written: ECO_INTERRUPTED; may be NULL */
 	const atomic_bool *cancelled;
 };

@@ -38,6 +38,7 @@ enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_
 		input->tiles_max ? input->tiles_max : 1000000, input->placements_max ? input->placements_max
 		: 100000, error);
 	p->visible.cells_most = input->work_max ? CELLS_MOST : 0;
+	p->visible.known = input->places;
 	const struct eco_request *r = input->request;
 	return code ? code : lod_image_see(&p->image, scene, &p->visible.eye, &r->view,
 		r->texel_px > 0 ? fmax(r->texel_px, ECO_GROUND_TEXEL_PX_MIN) : ECO_GROUND_TEXEL_PX, error);

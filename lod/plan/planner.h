@@ -57,6 +57,9 @@ enum eco_code lod_plan_tables_make(struct lod_plan_tables **tables, const struct
 	struct eco_error *error);
 void lod_plan_tables_free(struct lod_plan_tables *tables);       /* NULL is allowed */
 
+/* Whether the places of a group's plants are there, where they come later than the rest of a scene. */
+enum lod_places { LOD_PLACES_MISSING, LOD_PLACES_WANTED, LOD_PLACES_KNOWN };
+
 struct lod_planner_input {
 	const struct eco_scene *scene;
 	struct lod_plan_tables *tables;              /* of this scene, kept from plan to plan; NULL: made
@@ -74,6 +77,9 @@ struct lod_planner_input {
 	 * knows no bytes is asked for several plans within them, each with an eighth of the work. */
 	uint64_t work_max;
 	const atomic_bool *cancelled;                /* ends the plan: ECO_INTERRUPTED; may be NULL */
+	/* enum lod_places per group; NULL: all are known. A plan that would look at missing ones marks them as
+	 * wanted and ends with ECO_INTERRUPTED. Made again once they are known, it is the plan of the whole scene */
+	uint8_t *places;
 	struct lod_planner_stats *stats;             /* may be NULL */
 	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: no reasons */
 	struct lod_planner_coarser *coarser;         /* NULL: none */

@@ -8,6 +8,7 @@
 
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/angle16.h"
+#include "lod/plan/planner.h"
 
 #define SPLAT_FACTOR 1.3         /* c_p, Deussen 2002, 5.1: 1.2 to 1.5 */
 
@@ -546,6 +547,22 @@ static enum eco_code count_cells(const struct lod_visible_tree *visible, const u
 		"%llu cells of plants; ask for fewer vertices", (unsigned long long)bound);
 }
 
+/* Marks groups of open tiles whose places are not known. */
+static enum eco_code want_places(struct lod_visible_tree *visible, struct eco_error *error)
+{
+	uint32_t wanted = 0;
+	for (uint32_t i = 0; visible->known && i < visible->node_count; i++) {
+		const struct eco_tile *tile = &visible->scene->tiles[visible->nodes[i].tile];
+		uint8_t *known = visible->known + tile->group_first;
+		for (uint32_t g = 0; visible->nodes[i].state == LOD_OPEN && g < tile->group_count; g++) {
+			known[g] = known[g] == LOD_PLACES_KNOWN ? LOD_PLACES_KNOWN : LOD_PLACES_WANTED;
+			wanted += known[g] == LOD_PLACES_WANTED;
+		}
+	}
+	return wanted ? eco_fail(error, ECO_INTERRUPTED, "planning: the places of %u groups are missing", wanted)
+		: ECO_OK;
+}
+
 /* The walk's changes to existing nodes. */
 struct kept { enum lod_state state; bool expanded; uint32_t left; double points; };
 
@@ -585,6 +602,7 @@ enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sa
 	enum eco_code code = open_tiles(visible, sample_distance, error);
 	if (!code)
 		code = count_cells(visible, gates, error);
+	code = code ? code : want_places(visible, error);
 	if (code) {
 		restore_nodes(visible, kept, nodes);
 		visible->placement_count = placements;

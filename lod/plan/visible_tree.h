@@ -65,6 +65,7 @@ struct lod_visible_tree {
 	uint32_t *slot_table;                uint32_t slot_table_size; /* open addressing: slot index + 1 */
 	struct lod_seen *seen;               uint32_t seen_count, seen_capacity;   /* by tile and group */
 	struct lod_anchor_band *scratch;
+	uint8_t *known;              /* enum lod_places per group; NULL: all are known */
 	uint64_t nodes_max, placements_max;
 	uint64_t nodes_few, places_few; /* beyond these, tiles that have a summary show it; 0: no bound */
 	uint64_t plants;             /* visible, at the last count */
