@@ -208,7 +208,7 @@ INSTALLED := -DECO_MODULES_INSTALLED='"$(call from_bindir,$(libdir)/ecostream)"'
 $(B)/installed: FORCE
 	@mkdir -p $(@D)
 	@echo $(INSTALLED) | cmp -s - $@ || echo $(INSTALLED) >$@
-KNOW_INSTALLED := $(B)/obj/ecofiles/base/module.o $(B)/obj/server/main_ecoserve.o
+KNOW_INSTALLED := $(B)/obj/ecofiles/base/module.o $(B)/obj/server/site.o
 $(KNOW_INSTALLED): CFLAGS_ALL += $(INSTALLED)
 $(KNOW_INSTALLED): $(B)/installed
 .PHONY: FORCE install man deb

@@ -9,7 +9,7 @@
 #define SRV_ACCESS_H
 
 #include "ecofiles/format/view.h"
-#include "server/store.h"
+#include "server/describe.h"
 
 #define SRV_TOKENS_MAX 256u
 #define SRV_TOKEN_BYTES_LEAST 16u
@@ -43,8 +43,6 @@ enum eco_code srv_access_add_frame(const char *origin, void *access, struct eco_
 enum eco_code srv_cap_add_vertices(const char *argument, void *list, struct eco_error *error);
 enum eco_code srv_cap_add_bytes(const char *argument, void *list, struct eco_error *error);
 
-/* Caps of a scene's answers; UINT64_MAX: no cap. */
-struct srv_most { uint64_t vertices, bytes; };
 struct srv_most srv_caps_of(const struct srv_access *access, const char *scene);
 
 struct srv_sources;

@@ -13,6 +13,7 @@
 
 #include "server/access.h"
 #include "server/daemon.h"
+#include "server/describe.h"
 #include "server/log.h"
 #include "server/reaper.h"
 #include "server/request/condition.h"
@@ -163,24 +164,6 @@ void srv_answer_free(struct srv_exchange *exchange);
 /* Sets the validators of an answer from this scene, without a tag. */
 void srv_answer_validate(struct srv_exchange *exchange, const struct srv_scene *scene);
 void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id);
-
-/* ---- Scenes, plans and plants as JSON; the fields are specified in openapi.yaml ---- */
-
-/* Those that `may_see` (NULL: all). */
-void srv_describe_scenes(struct srv_json *json, const struct srv_store *store,
-	bool (*may_see)(const struct srv_scene *scene, const void *ctx), const void *ctx);
-void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, const struct srv_most *most);
-/* With its explanation, if that was asked for. */
-void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream);
-
-/* The scene's list of plants that a path names; ECO_NONE: it has none of that number. */
-uint32_t srv_plants_list(const struct srv_scene *scene, const char *text);
-/* Inventory rows of a tile's plants; reads at most two blocks. ECO_BAD_INPUT: the list ends before
- * query->first; ECO_DAMAGED: a block is. */
-enum eco_code srv_describe_plants(struct srv_json *json, const struct srv_scene *scene, uint32_t list,
-	const struct srv_plants_query *query, struct eco_error *error);
-/* Species that each plant stands for, by the pack's META; a plant without any stands for the species of its name. */
-void srv_describe_species(struct srv_json *json, const struct srv_scene *scene);
 
 /* ---- Kept answers ---- */
 

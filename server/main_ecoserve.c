@@ -1,6 +1,5 @@
 /* ecoserve: serves packs over HTTP until SIGTERM or SIGINT, then finishes what runs; a second signal ends at
  * once. */
-#include <limits.h>
 #include <malloc.h>
 #include <netdb.h>
 #include <poll.h>
@@ -12,7 +11,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ecofiles/base/module.h"
 #include "ecofiles/base/options_file.h"
 #include "server/access.h"
 #include "server/daemon.h"
@@ -232,20 +230,6 @@ static const char *copies_folder(void)
 	return given.in_place ? NULL : folder && *folder ? folder : "/var/tmp";
 }
 
-/* The viewer lies where `make web` or `make install` put it (ECO_VIEWER_INSTALLED, from the Makefile). */
-static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
-{
-	static const char *const places[] = { "/web/site", "/" ECO_VIEWER_INSTALLED, NULL };
-	char path[PATH_MAX];
-	*site = (struct srv_site){ .count = 0 };
-	if (given.viewer) {
-		enum eco_code code = srv_site_read(site, given.viewer, error);
-		return code || srv_site_find(site, SRV_SITE_INDEX) ? code : eco_fail(error, ECO_NOT_FOUND,
-			"--viewer %s: no viewer there; `make web` makes one", given.viewer);
-	}
-	return eco_data_path(places, "", path) ? srv_site_read(site, path, error) : ECO_OK;
-}
-
 /* The user that it becomes. */
 static enum eco_code find_user(struct srv_user *user, struct eco_error *error)
 {
@@ -330,7 +314,7 @@ static enum eco_code run(struct eco_error *error)
 	given.config.access = &given.access;
 	given.config.sources = &sources;
 	srv_store_init(&store);
-	enum eco_code code = read_site(&site, error);
+	enum eco_code code = srv_site_open(&site, given.viewer, error);
 	code = code ? code : srv_trace_set(getenv("ECO_TRACE"), error);
 	code = code ? code : srv_endpoint_check(given.config.listen, error);
 	code = code ? code : find_user(&user, error);

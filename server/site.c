@@ -2,12 +2,14 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/module.h"
 #include "ecofiles/base/options_file.h"
 
 #define FILE_BYTES_MAX (16u << 20)
@@ -118,6 +120,18 @@ enum eco_code srv_site_read(struct srv_site *site, const char *dir, struct eco_e
 	if (code)
 		srv_site_free(site);
 	return code;
+}
+
+enum eco_code srv_site_open(struct srv_site *site, const char *dir, struct eco_error *error)
+{
+	static const char *const places[] = { "/web/site", "/" ECO_VIEWER_INSTALLED, NULL };
+	char path[PATH_MAX];
+	*site = (struct srv_site){ .count = 0 };
+	if (!dir)
+		return eco_data_path(places, "", path) ? srv_site_read(site, path, error) : ECO_OK;
+	enum eco_code code = srv_site_read(site, dir, error);
+	return code || srv_site_find(site, SRV_SITE_INDEX) ? code : eco_fail(error, ECO_NOT_FOUND,
+		"--viewer %s: no viewer there; `make web` makes one", dir);
 }
 
 void srv_site_free(struct srv_site *site)

@@ -37,6 +37,9 @@ struct srv_site {                        /* owns its bytes */
 /* Reads DIR, whose files have names and extensions that are known. A folder that is not there is an empty
  * site. */
 enum eco_code srv_site_read(struct srv_site *site, const char *dir, struct eco_error *error);
+/* Reads DIR, which has to have a page; NULL: where `make web` or `make install` put the viewer
+ * (ECO_VIEWER_INSTALLED, from the Makefile), or an empty site. */
+enum eco_code srv_site_open(struct srv_site *site, const char *dir, struct eco_error *error);
 void srv_site_free(struct srv_site *site);
 const struct srv_site_file *srv_site_find(const struct srv_site *site, const char *name);       /* or NULL */
 

@@ -133,10 +133,10 @@ static const char *add_value(struct srv_json *json, const char *at, va_list *val
 		put(json, va_arg(*values, int) ? "true" : "false");
 		break;
 	case 'u':
-		add_count(json, at[-1] == 'l' ? va_arg(*values, unsigned long) : va_arg(*values, unsigned));
+		add_count(json, at[-1] == 'l' ? va_arg(*values, uint64_t) : va_arg(*values, unsigned));
 		break;
 	case 'x':
-		count = va_arg(*values, unsigned long);
+		count = va_arg(*values, uint64_t);
 		if (count == UINT64_MAX)
 			add_text(json, NULL);
 		else
@@ -185,7 +185,6 @@ static void add_bracket(struct srv_json *json, char bracket)
 
 void srv_json_add(struct srv_json *json, const char *format, ...)
 {
-	_Static_assert(sizeof(long) == sizeof(uint64_t), "%lu is a uint64_t");
 	va_list values;
 	va_start(values, format);
 	for (const char *at = format; *at; at++) {
