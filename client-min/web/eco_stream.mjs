@@ -1,6 +1,8 @@
 // A scene's stream in JavaScript: asks the server, and hands what comes to the C client (web_client.h).
 // Everything of a plan, a chunk or a picture is decided there; here are only bytes.
 
+import { ask } from './eco_ask.mjs';
+
 const SLICE_BYTES = 65536;      // fed at a time, so that decoding leaves time for input
 const SLICE_MS = 12;
 const RETRY_MAX_MS = 30000;
@@ -27,7 +29,7 @@ export const isOffline = (error) => error instanceof TypeError;
 
 /** A scene: openapi.yaml's Scene. */
 export async function aboutScene(url, token) {
-	const answer = await fetch(url, { headers: access(token) }).catch((error) => {
+	const answer = await ask(url, '', { headers: access(token) }).catch((error) => {
 		throw isOffline(error) ? new EcoError(`${url}: the server does not answer`) : error;
 	});
 	if (!answer.ok)
@@ -141,7 +143,7 @@ export class EcoStream {
 			this.check(!body);
 			const holdings = module.HEAPU8.slice(body, body + module._web_body_size(web));
 			const headers = { 'Content-Type': 'application/octet-stream', ...access(this.token) };
-			const answer = await fetch(`${this.url}/stream?${this.query()}`,
+			const answer = await ask(this.url, `/stream?${this.query()}`,
 				{ method: 'POST', headers, body: holdings, signal });
 			if (answer.ok)
 				return answer;
@@ -221,7 +223,7 @@ export class EcoStream {
 	/** The same of so many plants of a list, 1024 at most. */
 	async rows(list, first, count) {
 		const of = this.pack ? `&pack=${this.pack}` : '';
-		const answer = await fetch(`${this.url}/plants/${list}?first=${first}&count=${count}${of}`,
+		const answer = await ask(this.url, `/plants/${list}?first=${first}&count=${count}${of}`,
 			{ headers: access(this.token) });
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);
@@ -238,7 +240,7 @@ export class EcoStream {
 	/** The species that each plant of the pack stands for, by its number (openapi.yaml's Species); null: the
 	 * server has another pack by now. */
 	async species() {
-		const answer = await fetch(`${this.url}/species`, { headers: access(this.token) });
+		const answer = await ask(this.url, '/species', { headers: access(this.token) });
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);
 		const { pack, plants } = await answer.json();
@@ -247,7 +249,7 @@ export class EcoStream {
 
 	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */
 	async explain() {
-		const answer = await fetch(`${this.url}/plan?${this.query()}&explain=1`,
+		const answer = await ask(this.url, `/plan?${this.query()}&explain=1`,
 			{ headers: access(this.token) });
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);

@@ -1,6 +1,7 @@
 // The viewer at /: which scene, where the camera is, and what people ask of it. All of it is in the address
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
 // Longer than 600 lines: all that people ask for shares the camera, the settings and the engine's answers.
+import { scenesHere, sceneUrl } from './eco_ask.mjs';
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
 import { readLink, writeLink } from './viewer_link.mjs';
 import { hasObjects, metres, nameSpecies, number, placeText, showFacts, showLegend, showNorth, showPicked,
@@ -325,7 +326,7 @@ function open(name) {
 		return;
 	closeCard();
 	say(t('Loading'));
-	const url = new URL(`v1/scenes/${encodeURIComponent(name)}`, location.href).href, opened = token;
+	const url = sceneUrl(name), opened = token;
 	takeFirst(name).then((first) => {
 		if (settings.scene === name)
 			sendOpen({ type: 'open', url, token: opened }, first);
@@ -561,10 +562,9 @@ async function start() {
 	engine = await startEngine();
 	engine.onmessage = ({ data }) => heard[data.type](data);
 	goToAddress(null);
-	const answer = await fetch('v1/scenes').catch(() => null);
-	if (!answer?.ok)
+	const scenes = await scenesHere().catch(() => null), names = scenes?.map(({ name }) => name);
+	if (!scenes)
 		return say(t('The server does not answer; reload the page to try again.'), true);
-	const { scenes } = await answer.json(), names = scenes.map(({ name }) => name);
 	if (token && !names.includes(settings.scene))
 		names.push(settings.scene);
 	if (!names.length)

@@ -21,6 +21,7 @@
 // and from it these answers, 'drawn' with what there is to say of the picture, and 'failed'.
 import { EcoLayer } from './eco_layer.mjs';
 // what that imports, so that all of it is fetched at once
+import './eco_ask.mjs';
 import './eco_client.mjs';
 import './eco_keep.mjs';
 import './eco_stream.mjs';

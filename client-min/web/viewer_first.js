@@ -2,7 +2,8 @@
 // for what a link shows: its scene, and a first answer of EcoLayer's first budgets, unless the browser keeps
 // what came of the last visit. viewer.mjs takes them from here. No module, as those wait for the page.
 {
-	const given = new URLSearchParams(location.hash.slice(1)), scene = given.get('scene');
+	const published = JSON.parse(document.getElementById('published')?.textContent ?? 'null');     // eco_ask.mjs
+	const given = new URLSearchParams(location.hash.slice(1)), scene = given.get('scene') ?? published?.[0].about.name;
 	const ratio = Math.min(devicePixelRatio, 2), bytes = Number(given.get('bytes') ?? -1);
 	const [width, height] = [innerWidth, innerHeight].map((n) => Math.max(1, Math.round(n * ratio)));
 	const [eye, target] = ['eye', 'target'].map((key) => given.get(key)?.split(',').map(Number));
@@ -18,7 +19,18 @@
 		globalThis.engine = new Worker(new URL('viewer_engine.mjs', src), { type: 'module' });
 		engine.onerror = () => { engine.failed = true; };
 	}
-	if (scene && !given.has('token')) {
+	const own = published?.find(({ about }) => about.name === scene);
+	if (own) {
+		// the first view, unless the link has another one that was saved
+		const near = (a, b) => a.every((v, i) => Math.abs(v - b[i]) < 2e-3);
+		const saved = (view) => near(view.eye, eye) && near(view.target, target);
+		const number = eye && target ? own.first.findIndex(saved) : 0, { eye: from, target: to, ...size } = own.first[number] ?? {};
+		const answer = from && !kept ? fetch(`${scene}/${own.about.id}/first-${number}.bin`)
+			.then((came) => new Response(came.body, { status: came.status })) : null;
+		answer?.catch(() => {});
+		globalThis.first = { scene, about: Promise.resolve(Response.json(own.about)), answer, wanted: size,
+			view: { eye: from, target: to, up: [0, 0, 1], fov_y_deg: 45 } };
+	} else if (scene && !published && !given.has('token')) {
 		const numbers = [eye, target, vertices, bytes].flat();
 		const answer = numbers.every(Number.isFinite) && !kept ? fetch(`${url}/stream?${query}`) : null;
 		globalThis.first = { scene, about: fetch(url), answer, wanted,

@@ -8,8 +8,8 @@ WEB_PACKAGES := emscripten nodejs dpkg-dev brotli libxxhash-dev
 W := build/web
 # kept apart from native flags: no header of this machine's C library
 WEB_FLAGS := -Os -ffp-contract=off -fno-strict-aliasing -ffunction-sections -D_GNU_SOURCE -DXXH_INLINE_ALL -I. -I$(W)/include
-WEB_CFLAGS := -std=c11 $(WARN) $(WEB_FLAGS) -I$(W)/src/libwebp/src
-WEB_CXXFLAGS := -std=c++17 -fno-rtti $(WEB_FLAGS) -isystem $(W)/src/draco/src
+WEB_CFLAGS = -std=c11 $(WARN) $(WEB_FLAGS) -I$(W)/src/libwebp/src
+WEB_CXXFLAGS = -std=c++17 -fno-rtti $(WEB_FLAGS) -isystem $(W)/src/draco/src
 # light is the longest part of a picture: .6 of the time with vectors, which all browsers of the last years have
 $(W)/obj/client-min/draw/view_light.o: WEB_FLAGS += -O3 -msimd128
 export NODE_PATH := /usr/share/nodejs
@@ -44,14 +44,28 @@ WEB_WEBP := $(addprefix dec/,alpha_dec buffer_dec frame_dec idec_dec io_dec quan
 WEB_OBJECTS := $(WEB_SOURCES:%.c=$(W)/obj/%.o) $(W)/obj/ecofiles/format/chunk/draco_shim.o $(WEB_DRACO:%=$(W)/obj/draco/%.o) \
 	$(WEB_WEBP:%=$(W)/obj/libwebp/%.o)
 
-# every function of web_client.h
-WEB_EXPORTS := $(shell grep -v '^ \*' client-min/web/web_client.h | grep -oE '\bweb_[a-z_]+\b' | grep -v '_present_' | sort -u)
+# the planner of published scenes: server/publish/README.md
+PLANNER_SOURCES := $(wildcard server/publish/web/*.c) server/publish/index.c $(patsubst %,server/%.c,stream stream_after emit describe \
+	$(addprefix request/,json query target)) $(wildcard lod/plan/*.c lod/*.c) $(WEB_BASE:%=ecofiles/base/%.c) \
+	$(patsubst %,ecofiles/format/%.c,$(filter-out chunk/model model,$(WEB_FORMAT)) inventory legend)
+PLANNER_OBJECTS := $(PLANNER_SOURCES:%.c=$(W)/obj/%.o)
+# small, as it is fetched beside a first picture; uint64_t is no long there
+$(W)/obj/server/%.o $(W)/obj/lod/plan/%.o: WEB_FLAGS += -Oz -DNDEBUG -Wno-format -Wno-missing-field-initializers \
+	-Wno-unused-parameter -Wno-unused-variable -Wno-unused-but-set-variable
+
+# every function of web_client.h, of planner.h
+exports_of = $(shell grep -v '^ \*' $(1) | grep -oE '\b$(2)_[a-z_]+\b' | grep -v '_present_' | sort -u)
+WEB_EXPORTS := $(call exports_of,client-min/web/web_client.h,web)
+PLANNER_EXPORTS := $(call exports_of,server/publish/web/planner.h,planner)
 space := $(subst ,, )
 comma_join = $(subst $(space),$(comma),$(strip $(1)))
 
 WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh %.glsl %/examples,$(wildcard client-min/web/*)))
+PLANNER_PAGE := $(patsubst server/publish/web/%,$(W)/site/%,$(wildcard server/publish/web/*.mjs))
 WEB_INDEX := $(W)/site/index.html
-WEB_FILES := $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm $(filter-out $(WEB_INDEX),$(WEB_PAGE))
+WEB_MODULES := eco_client eco_planner
+WEB_FILES := $(foreach module,$(WEB_MODULES),$(W)/site/$(module).mjs $(W)/site/$(module).wasm) $(filter-out $(WEB_INDEX),$(WEB_PAGE)) \
+	$(PLANNER_PAGE)
 WEB_SITE := $(WEB_FILES) $(WEB_INDEX)
 
 .PHONY: web deps-web web-site
@@ -72,12 +86,12 @@ $(W)/include/draco/draco_features.h: $(W)/src/.done
 	@mkdir -p $(@D)
 	printf '#define DRACO_%s_SUPPORTED\n' POINT_CLOUD_COMPRESSION MESH_COMPRESSION NORMAL_ENCODING STANDARD_EDGEBREAKER \
 		PREDICTIVE_EDGEBREAKER ATTRIBUTE_INDICES_DEDUPLICATION ATTRIBUTE_VALUES_DEDUPLICATION >$@
-	cp /usr/include/xxhash.h /usr/include/xxh3.h $(W)/include/
+	cp /usr/include/xxhash.h /usr/include/xxh3.h /usr/include/jansson.h /usr/include/jansson_config.h $(W)/include/
 	mkdir -p $(W)/include/epoxy && echo '#include <GLES3/gl3.h>' >$(W)/include/epoxy/gl.h
 
-$(WEB_OBJECTS): | $(SHADERS:%=build/text/%)
+$(WEB_OBJECTS) $(PLANNER_OBJECTS): | $(SHADERS:%=build/text/%)
 
-$(WEB_OBJECTS): | $(W)/include/draco/draco_features.h
+$(WEB_OBJECTS) $(PLANNER_OBJECTS): | $(W)/include/draco/draco_features.h
 $(W)/obj/draco/%.o: | $(W)/include/draco/draco_features.h
 	$(call say,em++,$@)
 	@mkdir -p $(@D)
@@ -97,14 +111,24 @@ $(W)/obj/%.o: %.cpp
 -include $(shell find $(W)/obj -name '*.d' 2>/dev/null)
 
 # 2 GiB is what a page may grow to; what does not fit goes (view_cache.h)
+WEB_LINK := -sMODULARIZE=1 -sEXPORT_ES6=1 -sENVIRONMENT=web,worker -sFILESYSTEM=0 -sALLOW_MEMORY_GROWTH=1 -sASSERTIONS=0
 $(W)/eco_client.mjs: $(WEB_OBJECTS) client-min/web/web_client.h
 	$(call say,emcc,$@)
-	$(Q)emcc -Os -o $@ $(WEB_OBJECTS) -sMODULARIZE=1 -sEXPORT_ES6=1 -sENVIRONMENT=web,worker -sFILESYSTEM=0 -sALLOW_MEMORY_GROWTH=1 \
-		-sUSE_WEBGL2=1 -sMIN_WEBGL_VERSION=2 -sMAX_WEBGL_VERSION=2 -sASSERTIONS=0 \
+	$(Q)emcc -Os -o $@ $(WEB_OBJECTS) $(WEB_LINK) -sUSE_WEBGL2=1 -sMIN_WEBGL_VERSION=2 -sMAX_WEBGL_VERSION=2 \
 		-sEXPORTED_FUNCTIONS=_malloc,_free,$(call comma_join,$(WEB_EXPORTS:%=_%)) -sEXPORTED_RUNTIME_METHODS=UTF8ToString,GL
-$(W)/site/eco_client.mjs $(W)/site/eco_client.wasm: $(W)/site/%: $(W)/eco_client.mjs
+$(W)/eco_planner.mjs: $(PLANNER_OBJECTS) server/publish/web/planner.h
+	$(call say,emcc,$@)
+	$(Q)emcc -Oz -o $@ $(PLANNER_OBJECTS) $(WEB_LINK) \
+		-sEXPORTED_FUNCTIONS=_malloc,_free,$(call comma_join,$(PLANNER_EXPORTS:%=_%)) -sEXPORTED_RUNTIME_METHODS=UTF8ToString
+define web_module
+$(W)/site/$(1).mjs $(W)/site/$(1).wasm: $(W)/site/%: $(W)/$(1).mjs
+	@mkdir -p $$(@D)
+	@cp $(W)/$$* $$@
+endef
+$(foreach module,$(WEB_MODULES),$(eval $(call web_module,$(module))))
+$(PLANNER_PAGE): $(W)/site/%: server/publish/web/%
 	@mkdir -p $(@D)
-	@cp $(W)/$* $@
+	@cp $< $@
 $(filter-out $(WEB_INDEX),$(WEB_PAGE)): $(W)/site/%: client-min/web/%
 	@mkdir -p $(@D)
 	@cp $< $@

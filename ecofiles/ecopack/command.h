@@ -13,7 +13,7 @@ struct main_command {
 
 extern const struct main_command main_command_make, main_command_info, main_command_verify,
 	main_command_generate, main_command_model, main_command_map, main_command_camera,
-	main_command_link, main_command_start, main_command_export;
+	main_command_link, main_command_start, main_command_export, main_command_publish;
 
 extern const struct eco_option main_common[];        /* --quiet, of all commands */
 

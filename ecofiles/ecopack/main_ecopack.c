@@ -16,6 +16,7 @@
 #include "ecofiles/ecopack/link.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/run.h"
+#include "server/publish/publish.h"
 
 /* ---- make ---- */
 
@@ -247,12 +248,51 @@ const struct main_command main_command_generate = { { "ecopack generate", "NAME 
 	"Writes an example scene and its models into a folder; files of the same names are replaced.",
 	generate_options, main_common, NULL, NULL }, run_generate };
 
+/* ---- publish ---- */
+
+static struct { struct srv_publish publish; struct eco_inputs packs; } publish_given;
+
+static enum eco_code run_publish(int argc, char **argv, struct eco_error *error)
+{
+	struct srv_published published;
+	char all[32], index[32], first[32];
+	memset(&publish_given, 0, sizeof publish_given);
+	enum eco_code code = main_read(&main_command_publish, argc, argv, error);
+	publish_given.publish.packs = (char *const *)publish_given.packs.names;
+	publish_given.publish.count = publish_given.packs.count;
+	code = code ? code : srv_publish(&publish_given.publish, &published, error);
+	if (!code && !main_is_quiet)
+		printf("%s: %" PRIu64 " files, %s bytes; indices %s bytes, first answers %s. Any web server shows it, as "
+			"python3 -m http.server -d %s\n", publish_given.publish.folder, published.files,
+			eco_phrase_count(published.bytes, all), eco_phrase_count(published.index_bytes, index),
+			eco_phrase_count(published.first_bytes, first), publish_given.publish.folder);
+	return code;
+}
+
+static const struct eco_option publish_options[] = {
+	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &publish_given.packs, .high = 32, .is_required = true,
+		.help = "a pack, shown under NAME; without NAME= named as by ecoserve" },
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &publish_given.publish.folder, .is_required = true,
+		.help = "the folder, which may be one that was published before; other files in it are left alone" },
+	{ "views", 0, ECO_OPTION_TEXT, "FILE", &publish_given.publish.views,
+		.help = "a camera script, as the viewer's Record writes it: links to its views show them at once" },
+	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &publish_given.publish.viewer,
+		.help = "folder of the browser's viewer. Default: web/site beside this program, or the installed one" },
+	{ 0 } };
+
+const struct main_command main_command_publish = { { "ecopack publish",
+	"[NAME=]OUT.eco ... -o DIR [--views FILE] [--viewer DIR]",
+	"Writes a folder that shows packs in browsers from any web server or object store, without ecoserve.",
+	publish_options, main_common,
+	"The browser plans, by the same code as ecoserve, and fetches parts of one file of chunks. Inventories stay "
+	"out of the folder: visitors see species, but no rows.\n", NULL }, run_publish };
+
 /* ---- The program ---- */
 
 static const struct main_command *const commands[] = { &main_command_start, &main_command_make,
 	&main_command_link, &main_command_info, &main_command_verify, &main_command_generate,
 	&main_command_model, &main_command_map, &main_command_camera,
-	&main_command_export };
+	&main_command_export, &main_command_publish };
 
 static void print_commands(FILE *out)
 {

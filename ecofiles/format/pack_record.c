@@ -192,6 +192,18 @@ uint32_t eco_record_bytes(enum eco_section_kind kind)
 	return bytes;
 }
 
+uint32_t eco_record_widths(enum eco_section_kind kind, uint8_t widths[ECO_RECORD_VALUES_MAX])
+{
+	uint32_t count = 0;
+	for (size_t i = 0; i < records[kind].field_count; i++) {
+		const struct field *f = &records[kind].fields[i];
+		uint8_t width = f->kind == NAME || f->width > 4 ? 4 : f->width;
+		for (size_t at = 0; at < f->width * (size_t)f->count && count < ECO_RECORD_VALUES_MAX; at += width)
+			widths[count++] = width;
+	}
+	return count;
+}
+
 void eco_record_write(struct eco_writer *w, enum eco_section_kind kind, const void *record)
 {
 	const struct records *k = &records[kind];

@@ -38,6 +38,9 @@ struct eco_section {
 const char *eco_section_name(enum eco_section_kind kind);
 /* In the file; 0: META and CHUNK_DATA, which have no records. */
 uint32_t eco_record_bytes(enum eco_section_kind kind);
+/* Widths of the values of a record, in their order: 1, 2 or 4 bytes; wider ones are several. Returns how many. */
+#define ECO_RECORD_VALUES_MAX 64u
+uint32_t eco_record_widths(enum eco_section_kind kind, uint8_t widths[ECO_RECORD_VALUES_MAX]);
 /* A record's struct to and from bytes; of SCENE: the scalars of struct eco_scene. Fields of the struct that
  * the pack lacks are read as 0. Reading fails `r` where unused bytes are not zero. */
 void eco_record_write(struct eco_writer *w, enum eco_section_kind kind, const void *record);

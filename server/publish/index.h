@@ -1,0 +1,51 @@
+/* The index of a published scene: all that a planner reads of a pack but for its plants' places, which follow from the
+ * lists of instances that a client gets anyway (ecopack publish).
+ *
+ *   srv_index_write(&writer, scene, &error);             natively, once
+ *   srv_index_read(&index, bytes, size, &error);         where there is no server; index->scene can be planned
+ *   srv_index_take(index, list, payload, size, &error);  the places of a list's plants
+ *   srv_index_free(index);
+ *
+ * File (little-endian), by zlib:
+ *   0    8  "ECOINDEX"
+ *   8    u32 ECO_PACK_VERSION       12  u32 0
+ *   16   16 the pack's id           32  u64 work of an ordinary plan (server/stream.h)
+ *   40   u64 number of places       48  u64 bytes of the chunks' file
+ *   56   the pack's SCENE record, then each table of ECO_PACK_TABLES and the palette
+ *   .    u64 XXH3-64 of all before
+ * Chunks have no ids. A chunk's offset is 0 where its payload follows those before it, else 1 more than where it
+ * lies in the chunks' file, which is the pack's CHUNK_DATA without inventories' rows.
+ *
+ * A table: u32 number of records, and a column for each of their values, wide ones as two: u8 way, then the lowest bytes
+ * of all, the second ones, and so on. Way 0: values, 1: differences to the record before, 2: second differences.
+ */
+#ifndef SRV_INDEX_H
+#define SRV_INDEX_H
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/format/pack_record.h"
+#include "server/store.h"
+
+#define SRV_INDEX_MAGIC "ECOINDEX"
+#define SRV_INDEX_WAYS 3u
+#define SRV_INDEX_PLAN_TIMES 5u          /* work of a plan, over that of an ordinary one: ecoserve's default */
+
+struct srv_index {
+	struct srv_scene scene;          /* holders, files, rows and outlook are not known */
+	struct eco_pack pack;            /* that the scene points to; without payloads */
+	uint8_t *known;                  /* enum lod_places per group */
+	uint8_t *places;
+	void *tables[ECO_SECTION_KIND_END];
+};
+
+/* Writes the index of a scene whose typical work is known, and how many bytes the chunks' file has. */
+enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scene, uint64_t *chunk_bytes,
+	struct eco_error *error);
+/* Reads an index, decompressed. ECO_DAMAGED: something is wrong with it. */
+enum eco_code srv_index_read(struct srv_index **index, const uint8_t *bytes, size_t size, struct eco_error *error);
+/* Decodes a chunk of a list of instances; the last one makes the places of its groups known. */
+enum eco_code srv_index_take(struct srv_index *index, uint32_t list, uint32_t ordinal, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
+void srv_index_free(struct srv_index *index);            /* NULL is fine */
+
+#endif

@@ -1,0 +1,195 @@
+// The server of a published scene (ecopack publish), in a worker of the page: it answers what EcoStream asks of
+// ecoserve, by the same code (planner.h), from the scene's index and from parts of its chunks' file. Messages to it
+// and from it: eco_published.mjs.
+import createPlanner from './eco_planner.mjs';
+
+const GAP_BYTES = 1024;          // chunks that lie less than this apart are fetched together
+const FETCHES_MAX = 32;          // at a time, where the browser allows
+const PART_BYTES = 65536;        // that are sent before the rest of a body is there
+
+/** Ranges that hold the wanted chunks, in their order: { at, end, chunks: [[at, size, to]], last: chunks so far }. */
+export function rangesOf(wanted) {
+	const ranges = [];
+	wanted.forEach(([at, size, to], i) => {
+		const range = ranges.at(-1);
+		if (range && at >= range.at && at <= range.end + GAP_BYTES) {
+			range.end = Math.max(range.end, at + size);
+			range.chunks.push([at, size, to]);
+			range.last = i + 1;
+		} else {
+			ranges.push({ at, end: at + size, chunks: [[at, size, to]], last: i + 1 });
+		}
+	});
+	return ranges;
+}
+
+/** A file on a static host, of which parts are read; as a whole where the host ignores Range, which a request for one
+ * byte tells before any other. */
+export class RangeFile {
+	constructor(url) {
+		Object.assign(this, { url });
+		this.whole = this.ask(0, 1).then(async (answer) => answer.status === 206 ? null
+			: new Uint8Array(await answer.arrayBuffer()));
+		this.whole.catch(() => {});
+	}
+
+	async ask(at, end, signal) {
+		const answer = await fetch(this.url, { signal, headers: { Range: `bytes=${at}-${end - 1}` } });
+		if (!answer.ok)
+			throw refused(this.url, answer);
+		return answer;
+	}
+
+	async read(at, end, signal) {
+		const whole = await this.whole;
+		const bytes = whole?.subarray(at, end) ?? new Uint8Array(await (await this.ask(at, end, signal)).arrayBuffer());
+		if (bytes.length !== end - at)
+			throw new Error(`${this.url}: ${bytes.length} bytes instead of ${end - at}`);
+		return bytes;
+	}
+}
+
+function refused(url, { status }) {
+	return Object.assign(new Error(`${url}: the server answered ${status}`), { status });
+}
+
+async function inflate(answer) {
+	const plain = answer.body.pipeThrough(new DecompressionStream('deflate'));
+	return new Uint8Array(await new Response(plain).arrayBuffer());
+}
+
+export class Planner {
+	/** folder: the URL of a scene's files, which ends with '/'; module: what createPlanner is given. */
+	static async open(folder, module = {}) {
+		const planner = new Planner(), file = new RangeFile(new URL('chunks.bin', folder));
+		const [answer, m] = await Promise.all([fetch(new URL('index.bin', folder)), createPlanner(module)]);
+		if (!answer.ok)
+			throw refused(folder, answer);
+		const bytes = await inflate(answer), at = m._malloc(bytes.length);
+		m.HEAPU8.set(bytes, at);
+		Object.assign(planner, { m, file, turn: null });
+		if (m._planner_open(at, bytes.length) !== 200)
+			throw new Error(planner.error());
+		return planner;
+	}
+
+	error() {
+		return this.m.UTF8ToString(this.m._planner_error());
+	}
+
+	wanted() {
+		const { m } = this, at = m._planner_wanted() / 8, count = m._planner_wanted_count();
+		return Array.from({ length: count }, (_, i) => [...m.HEAPF64.subarray(at + 3 * i, at + 3 * i + 3)]);
+	}
+
+	/** Fetches wanted chunks to where they belong; onPart(n): the first n are there, PART_BYTES and more since last. */
+	async fetch(wanted, signal, onPart) {
+		const ranges = rangesOf(wanted), parts = [];
+		let came = 0;
+		for (let i = 0; i < ranges.length; i++) {
+			for (let k = parts.length; k < Math.min(ranges.length, i + FETCHES_MAX); k++) {
+				parts[k] = this.file.read(ranges[k].at, ranges[k].end, signal);
+				parts[k].catch(() => {});
+			}
+			const bytes = await parts[i], { at: from, chunks, last } = ranges[i];
+			parts[i] = null;
+			for (const [at, size, to] of chunks)
+				this.m.HEAPU8.set(bytes.subarray(at - from, at - from + size), to);
+			came += bytes.length;
+			if (came >= PART_BYTES || last === wanted.length) {
+				onPart?.(last);
+				came = 0;
+			}
+		}
+	}
+
+	/** One request at a time: path is that of ecoserve's routes with its query, as '/stream?eye=...'; holdings: the
+	 * body, or none; onPart(bytes): the next ones of the answer. Resolves to { status, error }. */
+	async answer(path, holdings, onPart, signal) {
+		const before = this.turn;
+		let done;
+		this.turn = new Promise((resolve) => { done = resolve; });
+		await before;
+		try {
+			signal?.throwIfAborted();
+			const status = await this.plan(path, holdings ?? new Uint8Array(4), onPart, signal);
+			return { status, error: status >= 400 ? this.error() : null };
+		} finally {
+			done();
+		}
+	}
+
+	/** openapi.yaml's Plants; published scenes have no rows. */
+	plants(path, onPart) {
+		const [, list, query] = /^\/plants\/(\d+)\?(.*)$/.exec(path), asked = new URLSearchParams(query);
+		const { m } = this, first = Number(asked.get('first')), plants = [];
+		for (let at, i = first; i < first + Number(asked.get('count') ?? 1024) && (at = m._planner_plant(list, i)); i++)
+			plants.push({ species: m.UTF8ToString(at), plant: m.UTF8ToString(at) });
+		onPart(new TextEncoder().encode(JSON.stringify({ list: Number(list), first, plants })));
+		return 200;
+	}
+
+	ask(path, holdings) {
+		const { m } = this, text = new TextEncoder().encode(`${path}\0`), at = m._malloc(text.length + holdings.length);
+		m.HEAPU8.set(text, at);
+		m.HEAPU8.set(holdings, at + text.length);
+		const status = m._planner_ask(at, at + text.length, holdings.length);
+		m._free(at);
+		return status;
+	}
+
+	async plan(path, holdings, onPart, signal) {
+		const { m } = this;
+		if (path.startsWith('/plants/'))
+			return this.plants(path, onPart);
+		let status = this.ask(path, holdings);
+		this.rounds = 0;
+		while (status === 200 && (status = m._planner_go()) === 100) {
+			this.rounds++;
+			await this.fetch(this.wanted(), signal);
+			status = 200;
+		}
+		if (status !== 200)
+			return status;
+		if (path.startsWith('/plan')) {
+			onPart(new TextEncoder().encode(m.UTF8ToString(m._planner_described())));
+			return status;
+		}
+		let sent = 0;
+		const wanted = this.wanted(), send = (count) => {
+			const final = m._planner_part(count), at = m._planner_body();
+			if (final < 0)
+				throw new Error(this.error());
+			if (final > sent)
+				onPart(m.HEAPU8.slice(at + sent, at + final));
+			sent = Math.max(sent, final);
+		};
+		await this.fetch(wanted, signal, send);
+		if (!wanted.length)
+			send(0);
+		return status;
+	}
+}
+
+if (globalThis.WorkerGlobalScope) {
+	let opened = null;
+	const running = new Map();
+	globalThis.onmessage = async ({ data: { id, folder, path, body, abort } }) => {
+		if (abort)
+			return running.get(id)?.abort();
+		opened ??= Planner.open(folder);
+		const control = new AbortController();
+		running.set(id, control);
+		try {
+			const planner = await opened;
+			const onPart = (part) => postMessage({ id, part }, [part.buffer]);
+			postMessage({ id, ...await planner.answer(path, body, onPart, control.signal) });
+		} catch (error) {
+			opened.catch(() => { opened = null; });
+			// gone: another pack was published since
+			postMessage(error.status === 404 ? { id, status: 409, error: error.message }
+				: { id, failed: error.message, name: error.name });
+		}
+		running.delete(id);
+	};
+}
