@@ -315,7 +315,7 @@ static void fail_chunk(struct view_exchange *x, const struct wanted *w, bool cam
 	else if (end->rc == CURLE_HTTP_RETURNED_ERROR)
 		eco_fail(&end->error, ECO_IO, "%.250s: its host answered %ld%s", url, end->status,
 			is_trouble(end->status) ? ""
-			: "; it needs what `ecopack export` made of the pack that is served");
+			: "; it needs the chunks of the pack that is served, named by their ids");
 	else if (end->rc && end->rc != CURLE_WRITE_ERROR)
 		eco_fail(&end->error, ECO_IO, "%.250s: %s", url, end->text);
 	else

@@ -1,5 +1,5 @@
 /* One request to the server of a scene and its answer, moved on by libcurl's multi interface. Chunks that an
- * answer only names come from a host of their own, which has them as files (ecopack export): several at once,
+ * answer only names come from a host of their own, which has them by their ids: several at once,
  * over connections that stay, while the answer comes.
  *
  *   view_exchange_new(&x, &options, &error);

@@ -156,8 +156,8 @@ static const struct eco_option option_table[] = {
 		"and orange blends, violet ellipsoids for whole plants). own: the plants' own "
 		"colours without light, on gray ground before a black sky" },
 	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.chunks,
-		.help = "fetch chunks of 1024 bytes or more from URL/NAME: the scene's URL/chunks, or a "
-		"static host with the output of `ecopack export`. Smaller chunks come with the "
+		.help = "fetch chunks of 1024 bytes or more from URL/ID: the scene's URL/chunks, or a host "
+		"that keeps these. Smaller chunks come with the "
 		"stream, and all chunks do when the host does not answer" },
 	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks,
 		.help = "also draw the incomplete frame after so many bytes or milliseconds, such as "

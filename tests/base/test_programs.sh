@@ -77,7 +77,6 @@ suffixes ecoserve -- send-rate body-bytes bodies-bytes answer-bytes kept-bytes c
 suffixes ecopack make -- cache-mb
 suffixes ecopack generate -- plants seed
 suffixes ecopack map -- size
-suffixes ecopack export -- from
 path=ecoload; program=ecoload
 run 2 --rate 2k --nonsense
 says err "has no --nonsense"

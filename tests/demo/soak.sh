@@ -22,7 +22,7 @@ serve "$OUT/serve.log" "forest=$OUT/forest.eco"
 grep -E 'VmRSS|VmHWM' "/proc/$SERVER_PID/status"
 stop_serving
 
-"$BUILD/ecopack" export "$OUT/forest.eco" --static "$OUT/chunks" --quiet
+python3 tests/demo/chunk_ids.py "$OUT/forest.eco" >"$OUT/chunks"
 serve "$OUT/endure.log" "forest=$OUT/forest.eco"
 python3 tests/faults/endure.py "${BASE##*:}" forest $SERVER_PID "$OUT/chunks" "${ENDURE:-200000}"
 stop_serving

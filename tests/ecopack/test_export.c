@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -299,28 +297,6 @@ UNIT_TEST(what_is_there_is_kept_and_failures_leave_nothing)
 	file_write(ROOT "/damaged.eco", bytes, size);
 	assert_int_not_equal(run(ROOT "/damaged.eco --3dtiles " ROOT "/other", &error), ECO_OK);
 	assert_int_not_equal(access(ROOT "/other", F_OK), 0);
-}
-
-/* ---- What a killed export has left ---- */
-
-UNIT_TEST(what_a_killed_export_of_chunks_left_is_removed)
-{
-	static const char id[] = ROOT "/chunks/0123456789abcdef0123456789abcdef";
-	char left[200], runs[200];
-	struct eco_error error;
-	snprintf(left, sizeof left, "%s.tmp-999999", id);
-	snprintf(runs, sizeof runs, "%s.tmp-999998", id);
-	assert_int_equal(mkdir(ROOT "/chunks", 0777), 0);
-	file_write(left, "x", 1);
-	file_write(runs, "x", 1);
-	file_write(ROOT "/chunks/mine.tmp-999999", "x", 1);
-	int locked = open(runs, O_RDONLY);
-	assert_int_equal(flock(locked, LOCK_EX), 0);
-	assert_ok(run(ROOT "/sample.eco --static " ROOT "/chunks", &error), error);
-	assert_int_not_equal(access(left, F_OK), 0);
-	assert_int_equal(access(runs, F_OK), 0);
-	assert_int_equal(access(ROOT "/chunks/mine.tmp-999999", F_OK), 0);
-	close(locked);
 }
 
 UNIT_MAIN(make_pack, NULL)

@@ -1,4 +1,4 @@
-/* Streams that name chunks: fetched from the server, or from a static host of what `ecopack export` wrote,
+/* Streams that name chunks: fetched from the server, or from a static host that has them as files,
  * they are what a stream carries, within the same bytes. */
 #include <pthread.h>
 #include <stdio.h>
@@ -6,7 +6,6 @@
 
 #include "client-min/view_select.h"
 #include "client-min/view_fetch.h"
-#include "ecofiles/ecopack/command.h"
 #include "lod/eye.h"
 #include "tests/support/files.h"
 #include "tests/support/serve/serve_daemon.h"
@@ -74,14 +73,22 @@ static void *serve_folder(void *ctx)
 	return NULL;
 }
 
-static int run_export(const char *from)
+/* Chunks of so many bytes and more, each as a file that is named by its id. */
+static int write_chunks(uint32_t from)
 {
-	char *argv[] = { pack_path, "--static", host.folder, "--from", (char *)from, "--quiet" };
-	struct eco_error error = { 0 };
-	if (main_command_export.run(6, argv, &error) == ECO_OK)
-		return 0;
-	fprintf(stderr, "%s\n", error.text);
-	return 1;
+	struct eco_pack *pack;
+	char path[160];
+	if (eco_pack_open(&pack, pack_path, &cause))
+		return 1;
+	folder_make(host.folder);
+	for (uint32_t i = 0; i < pack->scene.chunk_count; i++) {
+		const struct eco_chunk *chunk = &pack->scene.chunks[i];
+		snprintf(path, sizeof path, "%s/%s", host.folder, eco_id_text(chunk->id.bytes).hex);
+		if (chunk->size_bytes >= from)
+			file_write(path, pack->map + chunk->offset, chunk->size_bytes);
+	}
+	eco_pack_close(pack);
+	return 0;
 }
 
 static int start(void **state)
@@ -90,7 +97,7 @@ static int start(void **state)
 		return 1;
 	snprintf(host.folder, sizeof host.folder, "build/tmp/named-%d", (int)getpid());
 	host.listener = http_listen(&host.port);
-	return run_export("300") || pthread_create(&host.thread, NULL, serve_folder, NULL);
+	return write_chunks(300) || pthread_create(&host.thread, NULL, serve_folder, NULL);
 }
 
 static int stop(void **state)
@@ -253,7 +260,7 @@ UNIT_TEST(hosts_that_lack_chunks_or_have_others_are_told)
 		ask_named(cases[i].says, 0);
 	}
 	folder_empty(host.folder);
-	ask_named("its host answered 404; it needs what `ecopack export` made", 1);
+	ask_named("its host answered 404; it needs the chunks of the pack", 1);
 }
 
 /* The rest of the stream is asked for again, when the host says; what came of it is held. */
@@ -263,7 +270,7 @@ UNIT_TEST(hosts_that_fail_or_are_asked_too_much_get_time)
 		{ NULL, NULL }, { "429 Too Many Requests\r\nRetry-After: 1", NULL },
 		{ "503 Slow Down\r\nRetry-After: 1", NULL }, { "429 Too Many Requests", "its host answered 429" },
 		{ "408 Request Timeout", "its host answered 408" } };
-	assert_int_equal(run_export("300"), 0);
+	assert_int_equal(write_chunks(300), 0);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		bool good = !cases[i].says;
 		double begun_ms = view_clock_ms();
@@ -284,7 +291,7 @@ UNIT_TEST(hosts_that_had_chunks_are_asked_again)
 	struct client named = client_new(FROM_HOST);
 	struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
 	struct eco_error error = { 0 };
-	assert_int_equal(run_export("300"), 0);
+	assert_int_equal(write_chunks(300), 0);
 	assert_ok(look(&named, &request, &error), error);
 	folder_empty(host.folder);
 	request = request_of(30, ECO_BYTES_UNBOUNDED);
@@ -297,7 +304,7 @@ UNIT_TEST(hosts_that_had_chunks_are_asked_again)
 /* Last, as it answers late. */
 UNIT_TEST(hosts_that_hang_are_left_for_the_scenes_server)
 {
-	assert_int_equal(run_export("300"), 0);
+	assert_int_equal(write_chunks(300), 0);
 	stall_ms = 1000;
 	for (int known = 0; known < 2; known++) {
 		struct client named = client_new(FROM_HOST), carried = client_new(CARRIED);

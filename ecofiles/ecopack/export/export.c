@@ -1,6 +1,5 @@
 #include "ecofiles/ecopack/export/export.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -118,98 +117,19 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 	return code;
 }
 
-/* ---- Chunks ---- */
-
-/* A pack's chunks as files for static hosts. A file is named by the chunk's id, the hash of
- * its bytes, so it never changes: what another pack has left in the folder is as good, and what is there is
- * kept. Servers answer with streams that name such chunks (server/stream.h), clients fetch them
- * (client-min/view_exchange.h). */
-
-struct counts { uint64_t files, bytes, kept; };
-
-static bool is_there(const char *path, const struct eco_chunk *chunk)
-{
-	struct stat status;
-	return stat(path, &status) == 0 && S_ISREG(status.st_mode)
-		&& status.st_size == (off_t)chunk->size_bytes;
-}
-
-static void write_chunk(const struct eco_pack *pack, uint32_t index, const char *dir, struct counts *counts,
-	struct eco_error *error)
-{
-	const struct eco_chunk *chunk = &pack->scene.chunks[index];
-	char path[4096];
-	const uint8_t *bytes;
-	size_t size;
-	if (snprintf(path, sizeof path, "%s/%s", dir, eco_id_text(chunk->id.bytes).hex) >= (int)sizeof path)
-		eco_stop(ECO_BAD_USAGE, "--static %.200s...: the path is too long", dir);
-	eco_check(eco_pack_payload(pack, index, &bytes, &size, error));
-	counts->files++;
-	counts->bytes += size;
-	if (is_there(path, chunk))
-		counts->kept++;
-	else
-		eco_check(eco_file_write(path, bytes, size, error));
-}
-
-/* Removes files of an export that was killed: "ID.tmp-4711". */
-static void remove_left_over(const char *dir)
-{
-	DIR *folder = opendir(dir);
-	for (const struct dirent *entry; folder && (entry = readdir(folder));) {
-		char id[2 * sizeof(struct eco_chunk_id) + 1];
-		snprintf(id, sizeof id, "%.*s", (int)sizeof id - 1, entry->d_name);
-		if (strspn(id, "0123456789abcdef") == sizeof id - 1 && eco_unfinished_is(entry->d_name, id))
-			eco_unfinished_remove_file(dirfd(folder), entry->d_name);
-	}
-	if (folder)
-		closedir(folder);
-}
-
-/* Chunks of `from` bytes and more into a folder, which is made if missing. */
-static void export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from, struct eco_error *error)
-{
-	const struct eco_scene *scene = &pack->scene;
-	const struct eco_list *rows = eco_inventory_list(scene);
-	/* no stream names those of rows */
-	uint32_t count = rows ? rows->chunk_first : scene->chunk_count;
-	struct counts counts = { 0 };
-	if (mkdir(dir, 0777) && errno != EEXIST)
-		eco_stop(ECO_IO, "--static %.330s: %s%s", dir, strerror(errno), eco_advice_write(errno));
-	remove_left_over(dir);
-	for (uint32_t i = 0; i < count; i++) {
-		if (scene->chunks[i].size_bytes < from)
-			continue;
-		main_progress("exporting", scene->name, (double)i / count);
-		write_chunk(pack, i, dir, &counts, error);
-	}
-	if (counts.kept < counts.files)
-		eco_check(eco_folder_sync(dir, error));
-	main_progress_end();
-	if (!main_is_quiet)
-		printf("%s: %" PRIu64 " chunks, %" PRIu64 " bytes; %" PRIu64 " were there\n", dir,
-			counts.files, counts.bytes, counts.kept);
-}
-
 /* ---- The command ---- */
 
-static struct { const char *pack, *chunks, *tiles; uint64_t from; bool plain; struct eco_pack *opened; } given;
+static struct { const char *pack, *tiles; bool plain; struct eco_pack *opened; } given;
 
 static void write_given(void *error)
 {
-	if (!given.chunks && !given.tiles)
-		eco_stop(ECO_BAD_USAGE, "nothing to export: give --static DIR, --3dtiles DIR or both");
 	eco_check(eco_pack_open(&given.opened, given.pack, error));
-	if (given.chunks)
-		export_chunks(given.opened, given.chunks, given.from, error);
-	if (given.tiles)
-		eco_check(export_tiles(given.opened, given.tiles, given.plain, error));
+	eco_check(export_tiles(given.opened, given.tiles, given.plain, error));
 }
 
 static enum eco_code run(int argc, char **argv, struct eco_error *error)
 {
 	memset(&given, 0, sizeof given);
-	given.from = ECO_NAME_FROM;
 	enum eco_code code = main_read(&main_command_export, argc, argv, error);
 	code = code ? code : eco_try(write_given, error, error);
 	eco_pack_close(given.opened);
@@ -218,13 +138,7 @@ static enum eco_code run(int argc, char **argv, struct eco_error *error)
 
 static const struct eco_option options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &given.pack, .is_required = true },
-	{ "static", 0, ECO_OPTION_TEXT, "DIR", &given.chunks,
-		.help = "write chunks as files, each named by the hash of its bytes. These files never "
-		"change; packs may share a folder, which is made if missing" },
-	{ "from", 0, ECO_OPTION_COUNT, "N", &given.from, 1, INT64_MAX,
-		.help = "with --static: only chunks of at least N bytes; default 1024, from which "
-		"ecoview fetches chunks by name" },
-	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles,
+	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles, .is_required = true,
 		.help = "write 3D Tiles 1.1 for CesiumJS and others into a new folder, which appears "
 		"complete or not at all" },
 	{ "plain", 0, ECO_OPTION_FLAG, NULL, &given.plain,
@@ -233,9 +147,8 @@ static const struct eco_option options[] = {
 	{ 0 } };
 
 const struct main_command main_command_export = { { "ecopack export",
-	"OUT.eco [--static DIR [--from N]] [--3dtiles DIR [--plain]]",
-	"Writes a pack as plain files that any web server or object store can serve.", options, main_common,
-	"`ecoview --chunks URL` fetches exported chunks from any host; the server's answers then only name "
-	"them. 3D Tiles hold plants as instances of shared files in three levels of detail, with species "
+	"OUT.eco --3dtiles DIR [--plain]",
+	"Writes a pack as 3D Tiles, which any web server or object store can serve.", options, main_common,
+	"3D Tiles hold plants as instances of shared files in three levels of detail, with species "
 	"and height, and far tiles as summaries of small triangles. ecoserve chooses anew for each view; a "
 	"tile set has one choice for all views.\n", NULL }, run };
