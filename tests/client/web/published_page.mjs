@@ -6,7 +6,7 @@ import { Browser } from './browser.mjs';
 
 const [chromium, url, saved, picture] = process.argv.slice(2);
 const complete = "document.getElementById('picture')?.dataset.complete === 'true'";
-const WAIT_MS = 200000;          // pictures are drawn by the processor
+const WAIT_MS = 600000;          // pictures are drawn by the processor
 const browser = new Browser(chromium);
 let faults = 0;
 
