@@ -87,7 +87,7 @@ LINK_CXX = $(CXX) $(CXXFLAGS) $(LDFLAGS_ALL)
 
 comma := ,
 # Rooms: a folder of sources each, an archive each; main_NAME.c is the program NAME's. tests/layers.txt says what each may include.
-ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/import/places ecofiles/import/places/rows \
+ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/import/land ecofiles/import/places ecofiles/import/places/rows \
 	ecofiles/import/ground ecofiles/import/model ecofiles/format ecofiles/format/chunk ecofiles/base
 BUILD_ROOMS := lod/build lod/build/organ lod/build/order lod/build/splat lod/build/impostor lod/build/measure lod/raster
 CORE_ROOMS := lod ecofiles/format ecofiles/format/chunk ecofiles/base
@@ -326,7 +326,7 @@ PLACES := ecofiles/import/places
 # names.tsv has a row for each plant and language, its table one for each name, in their order
 names_by_name = awk -F '\t' '/^\#/ { next } !named++ { print "name\ttaxon\tlanguage\twhere"; fflush(); next } \
 	{ count = split($$4, name, "|"); for (i = 1; i <= count; i++) print name[i] "\t" $$1 "\t" $$2 "\t" $$3 | "LC_ALL=C sort" }'
-WORD_ROOMS := $(PLACES) ecofiles/generate
+WORD_ROOMS := $(PLACES) ecofiles/import/land ecofiles/generate
 WORDS := $(patsubst %.tsv,build/words/%.table,$(notdir $(wildcard $(WORD_ROOMS:%=%/words/*.tsv))))
 vpath %.tsv $(WORD_ROOMS:%=%/words)
 build/words/%.table: %.tsv Makefile

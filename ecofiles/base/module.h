@@ -44,7 +44,7 @@ bool eco_module_find(enum eco_module module, char path[PATH_MAX]);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */
-#define ECO_MODULE_VERSION 10u
+#define ECO_MODULE_VERSION 11u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
 /* ---- ecoassimp.so: models of formats that have no reader of their own ---- */
@@ -62,7 +62,7 @@ struct eco_assimp_module {               /* eco_assimp_module */
 		struct eco_error *error);
 };
 
-/* ---- ecocairo.so: maps ---- */
+/* ---- ecocairo.so: maps, and what is drawn on the ground ---- */
 
 struct map;
 
@@ -70,6 +70,9 @@ struct eco_cairo_module {                /* eco_cairo_module */
 	uint32_t version;
 	/* Draws the map (ecopack/map.h), whose view and image are set, as a PNG in memory: free(*png). */
 	enum eco_code (*map_png)(struct map *m, uint8_t **png, size_t *size);
+	/* Draws a square of the ground's picture (import/land/drawing_parts.h). */
+	enum eco_code (*drawing_paint)(const void *drawing, const double low[2], double texel_m, uint8_t *rgba,
+		struct eco_error *error);
 };
 
 /* ---- ecogdal.so: rasters and tables with geometry ---- */

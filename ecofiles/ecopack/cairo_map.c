@@ -6,6 +6,7 @@
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/cairo_map.h"
+#include "ecofiles/import/land/drawing.h"
 
 #define SIDE_MAX 16384.0
 #define MARGIN 20.0
@@ -332,4 +333,4 @@ static enum eco_code map_png(struct map *m, uint8_t **png, size_t *size)
 
 extern const struct eco_cairo_module eco_cairo_module;
 ECO_MODULE_EXPORT const struct eco_cairo_module eco_cairo_module = { .version = ECO_MODULE_VERSION,
-	.map_png = map_png };
+	.map_png = map_png, .drawing_paint = cairo_drawing_paint };

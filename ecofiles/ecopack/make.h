@@ -116,6 +116,7 @@ struct make {
 	struct main_cache cache;
 	uint32_t **plant_of;         /* [source][plant of the source] */
 	bool tinted;                 /* a column of some rows colours their plants */
+	struct eco_drawing *drawing;             /* on the ground; NULL: nothing */
 	struct eco_ground ground;
 	bool has_ground, ground_through;         /* from rasters, or through the plants */
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */

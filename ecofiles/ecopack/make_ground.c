@@ -102,9 +102,27 @@ static void doubt_ground(const struct make *m)
 			"it)", source->heights[0], steep);
 }
 
+static void tell(void *ctx, const char *text)
+{
+	(void)ctx;
+	main_note("%s", text);
+}
+
+static void read_drawing(struct make *m)
+{
+	const struct eco_source *source = &m->sources.items[0];
+	struct eco_frame frame = eco_source_frame(source);
+	if (!source->draw_count)
+		return;
+	main_progress("reading what is drawn on the ground", NULL, 0);
+	eco_check(eco_drawing_open(&m->drawing, source->draws, source->draw_count, &frame, m->error));
+	eco_drawing_report(m->drawing, tell, NULL);
+}
+
 void make_ground_read(struct make *m)
 {
 	struct eco_source *source = &m->sources.items[0];
+	read_drawing(m);
 	if (!source->ground.height_count)
 		return;
 	main_progress("reading ground", NULL, 0);
@@ -112,6 +130,8 @@ void make_ground_read(struct make *m)
 		.scene_vertical = source->vertical, .origin = { source->origin[0], source->origin[1],
 		source->origin[2] }, .side_max = ECO_GROUND_INSIDE_MAX, .warn = main_note_text };
 	eco_check(eco_ground_import(&m->ground, &options, m->error));
+	if (m->drawing)
+		eco_drawing_level(m->drawing, &m->ground, tell, NULL);
 	finish_ground(m);
 	doubt_ground(m);
 }
@@ -182,6 +202,7 @@ void make_ground_pack(struct make *m)
 void make_ground_free(struct make *m)
 {
 	eco_ground_free(&m->ground);
+	eco_drawing_close(m->drawing);
 	free(m->ground_tiles);
 	free(m->ground_shifts);
 	free(m->ground_images);
@@ -303,10 +324,16 @@ struct image {
 	uint32_t encoded;
 };
 
+/* Squares of a drawing without rasters: of 128 m for a town in the final pack. A draft is coarser. */
+#define DRAWN_TILES 1024u
+#define DRAFT_TILES 256u
+
 static struct eco_ground_image_options options_of(const struct make *m)
 {
 	const struct eco_source *source = &m->sources.items[0];
 	return (struct eco_ground_image_options){ .source = &source->ground_image, .scene_crs = source->crs,
+		.drawing = eco_drawing_ground(m->drawing),
+		.tiles_max = source->ground_image.file_count ? 0 : m->options->draft ? DRAFT_TILES : DRAWN_TILES,
 		.origin = { source->origin[0], source->origin[1], source->origin[2] }, .low = { 1, 1 } };
 }
 
@@ -314,7 +341,7 @@ static struct eco_ground_image_options options_of(const struct make *m)
 void make_image_look(struct make *m)
 {
 	const struct eco_ground_image_options options = options_of(m);
-	if (options.source->file_count)
+	if (options.source->file_count || options.drawing)
 		eco_check(eco_ground_image_look(&options, m->error));
 }
 
@@ -434,7 +461,7 @@ void make_image(struct make *m)
 	struct image image = { .m = m };
 	struct eco_ground_image_options options = options_of(m);
 	const struct eco_tile *root = &m->scene.tiles[m->scene.root];
-	if (!options.source->file_count || !m->has_ground)
+	if (!(options.source->file_count || options.drawing) || !m->has_ground)
 		return;
 	main_progress("reading the ground's image", NULL, 0);
 	memcpy(options.low, root->low, sizeof options.low);

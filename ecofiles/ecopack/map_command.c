@@ -162,8 +162,15 @@ static void read_image(struct map *m)
 		.high = { m->bounds[0].high[0], m->bounds[0].high[1] }, .tiles_max = SQUARES_MAX,
 		.warn = main_note_text };
 	struct eco_error missed = { .code = ECO_OK }, *error = m->error;
-	if (!image.file_count)
+	struct eco_frame frame = eco_source_frame(source);
+	struct eco_drawing *drawing = NULL;
+	if (source->draw_count)
+		eco_check(eco_drawing_open(&drawing, source->draws, source->draw_count, &frame, error));
+	options.drawing = eco_drawing_ground(drawing);
+	if (!image.file_count && !options.drawing) {
+		eco_drawing_close(drawing);
 		return;
+	}
 	main_progress("drawing", "the ground's image", 0.1);
 	image.texel_m = image.texel_m > 1 / m->scale ? image.texel_m : 1 / m->scale;
 	struct picture p = { .m = m, .rgba = eco_alloc((size_t)m->width * (size_t)m->height, 4),
@@ -177,6 +184,7 @@ static void read_image(struct map *m)
 	if (code)
 		eco_stop(code, "%s", missed.text);
 	free(p.square);
+	eco_drawing_close(drawing);
 }
 
 /* ---- The picture ---- */

@@ -11,7 +11,7 @@
 #include "ecofiles/base/angle16.h"
 #include "ecofiles/format/plan.h"
 #include "ecofiles/import/ground/ground.h"
-#include "ecofiles/import/places/areas.h"
+#include "ecofiles/import/land/areas.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"

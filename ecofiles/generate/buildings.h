@@ -11,7 +11,7 @@
 #define ECO_BUILDINGS_H
 
 #include "ecofiles/format/model.h"
-#include "ecofiles/import/places/footprints.h"
+#include "ecofiles/import/land/footprints.h"
 
 #define ECO_BUILDING_SINK_M 0.5        /* walls reach so far below the base */
 #define ECO_BUILDING_CORNERS_MAX 2048u /* of a footprint */

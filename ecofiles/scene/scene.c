@@ -190,5 +190,6 @@ void eco_source_free(struct eco_source *source)
 	eco_scene_fields_free(scene_fields, source);
 	eco_ground_source_free(&source->ground);
 	eco_ground_image_source_free(&source->ground_image);
+	eco_scene_draws_free(source);
 	*source = (struct eco_source){ .path = NULL };
 }

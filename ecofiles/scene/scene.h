@@ -23,8 +23,9 @@
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/places/positions.h"
-#include "ecofiles/import/places/footprints.h"
-#include "ecofiles/import/places/scatter.h"
+#include "ecofiles/import/land/drawing.h"
+#include "ecofiles/import/land/footprints.h"
+#include "ecofiles/import/land/scatter.h"
 #include "ecofiles/base/status.h"
 
 #define ECO_SOURCE_BYTES_MAX (64u << 20)
@@ -74,6 +75,7 @@ struct eco_source {
 	enum eco_season season;              /* of plants of the library that state none */
 	char *vertical;                      /* datum of all heights; NULL: not stated */
 	struct eco_ground_image_source ground_image;         /* file_count 0: none; as ground */
+	struct eco_draw_spec *draws; uint32_t draw_count;    /* files drawn on the ground; as ground */
 	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */
 	uint32_t tile_instances;             /* a tile is split above this many */
 	struct eco_source_plant *plants;                uint32_t plant_count;

@@ -1,8 +1,10 @@
-/* "ground" of a scene file: the rasters, statements that the rasters lack or that replace theirs, and its image:
- * pictures, or classes and their colours. */
+/* "ground" of a scene file: the rasters, statements that the rasters lack or that replace theirs, its image: pictures, or
+ * classes and their colours, and what is drawn on it. */
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/ground/ground_image_import.h"
+#include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/scene/scene_parse.h"
 
 #include <stdlib.h>
@@ -18,7 +20,7 @@ static const struct eco_field ground_fields[] = {
 	ECO_FIELD("scale", NUMBER, -1e6, 1e6, ground_source, scale),
 	ECO_FIELD("offset", NUMBER, -1e6, 1e6, ground_source, offset),
 	ECO_FIELD("unit", UNIT, 0, 0, ground_source, unit_m),
-	ECO_OTHER("nodata"), PLACE(ground_source), ECO_OTHER("image"), ECO_FIELDS_END
+	ECO_OTHER("nodata"), PLACE(ground_source), ECO_OTHER("image"), ECO_OTHER("draw"), ECO_FIELDS_END
 };
 
 static void parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
@@ -132,6 +134,57 @@ static void parse_image(struct eco_source *source, const struct eco_json *at)
 	parse_place(at, image->file_count, &image->has_place, image->pixel);
 }
 
+/* ---- What is drawn ---- */
+
+static const struct eco_field draw_fields[] = {
+	ECO_FIELD("from", PATH | ECO_IS_REQUIRED, 0, 0, draw_spec, path), ECO_FIELD("layer", COLUMN, 0, 0, draw_spec, layer),
+	ECO_FIELD("crs", CRS, 0, 0, draw_spec, crs), ECO_FIELD("class", TEXT, 0, 0, draw_spec, class),
+	ECO_OTHER("width_m"), ECO_OTHER("only"), ECO_OTHER("skip"), ECO_FIELDS_END
+};
+
+static void parse_draw(struct eco_source *source, const struct eco_json *at, struct eco_draw_spec *spec)
+{
+	struct eco_json from = eco_json_member(at, "from"), class = eco_json_member(at, "class"),
+		width = eco_json_member(at, "width_m");
+	eco_json_place(&from, &spec->line, &spec->column);
+	eco_scene_fields(source, at, draw_fields, spec);
+	char there[400] = "";
+	struct eco_land_class row;
+	for (uint32_t i = 0; eco_land_class(i, &row); i++)
+		if (row.drawn && eco_land_class_named(row.name) == i)
+			eco_phrase_add(there, sizeof there, row.name);
+	uint32_t named = spec->class ? eco_land_class_named(spec->class) : ECO_NONE;
+	if (spec->class && (named == ECO_NONE || !eco_land_class(named, &row) || !row.drawn))
+		eco_scene_fail(&class, "no class of the ground is \"%s\"; there are: %s", spec->class, there);
+	if (width.value && json_is_string(width.value))
+		eco_scene_copy(&width, ECO_COLUMN_BYTES, &spec->width);
+	else if (width.value)
+		eco_scene_need(eco_json_number(at, "width_m", 0.05, ECO_DRAWN_WIDE_M, &spec->width_m));
+	eco_scene_parse_filters(at, &spec->filters, &spec->filter_count);
+}
+
+static void parse_draws(struct eco_source *source, const struct eco_json *at)
+{
+	if (!at->value)
+		return;
+	eco_scene_need(eco_json_array(at, ECO_DRAW_MAX));
+	source->draws = eco_alloc(json_array_size(at->value) + 1, sizeof *source->draws);
+	for (size_t i = 0; i < json_array_size(at->value); i++) {
+		struct eco_json item = eco_json_item(at, i);
+		parse_draw(source, &item, &source->draws[source->draw_count++]);
+	}
+}
+
+void eco_scene_draws_free(struct eco_source *source)
+{
+	for (uint32_t i = 0; i < source->draw_count; i++) {
+		eco_scene_fields_free(draw_fields, &source->draws[i]);
+		free(source->draws[i].width);
+		eco_filters_free(source->draws[i].filters, source->draws[i].filter_count);
+	}
+	free(source->draws);
+}
+
 /* ---- The whole ---- */
 
 /* Other fields say what heights mean. */
@@ -139,7 +192,7 @@ static void check_no_heights(const struct eco_json *node)
 {
 	for (const struct eco_field *field = ground_fields; field->name; field++) {
 		struct eco_json other = eco_json_member(node, field->name);
-		if (other.value && strcmp(field->name, "image") != 0)
+		if (other.value && strcmp(field->name, "image") != 0 && strcmp(field->name, "draw") != 0)
 			eco_scene_fail(&other, "\"%s\" is about \"heights\", which the ground does not have; what "
 				"the image needs goes into it: \"image\": {\"file\": ...}", field->name);
 	}
@@ -153,12 +206,13 @@ void eco_scene_parse_ground(struct eco_source *source, const struct eco_json *to
 	if (!node.value || ground->none)
 		return;
 	eco_scene_fields(source, &node, ground_fields, ground);
-	struct eco_json image = eco_json_member(&node, "image");
-	if (!heights.value && image.value)
+	struct eco_json image = eco_json_member(&node, "image"), draw = eco_json_member(&node, "draw");
+	if (!heights.value && (image.value || draw.value))
 		check_no_heights(&node);
 	else
 		eco_scene_need(eco_json_required(&node, "heights"));
 	parse_image(source, &image);
+	parse_draws(source, &draw);
 	if (!heights.value)
 		return;
 	eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights,

@@ -79,6 +79,7 @@ void eco_source_plant_free(struct eco_source_plant *plant);
 void eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
 void eco_ground_source_free(struct eco_ground_source *ground);
 void eco_ground_image_source_free(struct eco_ground_image_source *source);
+void eco_scene_draws_free(struct eco_source *source);
 
 /* The first plant of that name. The error, at `at`, lists the plants there are. */
 uint32_t eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name);

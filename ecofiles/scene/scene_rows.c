@@ -598,7 +598,7 @@ static const struct eco_field scatter_fields[] = {
 	AREA("scatter", PATH, 0, 0, path), AREA("layer", COLUMN, 0, 0, layer), AREA("crs", CRS, 0, 0, crs),
 	ECO_OTHER("density_per_ha"), ECO_OTHER("mix"),
 	AREA("density_column", COLUMN, 0, 0, density_column), AREA("count_column", COLUMN, 0, 0, count_column),
-	AREA("distance_m", NUMBER, 0, 1e5, distance_m), AREA("clear_of", PATH, 0, 0, clear_of),
+	AREA("spacing_m", NUMBER, 0.05, 1e5, spacing_m), AREA("distance_m", NUMBER, 0, 1e5, distance_m), AREA("clear_of", PATH, 0, 0, clear_of),
 	AREA("clear_layer", COLUMN, 0, 0, clear_layer), AREA("clear_crs", CRS, 0, 0, clear_crs),
 	AREA("clear_m", NUMBER, 0, 1e5, clear_m), ECO_OTHER("only"), ECO_OTHER("skip"),
 	ECO_OTHER("height_m"), AREA("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
@@ -614,11 +614,11 @@ static void parse_numbers(const struct eco_source *source, const struct eco_json
 {
 	struct eco_json density = eco_json_member(at, "density_per_ha"), mix = eco_json_member(at, "mix"),
 		*kinds = density.value ? &density : &mix, entry = { .file = NULL };
-	if ((density.value != NULL) + (spec->density_column != NULL) + (spec->count_column != NULL) != 1
+	if ((density.value != NULL) + (spec->density_column != NULL) + (spec->count_column != NULL) + (spec->spacing_m > 0) != 1
 		|| (density.value != NULL) == (mix.value != NULL))
 		eco_scene_fail(at, "say how many: \"density_per_ha\": {\"oak\": 120, \"ash\": 40}; or \"mix\": {\"oak\": "
-			"3, \"ash\": 1} with \"density_column\" (plants a hectare) or \"count_column\" (plants in the "
-			"area)");
+			"3, \"ash\": 1} with \"density_column\" (plants a hectare), \"count_column\" (plants in the "
+			"area) or \"spacing_m\" (between plants along lines)");
 	eco_scene_need(eco_json_names(kinds, KINDS_MAX));
 	if (json_object_size(kinds->value) == 0)
 		eco_scene_fail(kinds, "it names no plant; such as {\"oak\": 120, \"ash\": 40}");

@@ -112,7 +112,7 @@ static void walk_child(struct walk *walk, uint32_t parent, uint32_t number)
 	}
 	add_source(walk, child->eco, real);
 	if (sources->items[index].ground.height_count > 0 ||
-		sources->items[index].ground_image.file_count > 0) {
+		sources->items[index].ground_image.file_count > 0 || sources->items[index].draw_count > 0) {
 		snprintf(text, sizeof text, "%.200s has ground, but only the outermost file can: a nested "
 			"file stands where it is placed", child->eco);
 		fail_at_child(walk, parent, number, ECO_UNSUPPORTED, text);

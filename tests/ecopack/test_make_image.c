@@ -86,18 +86,38 @@ UNIT_TEST(colours_are_seen_where_they_lie_by_opengl_and_in_software)
 
 /* ---- Bytes ---- */
 
-static void make(const char *pack, uint32_t jobs, bool draft)
+static void make(const char *scene, const char *pack, uint32_t jobs, bool draft)
 {
-	assert_good(make_pack(&(struct make_options){ .scene = in_root("photo.json"), .pack = in_root(pack),
-		.jobs = jobs,
+	assert_good(make_pack(&(struct make_options){ .scene = in_root(scene), .pack = in_root(pack), .jobs = jobs,
 		.draft = draft, .order = LOD_ORDER_COMBINED }, &cause));
 }
 
 UNIT_TEST(the_pack_is_the_same_with_any_number_of_threads)
 {
-	make("one.eco", 1, false);
-	make("four.eco", 4, false);
+	make("photo.json", "one.eco", 1, false);
+	make("photo.json", "four.eco", 4, false);
 	assert_true(files_alike(in_root("one.eco"), in_root("four.eco")));
+}
+
+/* A road and a pond alone: their squares are split, the plain between them is not; the same by one thread and by four. */
+UNIT_TEST(drawings_are_images_whose_squares_are_few)
+{
+	struct eco_pack *pack;
+	make("draw.json", "draw1.eco", 1, false);
+	make("draw.json", "draw4.eco", 4, false);
+	assert_true(files_alike(in_root("draw1.eco"), in_root("draw4.eco")));
+	assert_good(eco_pack_open(&pack, in_root("draw1.eco"), &cause));
+	assert_true(pack->scene.ground_image_count > 8);
+	uint32_t leaves = 0, fine = 0;
+	double root = pack->scene.lists[pack->scene.ground_images[0].list].grid_step[0];
+	for (uint32_t i = 0; i < pack->scene.ground_image_count; i++)
+		if (!pack->scene.ground_images[i].child_first) {
+			leaves++;
+			fine += pack->scene.lists[pack->scene.ground_images[i].list].grid_step[0] == 0.25;
+		}
+	double squares = root / 0.25 * root / 0.25;
+	assert_true(fine > 4 && leaves < 0.7 * squares);
+	eco_pack_close(pack);
 }
 
 /* ---- The map and 3D Tiles ---- */
@@ -125,7 +145,7 @@ UNIT_TEST(tiles_of_ground_carry_it)
 	struct eco_pack *pack;
 	FREED(eco_image) image;
 	size_t size;
-	make("tiles.eco", 2, true);
+	make("photo.json", "tiles.eco", 2, true);
 	assert_good(eco_pack_open(&pack, in_root("tiles.eco"), &cause));
 	assert_good(export_tiles(pack, in_root("tiles"), false, &cause));
 	eco_pack_close(pack);
@@ -158,6 +178,13 @@ static int prepare(void **state)
 		"[-64, 64], \"pixel\": 0.25}}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": "
 		"\"a\", \"at\": [-56, -56]}, {\"plant\": \"a\", \"at\": [56, -56]}, {\"plant\": \"a\", \"at\": [56, 56]}, "
 		"{\"plant\": \"a\", \"at\": [-56, 56]}]}");
+	write_text("draw.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {\"highway\": "
+		"\"track\"}, \"geometry\": {\"type\": \"LineString\", \"coordinates\": [[-400, -390], [380, 400]]}}, {\"type\": \"Feature\", "
+		"\"properties\": {\"natural\": \"water\"}, \"geometry\": {\"type\": \"Polygon\", \"coordinates\": [[[-390, 300], [-350, 300], "
+		"[-350, 350], [-390, 300]]]}}]}");
+	write_text("draw.json", "{\"name\": \"draw\", \"crs\": \"EPSG:32617\", \"origin\": [0, 0], \"ground\": {\"draw\": [{\"from\": \"draw.geojson\", "
+		"\"crs\": \"EPSG:32617\"}]}, \"plants\": {\"a\": "
+		"{\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [-400, -400]}, {\"plant\": \"a\", \"at\": [400, 400]}]}");
 	return 0;
 }
 

@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/import/places/areas.h"
-#include "ecofiles/import/places/scatter_parts.h"
+#include "ecofiles/import/land/areas.h"
+#include "ecofiles/import/land/scatter_parts.h"
 #include "ecofiles/base/random.h"
 #include "tests/support/unit_test.h"
 

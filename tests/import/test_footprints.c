@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/places/footprints.h"
+#include "ecofiles/import/land/footprints.h"
 #include "tests/support/model_try.h"
 
 static const struct eco_frame frame = { .crs = "EPSG:32617" };

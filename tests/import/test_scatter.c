@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/import/places/scatter.h"
+#include "ecofiles/import/land/scatter.h"
 #include "tests/support/model_try.h"
 
 static const struct eco_frame frame = { .crs = "EPSG:32617" };

@@ -138,6 +138,20 @@ UNIT_TEST(defaults_fill_what_is_not_said)
 	eco_source_free(&s);
 }
 
+UNIT_TEST(files_are_drawn_on_the_ground)
+{
+	struct eco_source s;
+	parse_good(&s, "{'ground': {'draw': [{'from': 'r.gpkg', 'layer': 'l', 'width_m': 'w', 'skip': {'k': 'v'}}, {'from': '/s', "
+		"'class': 'street', 'width_m': 5}]}}");
+	assert_int_equal(s.draw_count, 2);
+	assert_string_equal(s.draws[0].path, "dir/r.gpkg");
+	assert_string_equal(s.draws[0].width, "w");
+	assert_true(s.draws[0].filter_count == 1 && s.draws[0].width_m == 0 && !s.draws[0].class);
+	assert_string_equal(s.draws[1].class, "street");
+	assert_true(s.draws[1].width_m == 5 && s.ground.height_count == 0);
+	eco_source_free(&s);
+}
+
 UNIT_TEST(footprints_have_sources_of_heights)
 {
 	struct eco_source s;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
-#include "ecofiles/import/places/footprints.h"
+#include "ecofiles/import/land/footprints.h"
 
 #define LOOKED_AT 256u /* features */
 #define POLYGON 3      /* kinds of well-known binary */

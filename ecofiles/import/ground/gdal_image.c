@@ -24,7 +24,9 @@ struct job {
 	const struct eco_ground_image_options *options;
 	struct ground_scene scene;
 	struct ground_colors *rasters; uint32_t count;
-	double low[2], high[2], finest_m;        /* of all rasters, in the scene */
+	const char *name;                        /* of the first file, for messages */
+	double low[2], high[2], finest_m;        /* of all rasters, in the scene; infinite: none */
+	double drawn_m;                          /* texels that the drawing is worth; infinite: none */
 	double range[2];                         /* black and white, once one is not of bytes */
 	double pixel_m;                          /* PIXEL_M, or more for fewer squares */
 	float *fade; /* SIDE x SIDE, of the root, rows from the north: 0 clear .. 1 */
@@ -67,9 +69,12 @@ static double apart(const struct square *s, const double low[2], const double hi
 static bool splits(const struct job *job, const struct square *s)
 {
 	const struct eco_ground_image_options *o = job->options;
-	double away = o->low[0] <= o->high[0] ? apart(s, o->low, o->high) : 0;
-	return s->depth + 2 < GROUND_IMAGE_DEPTH && apart(s, job->low, job->high) <= 0
-		&& s->texel_m > 1.0001 * fmax(job->finest_m, job->pixel_m * fmax(1, away));
+	double away = o->low[0] <= o->high[0] ? apart(s, o->low, o->high) : 0,
+	       high[2] = { s->low[0] + SIDE * s->texel_m, s->low[1] + SIDE * s->texel_m };
+	if (s->depth + 2 >= GROUND_IMAGE_DEPTH || !(s->texel_m > 1.0001 * job->pixel_m * fmax(1, away)))
+		return false;
+	return (s->texel_m > 1.0001 * job->finest_m && apart(s, job->low, job->high) <= 0) ||
+		(s->texel_m > 1.0001 * job->drawn_m && o->drawing->touches(o->drawing->ctx, s->low, high));
 }
 
 /* Squares that are not split; stops beyond `most`. */
@@ -89,25 +94,28 @@ static uint64_t count_squares(const struct job *job, const struct square *s, uin
 static void bound_squares(struct job *job)
 {
 	uint64_t most = job->options->tiles_max ? job->options->tiles_max : TILES_MAX;
-	double finest = job->finest_m;
+	double finest = fmin(job->finest_m, job->drawn_m), doubled = 1;
 	const struct square root = root_of(job);
 	while (count_squares(job, &root, most) > most) {
 		job->finest_m *= 2;
+		job->drawn_m *= 2;
 		job->pixel_m *= 2;
+		doubled *= 2;
 	}
-	if (job->finest_m > finest)
+	if (doubled > 1 && job->count)
 		eco_note(job->scene.notes,
 			"%.200s: texels of %.3g m, averaged up to %.3g m, as an image has %llu squares of %u "
 			"x %u texels at most; cut out the part that is needed, or say \"texel_m\"",
-			job->rasters[0].raster.path, finest, job->finest_m, (unsigned long long)most, SIDE,
+			job->name, finest, finest * doubled, (unsigned long long)most, SIDE,
 			SIDE);
 }
 
-/* The root is a square of whole squares of the finest texels, from the rasters' south-west corner. */
+/* The root is a square of whole squares of the finest texels, from the south-west corner of the rasters and the drawing. */
 static enum eco_code find_root(struct job *job, struct eco_error *error)
 {
 	struct ground_image_head *head = &job->asked->head;
-	double extent = 0, asked = fmax(job->options->source->texel_m, PIXEL_M);
+	const struct eco_ground_drawing *drawing = job->options->drawing;
+	double extent = 0, asked = fmax(job->options->source->texel_m, PIXEL_M), low[2], high[2];
 	for (int k = 0; k < 2; k++) {
 		job->low[k] = INFINITY;
 		job->high[k] = -INFINITY;
@@ -120,17 +128,20 @@ static enum eco_code find_root(struct job *job, struct eco_error *error)
 			job->high[k] = fmax(job->high[k], r->high[k] - job->options->origin[k]);
 			job->finest_m = fmin(job->finest_m, r->step[k]);
 		}
-	for (int k = 0; k < 2; k++)
-		extent = fmax(extent, job->high[k] - job->low[k]);
+	for (int k = 0; k < 2; k++) {
+		low[k] = fmin(job->low[k], drawing ? drawing->low[k] : INFINITY);
+		high[k] = fmax(job->high[k], drawing ? drawing->high[k] : -INFINITY);
+		extent = fmax(extent, high[k] - low[k]);
+	}
+	job->drawn_m = drawing ? fmax(drawing->texel_m, asked) : INFINITY;
 	if (!(extent > 0) || extent > EXTENT_M_MAX || !(job->finest_m > 0))
-		return eco_fail(error, ECO_DAMAGED,
-			"%.200s: an image of %g m with pixels of %g m is impossible",
-			job->rasters[0].raster.path, extent, job->finest_m);
+		return eco_fail(error, ECO_DAMAGED, "%.200s: an image of %g m with pixels of %g m is impossible", job->name, extent,
+			job->finest_m);
 	job->finest_m = fmax(job->finest_m, asked);
-	head->texel_m = job->finest_m;
+	head->texel_m = fmin(job->finest_m, job->drawn_m);
 	while (SIDE * head->texel_m < extent)
 		head->texel_m *= 2;
-	memcpy(head->low, job->low, sizeof head->low);
+	memcpy(head->low, low, sizeof head->low);
 	return ECO_OK;
 }
 
@@ -148,7 +159,7 @@ static void doubt_overlap(struct job *job)
 		return;
 	eco_note(job->scene.notes,
 		"%.200s: the image lies from %.0f, %.0f to %.0f, %.0f in the scene and does not "
-		"reach %s plants%s", job->rasters[0].raster.path, job->low[0], job->low[1], job->high[0],
+		"reach %s plants%s", job->name, job->low[0], job->low[1], job->high[0],
 		job->high[1],
 		x + y > 0 ? "any" : "all", x + y > 0
 		? "; look at its CRS and at the scene's \"crs\" and \"origin\"" : "");
@@ -232,7 +243,7 @@ static void fade_out(const struct job *job, const struct square *s, uint8_t *rgb
 static enum eco_code no_pipe(const struct job *job, struct eco_error *error)
 {
 	return eco_fail(error, ECO_IO, "%.300s: the image could not be handed over: %s",
-		job->rasters[0].raster.path, strerror(errno));
+		job->name, strerror(errno));
 }
 
 static enum eco_code send(struct job *job, const struct square *s, uint8_t *rgba, struct eco_error *error)
@@ -250,7 +261,12 @@ static enum eco_code send(struct job *job, const struct square *s, uint8_t *rgba
 	code = look_at(job, s, rgba, error);
 	if (code)
 		return code;
-	fade_out(job, s, rgba);
+	if (job->count)
+		fade_out(job, s, rgba);
+	const struct eco_ground_drawing *drawing = job->options->drawing;
+	code = drawing ? drawing->paint(drawing->ctx, s->low, s->texel_m, rgba, error) : ECO_OK;
+	if (code)
+		return code;
 	return fwrite(rgba, ECO_GROUND_IMAGE_BYTES, 1, job->out) == 1 ? ECO_OK : no_pipe(job, error);
 }
 
@@ -292,7 +308,8 @@ static enum eco_code import(struct job *job, struct eco_error *error)
 	if (!code)
 		code = find_root(job, error);
 	if (!code) {
-		doubt_overlap(job);
+		if (job->count)
+			doubt_overlap(job);
 		bound_squares(job);
 	}
 	if (!code && fwrite(&job->asked->head, sizeof job->asked->head, 1, job->out) != 1)
@@ -304,6 +321,7 @@ enum eco_code gdal_image_read(struct eco_ground_image_job *asked, FILE *out, str
 {
 	const struct eco_ground_image_options *o = asked->options;
 	struct job job = { .asked = asked, .options = o, .out = out, .pixel_m = PIXEL_M,
+		.name = o->source->file_count ? o->source->files[0] : "\"draw\"",
 		.range = { o->source->range[0], o->source->range[1] } };
 	job.scene = (struct ground_scene){ .scene_crs = o->scene_crs, .stated = o->source->crs,
 		.has_place = o->source->has_place, .corner = o->source->corner, .pixel = o->source->pixel,

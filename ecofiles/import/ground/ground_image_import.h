@@ -28,7 +28,7 @@ struct eco_ground_class { int32_t number; uint8_t rgb[3]; bool clear; };
 /* "image" of the ground of a scene file. */
 struct eco_ground_image_source {
 	char **files;
-	uint32_t file_count; /* none: no image; where several have a colour, the first counts */
+	uint32_t file_count; /* where several have a colour, the first counts */
 	char *crs;                               /* NULL: from the files */
 	struct eco_ground_class *classes; uint32_t class_count;  /* beside those of the files; ascending */
 	bool has_nodata, has_place, has_range;
@@ -38,8 +38,19 @@ struct eco_ground_image_source {
 	double texel_m;                          /* the least width of a texel; 0: the rasters' */
 };
 
+/* A drawing on top of the rasters (import/land/drawing.h). A square where no line and no border passes is not split for
+ * it. Called in the child that reads the rasters. */
+struct eco_ground_drawing {
+	double low[2], high[2], texel_m;         /* around it; width of the texels that it is worth, scene */
+	bool (*touches)(const void *ctx, const double low[2], const double high[2]);
+	/* on what is in rgba, rows from the north */
+	enum eco_code (*paint)(const void *ctx, const double low[2], double texel_m, uint8_t *rgba, struct eco_error *error);
+	const void *ctx;
+};
+
 struct eco_ground_image_options {
 	const struct eco_ground_image_source *source;
+	const struct eco_ground_drawing *drawing; /* NULL: none; then the source has a file */
 	const char *scene_crs;                   /* as in struct eco_ground_options */
 	double origin[3];
 	double low[2], high[2];                  /* around all plants, scene; low above high: not known */

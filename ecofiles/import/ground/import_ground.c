@@ -142,6 +142,12 @@ static enum eco_code image_work(void *ctx, FILE *out, struct eco_error *error)
 	return !gdal ? ECO_NOT_FOUND : gdal->ground_image_read(ctx, out, error);
 }
 
+/* For messages. */
+static const char *name_of(const struct eco_ground_image_source *source)
+{
+	return source->file_count ? source->files[0] : "\"draw\"";
+}
+
 static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_ground_image_options *options,
 	bool only_look, struct eco_error *error)
 {
@@ -152,7 +158,7 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 		return code;
 	struct eco_guard_limits limits = eco_raster_limits((const char *const *)source->files,
 		source->file_count);
-	return eco_guard_start(&r->guard, image_work, &r->job, source->files[0], &limits, &r->stream, error);
+	return eco_guard_start(&r->guard, image_work, &r->job, name_of(source), &limits, &r->stream, error);
 }
 
 static bool read_head(struct eco_ground_image_reader *r)
@@ -174,7 +180,7 @@ enum eco_code eco_ground_image_look(const struct eco_ground_image_options *optio
 	enum eco_code code = start(&r, options, true, error);
 	if (code)
 		return code;
-	code = ground_finish(r.guard, read_head(&r), options->source->files[0], error);
+	code = ground_finish(r.guard, read_head(&r), name_of(options->source), error);
 	if (!code)
 		warn_all(&r);
 	return code;
@@ -204,7 +210,7 @@ enum eco_code eco_ground_image_next(struct eco_ground_image_reader *r, struct ec
 		&& (split || fread(tile->rgba, ECO_GROUND_IMAGE_BYTES, 1, r->stream) == 1);
 	if (!good)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: its reader ended early",
-			r->job.options->source->files[0]);
+			name_of(r->job.options->source));
 	for (int k = 0; k < 2; k++)
 		tile->low[k] = r->job.head.low[k];
 	tile->texel_m = r->job.head.texel_m;

@@ -7,6 +7,7 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <cpl_vsi.h>
 #include <ctype.h>
 #include <gdal.h>
 #include <math.h>
@@ -150,6 +151,35 @@ static bool is_of(const struct ogr_rows *r, const char *format)
 	return driver && strcmp(GDALGetDriverShortName(driver), format) == 0;
 }
 
+/* ---- Extracts of OpenStreetMap ---- */
+
+/* Each tag that is asked for is a column, as it is written there. */
+static const char osm_tags[] = "attribute_name_laundering=no\n"
+	"closed_ways_are_polygons=aeroway,amenity,boundary,building,craft,geological,historic,landuse,leisure,military,natural,"
+	"office,place,shop,sport,tourism,highway=platform,public_transport=platform,golf,water,man_made\n"
+	"[points]\nosm_id=yes\nattributes=natural,species,genus,taxon,leaf_type,height,circumference,diameter,diameter_crown,"
+	"start_date\n"
+	"[lines]\nosm_id=yes\nattributes=highway,waterway,railway,aeroway,natural,surface,width,tunnel,covered,location\n"
+	"[multipolygons]\nosm_id=yes\nattributes=building,height,building:levels,roof:shape,landuse,natural,leisure,amenity,"
+	"highway,place,man_made,waterway,golf,landcover,railway,aeroway,location,tunnel,leaf_type\n"
+	"[multilinestrings]\nosm_id=yes\n[other_relations]\nosm_id=yes\n";
+#define OSM_FILE "/vsimem/osm.ini"
+
+/* Its polygons, or its single trees; reading one layer alone, as the others would wait in memory. */
+static enum eco_code find_osm(struct ogr_rows *r, const char *wanted, struct eco_error *error)
+{
+	const char *name = wanted ? wanted : r->areas ? "multipolygons" : "points";
+	char only[100];
+	r->layer = GDALDatasetGetLayerByName(r->data, name);
+	if (!r->layer)
+		return ask_for_layer(r, wanted, error);
+	snprintf(only, sizeof only, "SET interest_layers = %.40s", name);
+	GDALDatasetExecuteSQL(r->data, only, NULL, NULL);
+	if (!r->areas && strcmp(name, "points") == 0)
+		OGR_L_SetAttributeFilter(r->layer, "\"natural\" = 'tree'");
+	return ECO_OK;
+}
+
 /* ---- Titles above the names of a workbook ---- */
 
 #define TITLES_MOST 20               /* rows above the names */
@@ -260,6 +290,8 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 	int count = GDALDatasetGetLayerCount(r->data), fitting = 0, unknown = 0, found = 0;
 	if (count == 0)
 		return cannot_read(r, "it has no layer", error);
+	if (is_of(r, "OSM"))
+		return find_osm(r, wanted, error);
 	if (wanted) {
 		r->layer = GDALDatasetGetLayerByName(r->data, wanted);
 		return r->layer ? ECO_OK : ask_for_layer(r, wanted, error);
@@ -838,7 +870,7 @@ static enum eco_code check_shape(const struct ogr_rows *r, struct eco_error *err
 static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source,
 	struct eco_error *error)
 {
-	const char *options[] = { "AUTODETECT_TYPE=NO", NULL };
+	const char *options[] = { "AUTODETECT_TYPE=NO", "CONFIG_FILE=" OSM_FILE, "MAX_TMPFILE_SIZE=4096", NULL };
 
 	quiet(r);
 	CPLErrorReset();
@@ -850,6 +882,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	enum eco_code code = check_shape(r, error);
 	if (code)
 		return code;
+	VSIFCloseL(VSIFileFromMemBuffer(OSM_FILE, (GByte *)(uintptr_t)osm_tags, sizeof osm_tags - 1, FALSE));
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (!r->data)
 		return gdal_says(r->path, ECO_BAD_INPUT,

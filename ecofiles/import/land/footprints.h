@@ -7,7 +7,7 @@
 #ifndef ECO_FOOTPRINTS_H
 #define ECO_FOOTPRINTS_H
 
-#include "ecofiles/import/places/areas.h"
+#include "ecofiles/import/land/areas.h"
 
 #define ECO_STOREY_M 3.0           /* a storey, where the scene says nothing else */
 #define ECO_BUILDING_M 6.0         /* a building of which no height is told: two storeys */

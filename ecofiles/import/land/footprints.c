@@ -1,4 +1,4 @@
-#include "ecofiles/import/places/footprints.h"
+#include "ecofiles/import/land/footprints.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,9 +64,10 @@ static enum eco_roof roof_of(struct eco_footprints *f, const char *text, uint64_
 	return ECO_ROOF_FLAT;
 }
 
-static bool take(void *ctx, uint32_t area, uint64_t line, const char *const *texts)
+static bool take(void *ctx, uint32_t area, const struct eco_rows *rows, const char *const *texts)
 {
 	struct reading *r = ctx;
+	const uint64_t line = rows->line;
 	struct eco_footprints *f = r->to;
 	struct eco_footprint item = { .roof = roof_of(f, texts[ECO_FOOTPRINT_HEIGHTS], line) };
 	for (uint32_t i = 0; i < r->spec->height_count && !(item.height_m > 0); i++) {

@@ -55,8 +55,9 @@ bool eco_area_holds(const struct eco_areas *areas, uint32_t area, double x, doub
 bool eco_area_span(const struct eco_areas *areas, uint32_t area, double low_y, double high_y, double span[2]);
 /* Whether a place is inside any surface. */
 bool eco_areas_hold(const struct eco_areas *areas, double x, double y);
-/* Whether a place is within near_m of any edge. */
+/* Whether a place is within near_m of any edge; a box: of its line, and may be. */
 bool eco_areas_near(const struct eco_areas *areas, double x, double y);
+bool eco_areas_near_box(const struct eco_areas *areas, const double low[2], const double high[2]);
 void eco_areas_free(struct eco_areas *areas);
 
 /* ---- Areas of a file ---- */
@@ -67,6 +68,7 @@ enum eco_area_why { ECO_AREA_NOT_A_SURFACE, ECO_AREA_NO_GEOMETRY, ECO_AREA_NO_CO
 struct eco_areas_report {        /* zero-initialised is empty; owns its notes */
 	uint64_t features, skipped[ECO_AREA_WHY_COUNT], first_line[ECO_AREA_WHY_COUNT];
 	char *notes[2 * ECO_ROWS_NOTES_MAX]; uint32_t note_count;
+	const char *refused;         /* says ECO_AREA_NO_NUMBER where `take` has another reason; NULL: it has not */
 };
 
 #define ECO_AREAS_COLUMNS 16u
@@ -74,12 +76,13 @@ struct eco_areas_request {
 	const char *path, *layer, *crs;      /* layer, crs: NULL: not stated */
 	const struct eco_filter *filters; uint32_t filter_count;
 	const char *const *columns; uint32_t column_count;   /* up to ECO_AREAS_COLUMNS names; NULL: not asked for */
-	/* Texts of a feature's columns, once it is area number `area`. False: it is left out, as ECO_AREA_NO_NUMBER, and the
-	 * next has the same number. May be NULL */
-	bool (*take)(void *ctx, uint32_t area, uint64_t line, const char *const *texts);
+	/* Texts of a feature's columns, and the row with all of them, once it is area number `area`. False: it is left out, as
+	 * ECO_AREA_NO_NUMBER, and the next has the same number. May be NULL */
+	bool (*take)(void *ctx, uint32_t area, const struct eco_rows *rows, const char *const *texts);
 	void *ctx;
 	bool surfaces;               /* features without a surface are left out, and what is left out is counted */
-	double near_m;
+	bool lines;                  /* lines and points are kept, too */
+	double near_m;               /* or areas->near_m, which `take` may set */
 };
 /* Reads the features of a file into metres from the frame's origin, in a child process (guard.h), and indexes them. Adds
  * to the report. */

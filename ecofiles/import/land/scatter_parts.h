@@ -2,8 +2,8 @@
 #ifndef ECO_SCATTER_PARTS_H
 #define ECO_SCATTER_PARTS_H
 
-#include "ecofiles/import/places/areas.h"
-#include "ecofiles/import/places/scatter.h"
+#include "ecofiles/import/land/areas.h"
+#include "ecofiles/import/land/scatter.h"
 
 struct eco_scatter_input {       /* the files' content, in metres from the origin */
 	struct eco_areas areas;

@@ -27,6 +27,7 @@ struct eco_scatter_spec {        /* texts are owned by the spec's maker; NULL: n
 	struct eco_scatter_plant *plants; uint32_t plant_count;
 	char *density_column;        /* plants a hectare, all kinds; weights are then shares */
 	char *count_column;          /* plants in the area */
+	double spacing_m;            /* > 0: along the lines of the features, in place of a number; weights are shares */
 	double distance_m;           /* between any two plants of this entry; 0: none */
 	char *clear_of, *clear_layer, *clear_crs;        /* features kept clear, and clear_m around */
 	double clear_m;

@@ -1,7 +1,7 @@
 /* Bands of y are the index of both questions: each lists the edges of a surface, the surfaces, or the edges
  * widened by near_m that touch it. Areas come as rows with geometry, through the same child process, columns and
  * filters as inventories. */
-#include "ecofiles/import/places/areas.h"
+#include "ecofiles/import/land/areas.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,7 +14,7 @@
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/rows/rows.h"
-#include "ecofiles/import/places/scatter_parts.h"
+#include "ecofiles/import/land/scatter_parts.h"
 
 #define DEPTH_MAX 16
 #define STRIPS_MAX (1u << 20)
@@ -327,6 +327,31 @@ bool eco_areas_near(const struct eco_areas *areas, double x, double y)
 	return false;
 }
 
+/* Parts an edge from a box by its own direction; the axes' are looked at before. */
+static bool passes_by(const struct eco_edge *e, const double low[2], const double high[2], double near_m)
+{
+	double dx = e->b[0] - e->a[0], dy = e->b[1] - e->a[1], x = (low[0] + high[0]) / 2 - e->a[0],
+	       y = (low[1] + high[1]) / 2 - e->a[1];
+	return fabs(x * dy - y * dx) > (fabs(dy) * (high[0] - low[0]) + fabs(dx) * (high[1] - low[1])) / 2 + near_m * hypot(dx, dy);
+}
+
+bool eco_areas_near_box(const struct eco_areas *areas, const double low[2], const double high[2])
+{
+	const struct eco_strips *s = &areas->near;
+	const double m = areas->near_m;
+	if (!s->first || high[1] < s->low || low[1] > s->high)
+		return false;
+	for (uint32_t i = s->first[strip_of(s, low[1])]; i < s->first[strip_of(s, high[1]) + 1]; i++) {
+		const struct eco_edge *e = &areas->edges[s->member[i]];
+		bool apart = false;
+		for (int k = 0; k < 2; k++)
+			apart |= fmin(e->a[k], e->b[k]) - m > high[k] || fmax(e->a[k], e->b[k]) + m < low[k];
+		if (!apart && !passes_by(e, low, high, m))
+			return true;
+	}
+	return false;
+}
+
 enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
@@ -408,7 +433,7 @@ static bool take_texts(const struct row_reading *r)
 	const char *texts[ECO_AREAS_COLUMNS] = { NULL };
 	for (uint32_t i = 0; i < r->request->column_count; i++)
 		texts[i] = r->column[i] == ECO_NONE ? NULL : r->rows->fields[r->column[i]];
-	return !r->request->take || r->request->take(r->request->ctx, r->areas->count - 1, r->rows->line, texts);
+	return !r->request->take || r->request->take(r->request->ctx, r->areas->count - 1, r->rows, texts);
 }
 
 static enum eco_code take_row(struct row_reading *r, struct eco_error *error)
@@ -428,7 +453,7 @@ static enum eco_code take_row(struct row_reading *r, struct eco_error *error)
 	if (!kept)
 		return skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY
 			: ECO_AREA_TOO_FAR), ECO_OK;
-	bool surface = !r->request->surfaces || areas->items[areas->count - 1].ring_edges > 0;
+	bool surface = !r->request->surfaces || r->request->lines || areas->items[areas->count - 1].ring_edges > 0;
 	if (!surface || !take_texts(r)) {
 		areas->edge_count = areas->items[--areas->count].edge_first;
 		skip(r, surface ? ECO_AREA_NO_NUMBER : ECO_AREA_NOT_A_SURFACE);
@@ -479,7 +504,7 @@ enum eco_code eco_areas_read(struct eco_areas *areas, const struct eco_areas_req
 			"swapped: x is easting or longitude, y is northing or latitude",
 			area);
 	if (!code)
-		code = eco_areas_index(areas, request->near_m, error);
+		code = eco_areas_index(areas, fmax(request->near_m, areas->near_m), error);
 	for (uint32_t i = 0; r.rows && i < r.rows->note_count && report->note_count < 2 * ECO_ROWS_NOTES_MAX; i++)
 		report->notes[report->note_count++] = eco_copy_text(r.rows->notes[i]);
 	eco_crs_close(r.crs);
@@ -500,7 +525,8 @@ void eco_areas_report_say(const struct eco_areas_report *report, void (*say)(voi
 		if (report->skipped[i] > 0) {
 			snprintf(line, sizeof line, "  %llu feature%s left out: %s (first: feature %llu)",
 				(unsigned long long)report->skipped[i], report->skipped[i] == 1 ? "" : "s",
-				why[i], (unsigned long long)report->first_line[i]);
+				i == ECO_AREA_NO_NUMBER && report->refused ? report->refused : why[i],
+				(unsigned long long)report->first_line[i]);
 			say(ctx, line);
 		}
 }
@@ -515,11 +541,11 @@ void eco_areas_report_free(struct eco_areas_report *report)
 /* ---- Input of a scatter ---- */
 
 /* Keeps the number of an area. */
-static bool take_number(void *ctx, uint32_t area, uint64_t line, const char *const *texts)
+static bool take_number(void *ctx, uint32_t area, const struct eco_rows *rows, const char *const *texts)
 {
 	struct eco_scatter_input *input = ctx;
 	double number = 0;
-	(void)line;
+	(void)rows;
 	if (texts[0] && (!eco_text_number(texts[0], '.', &number) || !(number >= 0)))
 		return false;
 	input->number = eco_realloc(input->number, area + 1u, sizeof *input->number);
@@ -534,7 +560,7 @@ enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco
 	const char *number = spec->density_column ? spec->density_column : spec->count_column;
 	const struct eco_areas_request areas = { .path = spec->path, .layer = spec->layer, .crs = spec->crs,
 		.filters = spec->filters, .filter_count = spec->filter_count, .columns = &number, .column_count = 1,
-		.take = take_number, .ctx = input, .surfaces = true },
+		.take = take_number, .ctx = input, .surfaces = true, .lines = spec->spacing_m > 0 },
 		clear = { .path = spec->clear_of, .layer = spec->clear_layer, .crs = spec->clear_crs, .near_m = spec->clear_m };
 	enum eco_code code = eco_areas_read(&input->areas, &areas, frame, &input->report, &own);
 	if (code)

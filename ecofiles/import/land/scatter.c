@@ -1,4 +1,4 @@
-#include "ecofiles/import/places/scatter.h"
+#include "ecofiles/import/land/scatter.h"
 
 #include <assert.h>
 #include <math.h>
@@ -10,7 +10,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
-#include "ecofiles/import/places/scatter_parts.h"
+#include "ecofiles/import/land/scatter_parts.h"
 
 #define HECTARE_M2 10000.0
 #define LATTICE_CELLS 64u
@@ -310,6 +310,34 @@ static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 	return code;
 }
 
+/* ---- Rows ---- */
+
+/* Plants along a feature's lines, every spacing_m, the first after half of that. */
+static enum eco_code fill_lines(struct eco_scatter *s, struct filling *f)
+{
+	const struct eco_area *area = &s->input.areas.items[f->area];
+	const struct eco_edge *edges = s->input.areas.edges + area->edge_first;
+	const double spacing = s->spec->spacing_m;
+	double left = spacing / 2;   /* to the next plant */
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = area->ring_edges; i < area->edge_count && !code; i++) {
+		const struct eco_edge *e = &edges[i];
+		double dx = e->b[0] - e->a[0], dy = e->b[1] - e->a[1], length = sqrt(dx * dx + dy * dy);
+		for (; left <= length && length > 0 && !code; left += spacing) {
+			double at[2] = { e->a[0] + dx * left / length, e->a[1] + dy * left / length };
+			f->wanted++;
+			if (!is_clear(s, at) || is_near(s, at, fmin(fmax(s->spec->distance_m, NEAREST_M), s->grid.cell_m)))
+				continue;
+			uint32_t plant = next_plant(s->spec, f->total, f->given, f->placed);
+			code = add_place(s, at, plant);
+			f->given[plant]++;
+			f->placed++;
+		}
+		left -= length;
+	}
+	return code;
+}
+
 static int area_order(const void *a, const void *b, void *ctx)
 {
 	const struct eco_area *items = ctx, *p = &items[*(const uint32_t *)a],
@@ -355,18 +383,20 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 		order[i] = i;
 	qsort_r(order, areas->count, sizeof *order, area_order, areas->items);
 	for (uint32_t i = 0; i < areas->count && code == ECO_OK; i++) {
-		struct filling f = { .area = order[i], .wanted = wanted_in(s, order[i]), .given = given,
-			.total = total_weight(s->spec) };
+		struct filling f = { .area = order[i], .wanted = s->spec->spacing_m > 0 ? 0 : wanted_in(s, order[i]),
+			.given = given, .total = total_weight(s->spec) };
 		s->hectares += areas->items[order[i]].size_m2 / HECTARE_M2;
 		if (f.wanted > 0 && areas->items[order[i]].size_m2 > 0)
 			clear_share(s, &f);
+		memset(given, 0, s->spec->plant_count * sizeof *given);
+		if (s->spec->spacing_m > 0)
+			code = fill_lines(s, &f);
 		s->wanted += f.wanted;
 		if (s->wanted > ECO_SCATTER_PLANTS_MAX)
 			code = too_many(s);
 		if (f.wanted == 0 || code != ECO_OK)
 			continue;
-		memset(given, 0, s->spec->plant_count * sizeof *given);
-		if (areas->items[order[i]].size_m2 > 0)
+		if (areas->items[order[i]].size_m2 > 0 && !(s->spec->spacing_m > 0))
 			code = fill_area(s, &f);
 		s->short_areas += f.placed < f.wanted;
 		if (code == ECO_OK && s->progress && !s->progress(s->ctx, (double)i / areas->count))
@@ -425,8 +455,10 @@ void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, cons
 	char line[512];
 	for (uint32_t i = 0; i < s->input.report.note_count; i++)
 		say(ctx, s->input.report.notes[i]);
-	snprintf(line, sizeof line, "%u area%s of %.4g ha: %llu plants of %llu wanted", s->input.areas.count,
-		s->input.areas.count == 1 ? "" : "s", s->hectares, (unsigned long long)s->count,
+	char what[40];
+	snprintf(what, sizeof what, s->spec->spacing_m > 0 ? "" : " of %.4g ha", s->hectares);
+	snprintf(line, sizeof line, "%u %s%s%s: %llu plants of %llu wanted", s->input.areas.count,
+		s->spec->spacing_m > 0 ? "line" : "area", s->input.areas.count == 1 ? "" : "s", what, (unsigned long long)s->count,
 		(unsigned long long)s->wanted);
 	say(ctx, line);
 	eco_areas_report_say(&s->input.report, say, ctx);

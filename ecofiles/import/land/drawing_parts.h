@@ -1,0 +1,24 @@
+/* Shared by drawing.c and ecocairo.so; private. */
+#ifndef ECO_DRAWING_PARTS_H
+#define ECO_DRAWING_PARTS_H
+
+#include "ecofiles/import/land/drawing.h"
+
+struct drawn { uint32_t class; float width_m, cover; uint8_t rgb[3]; };  /* a feature; width 0: an area */
+struct drawn_file {
+	const struct eco_draw_spec *spec;
+	struct eco_areas areas;
+	struct drawn *items; uint32_t capacity;  /* per area */
+	struct eco_areas_report report;
+	/* features of no class that is known; texts of widths that are none */
+	struct { uint64_t count; char example[40]; } unknown, odd;
+};
+struct drawn_order { uint32_t file, area; };
+
+struct eco_drawing {
+	struct drawn_file *files; uint32_t file_count;
+	struct drawn_order *order; uint32_t count;       /* from the lowest to the topmost */
+	struct eco_ground_drawing ground;
+};
+
+#endif
