@@ -107,6 +107,17 @@ scene textures painted '"ground": null, '
 scene cutouts cut '"ground": null, '
 scene ground cut '"crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, '
 scene covered cut '"crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif", "image": {"file": "painted.png", "crs": "EPSG:32632", "north_west": [690900, 5334100], "pixel": 1}}, '
+# land GEOJSON: an object, footprints, a road and a pond, each with the bare plants
+square='[[[11.5671, 48.1352], [11.5673, 48.1352], [11.5673, 48.1353], [11.5671, 48.1352]]]'
+feature() { printf '{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {%s}, "geometry": {"type": "%s", "coordinates": %s}}]}' "$2" "$3" "$4" >"$DIR/$1.geojson"; }
+feature footprint '"height": 9' Polygon "$square"
+feature road '"highway": "residential"' LineString '[[11.567, 48.135], [11.568, 48.136]]'
+feature pond '"natural": "water"' Polygon "$square"
+around() { printf '{"name": "%s", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": %s, "plants": {"plant": {"model": "bare.obj"%s}}, "instances": [%s%s]}\n' "$1" "$2" "$3" "$(instances plant 9)" "$4" >"$DIR/$1.json"; }
+around objects null ', "object": true' ''
+around houses null '' ', {"extrude": "footprint.geojson", "height_m": "height"}'
+around roads '{"heights": "dem.tif", "draw": [{"from": "road.geojson"}]}' '' ''
+around water '{"heights": "dem.tif", "draw": [{"from": "pond.geojson"}]}' '' ''
 printf '{"name": "block", "plants": {"plant": {"model": "cut.obj"}}, "instances": [%s]}\n' "$(instances plant 50)" >"$DIR/block.json"
 printf '{"name": "everything", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, "tile": {"instances": 16}, "plants": {"plant": {"model": "leafy.obj"}, "large": {"model": "large.obj"}, "rough": {"model": "rough.obj"}, "foreign": {"model": "bare.ply", "up": "z", "unit": "m"}}, "instances": [%s, {"plant": "large", "at": [0, -8]}, {"plant": "rough", "at": [8, -8]}, {"from": "places.csv", "x": "lon", "y": "lat", "crs": "EPSG:4326", "plant": "foreign"}, {"from": "places.geojson", "plant": "foreign"}], "children": [{"eco": "block.json", "at": [-20, 60, 0]}]}\n' \
 	"$(instances plant 100)" >"$DIR/everything.json"
@@ -152,7 +163,7 @@ stop() { [ -z "$server" ] || { kill "$server" 2>/dev/null || true; wait "$server
 trap stop EXIT
 
 if [ "${2-}" = features ]; then
-	for name in picture foreign table layer; do
+	for name in picture foreign table layer houses roads; do
 		pack "$name"
 		echo "$name,${modules% }"
 	done
@@ -194,5 +205,9 @@ cutouts cutouts near 1000000
 ground ground near 1000000
 unplanted ground away 1000000
 covered covered down 1000000
+objects objects near 1000000
+houses houses near 1000000
+roads roads near 1000000
+water water near 1000000
 everything everything near 1000000
 ROWS

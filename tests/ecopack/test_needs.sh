@@ -18,7 +18,7 @@ field() { awk -F, -v scene="$1" -v column="$2" '$1 == scene { print $column }' "
 has() { case " $(field "$1" "$2") " in *" $3 "*) ;; *) complain "$1: no $3 among '$(field "$1" "$2")'" ;; esac; }
 lacks() { case " $(field "$1" "$2") " in *" $3 "*) complain "$1: $3 among '$(field "$1" "$2")'" ;; esac; }
 
-[ "$(wc -l <"$DIR/table.csv")" -eq 10 ] || complain "not nine rows: $(cat "$DIR/table.csv")"
+[ "$(wc -l <"$DIR/table.csv")" -eq 14 ] || complain "not thirteen rows: $(cat "$DIR/table.csv")"
 
 # ---- What is stored and listed among the needs ----
 for scene in bare leaves; do
@@ -37,6 +37,9 @@ for need in ground cells placements; do lacks cutouts 3 $need; done
 has cutouts 3 cutouts
 has ground 3 ground
 has ground 4 ground
+for scene in roads water; do has $scene 4 ground_images; done
+for scene in ground objects houses; do lacks $scene 4 ground_images; done
+for scene in objects houses; do lacks $scene 3 ground; lacks $scene 3 textures; done
 for need in cells placements; do lacks ground 3 $need; has everything 3 $need; done
 
 # ---- Whatever is stored is sound ----
@@ -74,8 +77,11 @@ for scene in bare leaves textures cutouts; do
 done
 takes ground gdal
 takes everything "assimp gdal image proj"
+takes objects ""
+takes houses "gdal proj"
+for scene in roads water; do takes $scene "cairo gdal proj"; done
 [ "$(field bare 12)" -lt 20 ] || complain "ecopack maps $(field bare 12) libraries for bare lines"
-for scene in leaves sparse textures cutouts ground unplanted covered everything; do
+for scene in leaves sparse textures cutouts ground unplanted covered objects houses roads water everything; do
 	[ "$(field $scene 7)" = "$(field bare 7)" ] || complain "$scene: the daemon maps $(field $scene 7) libraries, $(field bare 7) for bare lines"
 	[ "$(field $scene 9)" = "$(field bare 9)" ] || complain "$scene: the viewer maps $(field $scene 9) libraries, $(field bare 9) for bare lines"
 	[ -z "$(field $scene 13)" ] || complain "$scene: the viewer loads the modules '$(field $scene 13)'"
@@ -90,7 +96,7 @@ done
 
 # ---- Each feature takes its own module and no other ----
 BUILD=$BUILD MAKE_AS=--draft sh tests/bench/needs.sh "$DIR" features >"$DIR/table.csv" 2>"$DIR/errors" || complain "no features: $(tail -n 3 "$DIR/errors")"
-for feature in "picture,image" "foreign,assimp" "table,proj" "layer,gdal proj"; do
+for feature in "picture,image" "foreign,assimp" "table,proj" "layer,gdal proj" "houses,gdal proj" "roads,cairo gdal proj"; do
 	grep -qx "$feature" "$DIR/table.csv" || complain "not '$feature', but '$(grep "^${feature%%,*}," "$DIR/table.csv")'"
 done
 

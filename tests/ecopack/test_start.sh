@@ -428,10 +428,10 @@ order() { # PATTERN ARGUMENT...
 	[ ! -e "$DIR/my" ] || complain "$table: left $(ls "$DIR/my")"
 }
 printf 'species,x,y\nrock,0,0\n' >"$DIR/table.csv"
-order 'TREES, .*/models, is a folder, MODELS, .*/table.csv, a table: the first is the table of plants' "$DIR/models" "$DIR/table.csv"
-order 'TREES, .*/stieleiche.obj, is a model' "$DIR/models/stieleiche.obj" "$DIR/table.csv"
-order 'MODELS, .*/metres.asc, a raster' "$DIR/table.csv" "$DIR/metres.asc" "$DIR/models"
-order 'MODELS, .*/table.csv, a table' "$DIR/metres.asc" "$DIR/table.csv" "$DIR/models"
+rm -rf "$DIR/my"; table='any order'
+"$PACK" start "$DIR/metres.asc" "$DIR/models" "$DIR/table.csv" -o "$DIR/my" >"$DIR/out" 2>&1 || complain "$table: $(cat "$DIR/out")"
+is '[.ground.heights, .instances[0].from, .plants.rock.model]' '["../metres.asc","../table.csv","../models/rock.obj"]'
+rm -rf "$DIR/my"
 order 'TREES, .*/models, is a folder' "$DIR/models" "$DIR/models"
 order 'MODELS, .*/table.csv, a table: .*the second a folder or a model .\.glb' "$DIR/table.csv" "$DIR/table.csv"
 printf 'glTF' >"$DIR/forest.glb"
@@ -468,6 +468,31 @@ awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 30; i++) printf "oak,
 { printf '{"type":"FeatureCollection","crs":null,"features":['; square '"levels":2' 20; printf ']}'; } >"$DIR/plot_houses.geojson"
 start 0 'buildings .*/plot_houses.geojson' plain.csv "$DIR/plot_houses.geojson"
 is '.instances[1] | has("crs")' false
+# roads and land use are drawn, an extract of OpenStreetMap is all of it; woods and tree rows are scattered
+line() { printf '{"type":"Feature","properties":{%s},"geometry":{"type":"LineString","coordinates":[[691600,5334700],[691660,5334720]]}}' "$1"; }
+at='"crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::25832"}}'
+{ printf '{"type":"FeatureCollection",%s,"features":[' "$at"; line '"highway":"track","width":"3"'; printf ']}'; } >"$DIR/roads.geojson"
+{ printf '{"type":"FeatureCollection",%s,"features":[' "$at"; square '"use":"Wald"' 691700; printf ,; square '"use":"Wiese"' 691720; printf ']}'; } >"$DIR/use.geojson"
+start 0 'ground .*/roads.geojson .*woods 1 wood, a plant every 7 m' trees.csv "$DIR/roads.geojson" "$DIR/use.geojson" --crs EPSG:25832
+is '.ground' '{"draw":[{"from":"../roads.geojson","width_m":"width"},{"from":"../use.geojson"}]}'
+is '.instances[1] | [.scatter, .only, (.density_per_ha | length), .height_m.max > 10]' '["../use.geojson",{"use":["Wald"]},3,true]'
+{
+	printf '<?xml version="1.0"?><osm version="0.6"><node id="1" lat="48" lon="11"/><node id="2" lat="48" lon="11.001"/><node id="3" lat="48.001" lon="11.001"/>'
+	awk 'BEGIN { for (i = 10; i < 20; i++) printf "<node id=\"%d\" lat=\"48.000%d\" lon=\"11.000%d\"><tag k=\"natural\" v=\"tree\"/><tag k=\"species\" v=\"Tilia cordata\"/><tag k=\"height\" v=\"%d\"/></node>", i, i, i, i }'
+	way() { printf '<way id="%d">%s%s</way>' "$1" "$3" "$(printf '%s' "$2" | awk -F= '{ printf "<tag k=\"%s\" v=\"%s\"/>", $1, $2 }')"; }
+	way 1 highway=residential '<nd ref="1"/><nd ref="2"/>'; way 2 natural=tree_row '<nd ref="2"/><nd ref="3"/>'
+	ring='<nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="1"/>'
+	way 3 building=yes "$ring"; way 4 natural=wood "$ring"; way 5 landuse=forest "$ring"; printf '</osm>'
+} >"$DIR/town.osm"
+start 0 'single trees .*natural=tree' town.osm
+is '.instances | map(.from // .extrude // .scatter)' '["../town.osm","../town.osm","../town.osm","../town.osm","../town.osm"]'
+is '.ground.draw | map(.layer)' '["multipolygons","lines"]'
+is '.instances[1].skip' '{"building":["","no"]}'
+is '.instances[3] | [.only, .skip]' '[{"landuse":["forest"]},{"natural":["wood"]}]'
+is '.instances[4] | [.only, .spacing_m, (.mix | length)]' '[{"natural":["tree_row"]},9,1]'
+rm -rf "$DIR/my"; table='extract first'
+"$PACK" start "$DIR/town.osm" "$DIR/trees.csv" -o "$DIR/my" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "$table: $(cat "$DIR/out")"
+is '[.instances[0].from, (.instances | length)]' '["../trees.csv",5]'
 # a preview beside folders of models is no terrain
 mkdir -p "$DIR/sorts/oak" && cp "$DIR/models/stieleiche.obj" "$DIR/sorts/oak" && : >"$DIR/sorts/preview.jpg"
 "$PACK" start "$DIR/trees.csv" "$DIR/sorts" -o "$DIR/sorted" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "sorts: $(cat "$DIR/out")"

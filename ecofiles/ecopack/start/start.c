@@ -88,6 +88,8 @@ static void start_free(struct start *s)
 	json_decref(s->tint);
 	json_decref(s->other);
 	json_decref(s->buildings);
+	json_decref(s->draws);
+	json_decref(s->scatters);
 }
 
 /* ---- The folder ---- */
@@ -182,6 +184,7 @@ static void run_steps(void *start)
 	if (asked.models)
 		start_models_find(s);
 	start_match_species(s);
+	start_land_plants(s);
 	start_models_see(s);
 	start_library_usual(s);
 	start_tint(s);
@@ -205,7 +208,7 @@ static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the table", 0, ECO_OPTION_INPUTS, "TREES [MODELS] [RASTER...] [BUILDINGS...]", &given.inputs,
+	{ "the table", 0, ECO_OPTION_INPUTS, "TREES [MODELS] [RASTER...] [LAND...]", &given.inputs,
 		.high = 1026, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
 		.help = "the folder for scene.json, map.png and camera.json, which appear together or not "
@@ -250,11 +253,11 @@ static const struct eco_option options[] = {
 		.help = "decimal sign: . or ," }, { 0 } };
 
 const struct main_command main_command_start = { { "ecopack start",
-	"TREES [MODELS] [RASTER...] [BUILDINGS...] -o DIR [--force] "
+	"TREES [MODELS] [RASTER...] [LAND...] -o DIR [--force] "
 	"[--crs CRS] [--x COLUMN --y COLUMN] [--height-unit U] ...",
 	"Makes a scene from an inventory of plants, a folder of models, optional rasters (terrain, "
-	"picture of the ground, in any order) and footprints of buildings (polygons, at any place among these). The library grows what the models lack, or all plants if there are "
-	"none. It finds columns, units, CRS, origin, a model for each "
+	"picture of the ground) and what lies around (buildings, roads, land use, an extract of OpenStreetMap), in any order. The "
+	"library grows what the models lack, or all plants if there are none. It finds columns, units, CRS, origin, a model for each "
 	"species and a camera, and prints each guess with its reason and the option that changes it.",
 	options, main_common,
 	"When two answers are equally good, it fails with an error that names both and the option that "

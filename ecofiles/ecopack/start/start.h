@@ -1,6 +1,7 @@
 /* Inside `ecopack start`: from a table of trees and a folder of models to a scene that can be packed.
  *
  *   start_buildings(...)          footprints among the arguments                      start_buildings.c
+ *                                 roads, land use, extracts of OpenStreetMap        start_land.c
  *   start_check_order(...)        which other argument is which
  *   start_rasters(&start)         terrain and picture                                 start_look.c
  *   start_look(&start)            the table: columns, units, CRS                      start_look.c
@@ -103,7 +104,8 @@ struct start {
 	uint32_t fallback;                   /* the model of all other species */
 	double height_m;                     /* of plants of which no size is known */
 	json_t *other;                       /* the scene of --same-place-as; NULL: none */
-	json_t *buildings;                   /* entries of files of footprints; "crs": null: the table's */
+	/* entries of files of footprints, of what is drawn and of woods; "crs": null: the table's */
+	json_t *buildings, *draws, *scatters;
 	struct start_guess *guesses; uint32_t guess_count, guess_capacity;
 	char *scene;                         /* the text */
 };
@@ -116,7 +118,13 @@ bool start_check_order(char **names, uint32_t count);
 /* Takes files of footprints out of the arguments, whose number is returned. A lone table is that of the trees, whatever its
  * features are. */
 uint32_t start_buildings(struct start *s, char **names, uint32_t count);
-void start_buildings_add(const struct start *s, json_t *instances);  /* adds their entries */
+/* Takes a table of roads or land use, or an extract of OpenStreetMap; false: it is none, or the table of the trees, too. */
+bool start_land(struct start *s, const char *path);
+bool start_is_osm(const char *path);
+bool start_osm(struct start *s, const char *path, bool as_table);
+void start_land_plants(struct start *s);     /* of woods, once the table's species have theirs */
+/* Adds the entries of land and buildings. */
+void start_land_add(const struct start *s, json_t *ground, json_t *instances);
 bool start_is_table(const char *path);       /* by its ending, if it is there */
 #define START_FORMATS ".glb, .gltf, .obj, .fbx, .dae, .ply, .3ds, .3mf or .stl"
 bool start_is_model(const char *path); /* by its ending */

@@ -1,4 +1,5 @@
-/* Footprints of buildings among the arguments: tables beside that of the trees whose features are polygons. */
+/* Footprints of buildings among the arguments: tables beside that of the trees whose features are polygons. And which of
+ * these tables are land (start_land.c). */
 #include "ecofiles/ecopack/start/start.h"
 
 #include <stdio.h>
@@ -6,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/import/land/drawing.h"
 #include "ecofiles/import/land/footprints.h"
 
 #define LOOKED_AT 256u /* features */
@@ -14,11 +16,12 @@
 
 /* Sums over the features looked at; per column: texts, sizes of buildings, forms of roofs. Plants have crowns. */
 struct look {
-	uint32_t features, polygons, plants;
+	uint32_t features, polygons, plants, land;
+	bool buildings;          /* a column says so */
 	uint32_t filled[ECO_COLUMNS_MAX], sizes[ECO_COLUMNS_MAX], roofs[ECO_COLUMNS_MAX];
 };
 
-static void look_at_row(struct look *look, const struct eco_rows *rows)
+static void look_at_row(struct look *look, const struct eco_rows *rows, const struct eco_land_reader *reader)
 {
 	const struct eco_rows_place *place = &rows->place;
 	bool area = place->kind == ECO_PLACE_AREA && place->wkb_bytes > 4;
@@ -35,8 +38,10 @@ static void look_at_row(struct look *look, const struct eco_rows *rows)
 					 eco_flora_of(text, NULL).genus);
 		look->sizes[i] += eco_text_size(text, '.', &size, &unit_m) != ECO_FORM_NONE && size > 0;
 		look->roofs[i] += eco_roof_of(text) != ECO_ROOF_COUNT;
+		look->buildings |= strcmp(rows->columns[i], "building") == 0;
 	}
 	look->plants += plant;
+	look->land += eco_land_class_of(reader, rows->fields, rows->field_count, false, NULL) != ECO_NONE;
 }
 
 static bool says(const char *name, const char *set)
@@ -105,9 +110,15 @@ static json_t *look_at(struct start *s, const char *path)
 	struct look *look = eco_alloc(1, sizeof *look);
 	json_t *entry = NULL;
 	bool more = !eco_rows_open(&rows, &(struct eco_rows_source){ .path = path, .areas = true }, &own);
+	struct eco_land_reader reader = { .tests = NULL };
+	if (more)
+		eco_land_reader_open(&reader, rows->columns, rows->column_count);
 	while (more && look->features < LOOKED_AT && !rows->next(rows, &more, &own) && more)
-		look_at_row(look, rows);
-	if (2 * look->polygons > look->features && 2 * look->plants < look->features) {
+		look_at_row(look, rows, &reader);
+	eco_land_reader_close(&reader);
+	bool sized = rows && (find(rows, look, HEIGHT) != ECO_NONE || find(rows, look, STOREYS) != ECO_NONE || look->buildings);
+	if (2 * look->polygons > look->features && 2 * look->plants < look->features &&
+		(sized || 2 * look->land < look->features)) {
 		entry = json_object();
 		start_guess(s, "buildings", path, "\"extrude\" in the scene",
 			"a table beside that of the trees; %u of the first %u "
@@ -122,38 +133,39 @@ static json_t *look_at(struct start *s, const char *path)
 	return entry;
 }
 
+/* Roads and land use are told by their classes, unless sizes of buildings stand beside them. */
+static bool take(struct start *s, const char *path, bool as_table)
+{
+	if (start_is_osm(path))
+		return !start_osm(s, path, as_table);
+	json_t *entry = as_table ? NULL : look_at(s, path);
+	if (entry) {
+		json_object_set_new(entry, "extrude", json_string(path));
+		json_array_append_new(s->buildings, entry);
+	}
+	return entry || (!as_table && start_land(s, path));
+}
+
 uint32_t start_buildings(struct start *s, char **names, uint32_t count)
 {
 	uint32_t tables = 0, kept = 0;
 	for (uint32_t i = 0; i < count; i++)
 		tables += start_is_table(names[i]);
 	s->buildings = json_array();
-	for (uint32_t i = 0; i < count; i++) {
-		json_t *entry = tables > 1 && start_is_table(names[i]) ? look_at(s, names[i]) : NULL;
-		if (entry) {
-			json_object_set_new(entry, "extrude", json_string(names[i]));
-			json_array_append_new(s->buildings, entry);
-			tables--;
-		} else
-			names[kept++] = names[i];
+	s->draws = json_array();
+	s->scatters = json_array();
+	/* extracts last: they are the table if there is no other */
+	for (int osm = 0; osm < 2; osm++) {
+		uint32_t left = count;
+		count = kept = 0;
+		for (uint32_t i = 0; i < left; i++) {
+			bool table = start_is_table(names[i]), now = table && start_is_osm(names[i]) == osm;
+			if (now && take(s, names[i], tables == 1))
+				tables--;
+			else
+				names[kept++] = names[i];
+		}
+		count = kept;
 	}
 	return kept;
-}
-
-void start_buildings_add(const struct start *s, json_t *instances)
-{
-	size_t i;
-	json_t *own;
-	json_array_foreach(s->buildings, i, own)
-	{
-		json_t *entry = json_deep_copy(own);
-		char *seen = start_path(s, json_string_value(json_object_get(own, "extrude")));
-		json_object_set_new(entry, "extrude", json_string(seen));
-		if (json_is_null(json_object_get(own, "crs")) && s->place.crs[0] == 0)
-			json_object_del(entry, "crs"); /* all are metres of a plot */
-		else if (json_is_null(json_object_get(own, "crs")))
-			json_object_set_new(entry, "crs", json_string(s->place.crs));
-		json_array_append_new(instances, entry);
-		free(seen);
-	}
 }

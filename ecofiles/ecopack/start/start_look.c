@@ -371,8 +371,27 @@ static enum kind kind_of(const char *path)
 
 bool start_is_table(const char *path) { return kind_of(path) == TABLE; }
 
+/* Tables, models, rasters; what is absent stays first if it was. Without a table the first is told what it is. */
+static void sort_names(char **names, uint32_t count)
+{
+	bool table = false;
+	for (uint32_t i = 0; i < count; i++)
+		table |= kind_of(names[i]) == TABLE;
+	for (uint32_t i = 1; i < count && table; i++)
+		for (uint32_t k = i; k > 0; k--) {
+			static const int rank[] = { [ABSENT] = 1, [FOLDER] = 1, [MODEL] = 1, [RASTER] = 2, [TABLE] = 0 };
+			enum kind a = kind_of(names[k - 1]), b = kind_of(names[k]);
+			if (rank[a] <= rank[b] || (a == ABSENT && k == 1))
+				break;
+			char *name = names[k];
+			names[k] = names[k - 1];
+			names[k - 1] = name;
+		}
+}
+
 bool start_check_order(char **names, uint32_t count)
 {
+	sort_names(names, count);
 	static const char *const says[] = { "absent", "a folder", "a model", "a raster", "a table" };
 	enum kind trees = kind_of(names[0]), models = count > 1 ? kind_of(names[1]) : RASTER;
 	bool later = false;

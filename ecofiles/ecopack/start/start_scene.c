@@ -382,11 +382,12 @@ void start_scene_text(struct start *s)
 		json_object_set(scene, "origin", json_object_get(s->other, "origin"));
 	else
 		json_object_set_new(scene, "origin", json_pack("[f,f]", s->place.origin[0], s->place.origin[1]));
-	if (s->dem.path || s->image.path)
-		json_object_set_new(scene, "ground", ground_json(s));
+	json_t *instances = json_pack("[o]", entry_json(s)), *ground = ground_json(s);
+	start_land_add(s, ground, instances);
+	if (json_object_size(ground))
+		json_object_set(scene, "ground", ground);
+	json_decref(ground);
 	json_object_set_new(scene, "plants", plants_json(s));
-	json_t *instances = json_pack("[o]", entry_json(s));
-	start_buildings_add(s, instances);
 	json_object_set_new(scene, "instances", instances);
 	free(s->scene);
 	s->scene = json_dumps(scene, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
