@@ -177,7 +177,7 @@ UNIT_TEST(errors_say_what_to_do)
 #define ALL FIELD "," CORNER "," LINE "," NOTHING
 
 static struct eco_value values[] = { { "field", 0 }, { "li*", 0 }, { "nothing", 0 } };
-static struct eco_filter only = { "kind", true, values, 3 };
+static struct eco_filter only = { "kind", true, values, 3, 0, 0 };
 
 static const struct { const char *name, *features, *count_column, *density_column; struct eco_filter *filter; double distance_m;
 	uint32_t low, high; const char *says; } rows[] = {
