@@ -2,56 +2,39 @@
 #include <math.h>
 
 #include "ecofiles/import/ground/ground.h"
+#include "ecofiles/scene/scene.h"
+#include "tests/support/cases.h"
 #include "tests/support/model_try.h"
 #include "tests/support/raster_files.h"
-
-/* A test's ground; the first NULL of `paths` ends them. */
-struct given {
-	const char *path, *paths[4], *crs, *scene_crs, *vertical, *scene_vertical;
-	double origin[3], scale, offset, unit_m, nodata, corner[2], pixel[2];
-	bool has_offset, has_nodata, no_holes, has_place;
-	uint32_t side_max, band;
-};
-
-static enum eco_code import(struct eco_ground *ground, const struct given *g, struct eco_error *error)
-{
-	char *paths[4] = { (char *)g->path };
-	struct eco_ground_source source = { .heights = paths, .height_count = g->path != NULL,
-		.crs = (char *)g->crs,
-		.vertical = (char *)g->vertical, .band = g->band, .scale = g->scale, .offset = g->offset,
-		.unit_m = g->unit_m, .nodata = g->nodata,
-		.has_offset = g->has_offset, .has_nodata = g->has_nodata, .no_holes = g->no_holes,
-		.has_place = g->has_place,
-		.corner = { g->corner[0], g->corner[1] }, .pixel = { g->pixel[0], g->pixel[1] } };
-	struct eco_ground_options options = { .source = &source, .scene_crs = g->scene_crs,
-		.scene_vertical = g->scene_vertical,
-		.origin = { g->origin[0], g->origin[1], g->origin[2] }, .side_max = g->side_max,
-		.warn = import_note };
-
-	for (int i = 0; !g->path && i < 4 && g->paths[i]; i++)
-		paths[source.height_count++] = (char *)g->paths[i];
-	import_said[0] = 0;
-	return eco_ground_import(ground, &options, error);
-}
 
 /* The ground that the test looks at; reading the next frees it. */
 static struct eco_ground ground;
 
-static void import_good(const struct given *g)
+/* Reads the ground of a scene with these members. */
+static enum eco_code import(const char *scene, uint32_t side_max)
 {
+	char text[1000];
+	struct eco_source source;
+	cause = (struct eco_error){ 0 };
+	import_said[0] = 0;
 	eco_ground_free(&ground);
-	assert_good(import(&ground, g, &cause));
+	snprintf(text, sizeof text, "{%s, \"plants\": {}}", scene);
+	enum eco_code code = eco_source_parse(&source, text, strlen(text), "build/tmp/ground/scene.json", false, &cause);
+	if (code)
+		return code;
+	code = eco_ground_import(&ground, &(struct eco_ground_options){ .source = &source.ground, .scene_crs = source.crs,
+		.scene_vertical = source.vertical, .origin = { source.origin[0], source.origin[1], source.origin[2] },
+		.side_max = side_max, .warn = import_note }, &cause);
+	eco_source_free(&source);
+	return code;
 }
 
-static void import_fails(const struct given *g, const char *says)
+static void import_good(const char *scene, uint32_t side_max)
 {
-	eco_ground_free(&ground);
-	assert_code(import(&ground, g, &cause), ECO_CODE_COUNT, says);
-	assert_null(ground.height_m);
+	enum eco_code code = import(scene, side_max);
+	if (code)
+		fail_msg("%s: %s", scene, cause.text);
 }
-
-/* 3 x 2 samples of 10 m, first row in the north. */
-#define GRID "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 10\nNODATA_value -9999\n"
 
 static double terrain(int x, int y)
 {
@@ -146,135 +129,32 @@ static void tell(const char *key, uint32_t number, const char *wanted, char *to,
 		snprintf(to, size, "%.9g", z);
 }
 
-/* Wanted: the ground, or with "?" the words of a refusal. */
 #define FILE_(name) "build/tmp/ground/" name
-#define SCENE31 .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 100 }
-#define MAP_PLACE .no_holes = true, .has_place = true, .corner = { 100, 240 }, .pixel = { 10, 10 }
-#define VERTICAL(crs_, scene_crs_, vertical_, scene_vertical_) { .path = "v.asc", .crs = crs_, \
-	.scene_crs = scene_crs_, .vertical = vertical_, .scene_vertical = scene_vertical_ }
-static const struct { const char *name, *text; struct given given; const char *wanted; } grounds[] = {
-	{ "samples_lie_at_pixel_centres_from_the_south_west", GRID "11 12 13\n14.0 15 16\n",
-		{ .path = "a.asc", .origin = { 90, 190, 10 } },
-			"size=3,2|place=15,15,10,10|z0=4|z1=5|z2=6|z3=1|z4=2|z5=3|"
-		"filled=0|~what its heights count from is not said" },
-	{ "what_is_missing_grows_in_from_its_neighbours",
-		"ncols 5\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
-		"NODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 -9999\n7.0 1e6 -9999 -9999 -9999\n",
-		{ .path = "b.asc" }, "filled=12|all=7,7|~12 of 15 samples" },
-	{ NULL, GRID "0 -9999 10\n0.0 -9999 10\n", { .path = "c.asc" }, "z1=5|z4=5" },
-	{ "scale_offset_and_row_order_of_the_file_are_honoured", NULL, { .path = "north.tif", SCENE31 },
-		"place=5,5,10,10|size=2,3|z0=5|z1=6|z4=1" },
-	{ NULL, NULL, { .path = "south.tif", SCENE31 }, "place=5,5,10,10|z0=1|z5=6" },
-	/* Mercator: metres too, but another place; about 20 columns in: 100 m + 0.5 * 10 * 19.5 */
-	{ "a_crs_is_converted_and_never_guessed", NULL, { .path = "utm.tif", .scene_crs = "EPSG:3857",
-		.origin = { 333958.5, 1000, 0 } }, "at=200,150,197.5,5" },
-	/* stated and contained agree: no warning of that kind */
-	{ NULL, NULL, { .path = "utm.tif", .crs = "EPSG:32631", .scene_crs = "EPSG:3857",
-		.origin = { 333958.5, 1000, 0 } },
-		"!which is used" },
-	{ NULL, NULL, { .path = "utm.tif", .crs = "EPSG:32632", .scene_crs = "EPSG:3857",
-		.origin = { 333958.5, 1000, 0 } },
-		"~which is used" },
-	{ NULL, NULL, { .path = "none.tif", .scene_crs = "EPSG:32631" },
-		"?the file has no CRS; say it in the scene: "
-		"\"ground\": {\"heights\": ..., \"crs\": \"EPSG:32631\"}" },
-	{ NULL, NULL, { .path = "none.tif", .crs = "EPSG:99999999", .scene_crs = "EPSG:32631" },
-		"?the CRS \"EPSG:99999999\" is not known" },
-	{ NULL, NULL, { .path = "none.tif", .crs = "EPSG:32631", .scene_crs = "EPSG:4326" },
-		"?not one in metres" },
-	{ NULL, NULL, { .path = "utm.tif" }, "?the scene has no CRS" },
-	{ "a_raster_that_is_too_large_is_averaged_down", NULL, { .path = "large.tif", .side_max = 16,
-		.origin = { 500000, 1000, 100 } },
-		"size=16,16|place=20,10,40,20|z0=0.75|z17=2.75|~averaged down to 16 x 16" },
-	{ "what_is_no_raster_is_refused", "version https://git-lfs.github.com/spec/v1\n",
-		{ .path = "lfs.tif" },
-		"?lfs.tif: a pointer of Git LFS" },
-	{ NULL, "", { .path = "empty.tif" }, "?empty.tif: the file is empty" },
-	{ NULL, "not a raster", { .path = "text.tif" }, "?not a raster that GDAL can read" },
-	{ NULL, "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n5\n", { .path = "one.asc" },
-		"?at least 2 x 2" },
-	{ NULL, GRID "-9999 -9999 -9999\n-9999 -9999 -9999\n", { .path = "void.asc" }, "?no height at all" },
-	{ NULL, NULL, { .path = "gone.tif" }, "?gone.tif: No such file" },
-	/* a height map as pictures have it: sixteen bits, no place, no scale */
-	{ "a_png_takes_its_meaning_from_the_scene", NULL, { .path = "map.png", .no_holes = true },
-		"?add to the ground \"north_west\": [x, y]" },
-	{ NULL, NULL, { .path = "map.png", MAP_PLACE },
-		"~heights from 0 to 65535 m are not of this Earth|place=105,205,10,10|z0=3|z15=65535" },
-	{ NULL, NULL, { .path = "map.png", MAP_PLACE, .scale = 0.001, .offset = 273.5, .has_offset = true },
-		"!not of this Earth|z13=274.5|z15=339.035" },
-	/* feet: scale and offset first */
-	{ NULL, NULL, { .path = "map.png", MAP_PLACE, .scale = 0.001, .offset = 273.5, .has_offset = true,
-		.unit_m = 0.3048 },
-		"z13=83.6676" },
-	{ "a_world_file_says_where_a_picture_lies", NULL, { .path = "world.png" },
-		"place=1001,2001,2,2|z0=8" },
-	{ "units_of_the_file_are_converted_and_said", NULL, { .path = "feet.tif" },
-		"z12=304.8006096|~units of 0.3048006" },
-	{ NULL, NULL, { .path = "feet.tif", .unit_m = 1 }, "z12=1000" },
-	{ "a_band_is_chosen_and_colours_are_no_heights", NULL, { .path = "bands.tif" },
-		"?it holds colours, not heights" },
-	{ NULL, NULL, { .path = "bands.tif", .band = 4 }, "?it has 3 bands, not a band 4" },
-	{ NULL, NULL, { .path = "bands.tif", .band = 2 }, "z0=2" },
-	{ "holes_within_holes_are_found", NULL, { .path = "within.tif" },
-		"filled=240|all=300,600|~stand out" },
-	{ "seas_are_no_holes", NULL, { .path = "sea.tif" }, "filled=0|!stand out" },
-	{ "ground_that_is_all_one_is_said", GRID "7 7 7\n7.0 7 7\n", { .path = "flat.asc" },
-		"~every height is 7 m" },
-	{ "rasters_side_by_side_become_one_ground", NULL, { .paths = { FILE_("west.tif"), FILE_("east.tif") },
-		.no_holes = true }, "size=8,4|place=5,5,10,10|filled=0|z0=100|z3=103|z4=104|z7=107|z31=107" },
-	/* a finer one beside them: all at its resolution, the others resampled */
-	{ NULL, NULL, { .paths = { FILE_("west.tif"), FILE_("east.tif"), FILE_("fine.tif") },
-		.no_holes = true },
-		"size=24,8|place=2.5,2.5,5,5|at=10,20,100.5,0.3|at=38,20,103.3,0.3|at=45,20,104,0.3|at=80,20,107.5,0.3|"
-		"at=108,20,110.3,0.3" },
-	/* where two have a height, the first counts */
-	{ NULL, NULL, { .paths = { FILE_("over.tif"), FILE_("west.tif") }, .no_holes = true }, "z5=9" },
-	{ NULL, NULL, { .paths = { FILE_("over.tif"), FILE_("gone.tif") }, .no_holes = true },
-		"?gone.tif: No such file" },
-	/* rows from the south, and degrees: the way of most global models; ten rows
-	 * are a hundredth of a degree */
-	{ "degrees_and_turned_rasters_are_resampled", NULL, { .path = "degrees.tif",
-		.scene_crs = "EPSG:32632",
-		.origin = { 500000, 5316000, 0 } }, "at=0,0,542.2,0.25|at=0,1112,532.2,0.25" },
-	/* its centre */
-	{ NULL, NULL, { .path = "turned.tif", .no_holes = true }, "at=420,500,529.5,1" },
-	{ "one_vertical_datum_without_the_other_is_an_error", GRID "1 2 3\n4 5 6\n", { .path = "v.asc" },
-		"~add \"vertical\" to the scene and to its ground" },
-	{ NULL, NULL, VERTICAL(NULL, NULL, "EPSG:5703", NULL),
-		"?add \"vertical\": \"EPSG:5703\" to the scene" },
-	{ NULL, NULL, VERTICAL(NULL, NULL, "EPSG:5703", "EPSG:5703"), "!vertical" },
-	{ NULL, NULL, VERTICAL(NULL, NULL, "NAVD88 height", "EPSG:5703"), "!vertical" },
-		    /* the same by name */
-	{ NULL, NULL, VERTICAL(NULL, NULL, "EPSG:5773", "EPSG:5703"), "?no conversion is at hand" },
-	{ NULL, NULL, VERTICAL(NULL, NULL, NULL, "EPSG:5703"),
-		"?add \"vertical\": \"EPSG:5703\" to the ground" },
-	/* a compound CRS states one too */
-	{ NULL, NULL, VERTICAL("EPSG:32632", "EPSG:32632+5773", NULL, NULL),
-		"?add \"vertical\": \"EGM96 height\" to the ground" },
-	{ NULL, NULL, VERTICAL("EPSG:32632+5773", "EPSG:32632+5773", NULL, NULL), "!vertical" },
-};
 
 UNIT_TEST(rasters_become_ground_or_questions)
 {
-	const char *name = "";
+	struct ground_case { const char *name, *text, *scene, *side, *wanted; };
+	char file[64];
+	uint32_t count;
+	const struct ground_case *rows = cases_read("tests/import/cases/ground.tsv", sizeof *rows, &count);
 	for (size_t i = 0; i < sizeof rasters / sizeof *rasters; i++)
 		raster_file_write("ground", &rasters[i]);
 	remove(FILE_("map.png.aux.xml"));
 	remove(FILE_("world.png.aux.xml"));
 	input_text("ground", "world.pgw", "2\n0\n0\n-2\n1001\n2007\n");
-	for (size_t i = 0; i < sizeof grounds / sizeof *grounds; i++) {
-		struct given g = grounds[i].given;
-		name = grounds[i].name ? grounds[i].name : name;
-		print_message("# %s, %s\n", name, grounds[i].wanted);
-		if (grounds[i].text)
-			input_text("ground", g.path, grounds[i].text);
-		g.path = g.path ? input_path("ground", g.path) : NULL;
-		if (*grounds[i].wanted == '?') {
-			import_fails(&g, grounds[i].wanted + 1);
-			continue;
+	for (uint32_t i = 0; i < count; i++) {
+		const char *scene = rows[i].scene, *path = strstr(scene, "\"heights\": \"");
+		uint32_t side_max = (uint32_t)atoi(rows[i].side);
+		print_message("# %s, %s\n", *rows[i].name ? rows[i].name : "...", rows[i].wanted);
+		if (rows[i].text && path && sscanf(path, "\"heights\": \"%63[^\"]", file) == 1)
+			input_text("ground", file, rows[i].text);
+		if (*rows[i].wanted == '?') {
+			assert_code(import(scene, side_max), ECO_CODE_COUNT, rows[i].wanted + 1);
+			assert_null(ground.height_m);
+		} else {
+			import_good(scene, side_max);
+			expect_told(rows[i].wanted, tell);
 		}
-		import_good(&g);
-		expect_told(grounds[i].wanted, tell);
 	}
 }
 
@@ -289,10 +169,9 @@ static double slope(const struct raster_file *r, int x, int y, int band)
 UNIT_TEST(a_hole_in_a_slope_is_levelled)
 {
 	enum { SIDE = 24 };
-	import_good(&(struct given){ .path = raster_file_write("ground", &(struct raster_file){ "slope.tif",
-		SIDE, SIDE,
-		.sample = slope, .type = GDT_Float32, .place = PLACE(0, 1, SIDE), .has_nodata = true,
-		.nodata = -9999 }) });
+	raster_file_write("ground", &(struct raster_file){ "slope.tif", SIDE, SIDE, .sample = slope, .type = GDT_Float32,
+		.place = PLACE(0, 1, SIDE), .has_nodata = true, .nodata = -9999 });
+	import_good("\"ground\": {\"heights\": \"slope.tif\"}", 0);
 	assert_int_equal(ground.filled, 81);
 	for (uint32_t y = 1; y + 1 < SIDE; y++)
 		for (uint32_t x = 1; x + 1 < SIDE; x++) {
@@ -307,17 +186,17 @@ UNIT_TEST(constants_that_stand_out_are_holes)
 	static const double values[] = { 0, -9999, -3.4028234663852886e38, 32767, -32768, 12345, -1, 65535 };
 	for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
 		bool absurd = fabs(values[k]) > 1e6;         /* no height in any case */
-		const char *path = raster_file_write("ground", &(struct raster_file){ "holes.tif", HOLES_SIDE,
-			HOLES_SIDE,
-			.sample = holes, .of = values[k], .type = GDT_Float32, .place = PLACE(0, 1,
-			HOLES_SIDE) });
-		import_good(&(struct given){ .path = path });
+		char told[100];
+		raster_file_write("ground", &(struct raster_file){ "holes.tif", HOLES_SIDE, HOLES_SIDE, .sample = holes,
+			.of = values[k], .type = GDT_Float32, .place = PLACE(0, 1, HOLES_SIDE) });
+		import_good("\"ground\": {\"heights\": \"holes.tif\"}", 0);
 		expect_told(absurd ? "filled=37|all=380,500" : "filled=37|all=380,500|~stand out", tell);
 		if (absurd)
 			continue;
-		import_good(&(struct given){ .path = path, .no_holes = true });
+		import_good("\"ground\": {\"heights\": \"holes.tif\", \"nodata\": null}", 0);
 		expect_told("filled=0", tell);
-		import_good(&(struct given){ .path = path, .has_nodata = true, .nodata = values[k] });
+		snprintf(told, sizeof told, "\"ground\": {\"heights\": \"holes.tif\", \"nodata\": %.17g}", values[k]);
+		import_good(told, 0);
 		expect_told("filled=37|!stand out", tell);
 	}
 }
