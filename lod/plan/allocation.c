@@ -7,10 +7,6 @@
 
 #include "lod/plan/byte_price.h"
 
-#define TIE_SHARE 0.1            /* tiles and gates blend where both choices differ by less than this share of
-                                  * what the finer one costs, errors and vertices */
-#define TIE_STEP 0.25            /* splats and organs blend where what organs save differs by less than this
-                                  * share from what their vertices cost */
 #define LAST_SLOPE 1e-200        /* of the hull point that a fixed summary takes only when nothing else is
                                   * left */
 
@@ -67,7 +63,7 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 		return 0;
 	double spent = m->lambda * (organs->vertices - whole->vertices),
 		gain = lagrangian(m, whole, choice->open) - lagrangian(m, organs, choice->open);
-	return 1 - fine_share(m, gain, TIE_STEP * (fabs(gain + spent) + fabs(spent)));
+	return 1 - fine_share(m, gain, LOD_TIE_STEP * (fabs(gain + spent) + fabs(spent)));
 }
 
 /* Takes the best of the ladders that show the whole plant, and blends it with the organs, in cost[0]. */
@@ -185,7 +181,7 @@ static double count_near(struct lod_allocation *m, uint32_t plant)
 	}
 	for (uint32_t i = 0; i < count; i++)
 		sum += bands[i].plants * fine_share(m, bands[i].near - bands[i].far,
-			TIE_SHARE * bands[i].cost);
+			LOD_TIE_SHARE * bands[i].cost);
 	return sum;
 }
 
@@ -222,7 +218,7 @@ static double open_share(const struct lod_allocation *m, const struct lod_tile_c
 {
 	if (!choice->has_summary || m->lambda <= 0)
 		return 1;
-	double share = fine_share(m, plants - summary, TIE_SHARE * (choice->weight_px - plants)),
+	double share = fine_share(m, plants - summary, LOD_TIE_SHARE * (choice->weight_px - plants)),
 		least = m->few_plants ? 0 : 1 - choice->closed_most;
 	return !(plants > 0) ? 0 : share < least ? least : share;
 }
@@ -441,7 +437,7 @@ static void widen_by_whole(const struct lod_allocation *m, const struct lod_slot
 	double more = organs.vertices - whole.vertices,
 		saved = whole.alike - organs.alike + slot->open * (whole.open - organs.open);
 	if (slot->whole_count && saved > 0 && more > 0)
-		*low = fmin(*low, (1 - TIE_STEP) / (1 + TIE_STEP) * saved / more);
+		*low = fmin(*low, (1 - LOD_TIE_STEP) / (1 + LOD_TIE_STEP) * saved / more);
 }
 
 void lod_allocation_lambda_range(const struct lod_allocation *m, double *high, double *low)

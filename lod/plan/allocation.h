@@ -257,8 +257,6 @@ void lod_allocation_fix(struct lod_allocation *allocation);
 /* The search for the lambda that uses a budget of vertices, as planner_optimal.c leaves it, and what
  * planner_bytes.c does with it where bytes count. */
 
-#define LOD_LAMBDA_COUNT 240     /* of the grid, down to where a vertex saves nothing visible; then 0 */
-
 struct lod_outcome { double vertices, wrong; }; /* of a relaxation */
 
 struct lod_evaluation { int at; struct lod_outcome outcome; struct eco_prediction prediction; };

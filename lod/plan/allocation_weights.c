@@ -12,14 +12,6 @@
 #include "lod/plan/texture_levels.h"
 
 #define PI 3.14159265358979323846
-#define FEW_PLANTS 40            /* in view: fewer than this change one by one in any case */
-#define SMOOTH_BANDS 3           /* on either side count towards a slot's mean, ... */
-#define SMOOTH_PLANTS 400.0      /* ... but less where there are more plants than this: most plants of many
-                                  * are hidden */
-#define CELLS_PART 8             /* of the work of a plan: cells of the screen in each of its passes; ... */
-#define CELLS_LEAST 64u          /* ... a screen of so few stays */
-#define HIDDEN_WOOD 0.2          /* share of wood that still counts where leaves cover it wholly: leaves are
-                                  * drawn with holes */
 
 static double open_of(double unoccluded, double seen)
 {
@@ -63,7 +55,7 @@ static double organ_pixels(const struct lod_allocation *m, const struct eco_ladd
 	proxy_shape = lod_plan_tables_proxy_shapes(p->tables)[ladder->plant];
 	proxy_shape.area = slot_choice->wood_behind * fmax(0, plant->area - 2 * (double)ladder->area);
 	return pixels * slot_choice->wood_nearer
-		* fmax(HIDDEN_WOOD, 1 - lod_proxy_shape_opacity(&proxy_shape));
+		* fmax(LOD_WOOD_HIDDEN, 1 - lod_proxy_shape_opacity(&proxy_shape));
 }
 
 static double importance_of(const struct eco_ladder *ladder)
@@ -293,14 +285,14 @@ static void smooth_plants(struct lod_allocation *m)
 		const struct lod_slot *slot = &visible->slots[s];
 		double own = m->scratch[s], seen = 0, unoccluded = 0, sum = 0,
 			nominal = lod_band_distance_m(slot->band);
-		for (int k = -SMOOTH_BANDS; !slot->cell && k <= SMOOTH_BANDS; k++) {
+		for (int k = -LOD_SMOOTH_BANDS; !slot->cell && k <= LOD_SMOOTH_BANDS; k++) {
 			int band = (int)slot->band + k;
 			uint32_t t = band < 0 || band >= (int)ECO_BANDS ? ECO_NONE
 				: lod_allocation_slot(m, slot->plant, (uint8_t)band);
 			if (t == ECO_NONE || !(m->scratch[t] > 0))
 				continue;
 			double far = lod_band_distance_m((uint8_t)band) / nominal,
-				weight = k == 0 ? 1 : fmin(1, SMOOTH_PLANTS / own) * ldexp(1, -abs(k));
+				weight = k == 0 ? 1 : fmin(1, LOD_SMOOTH_PLANTS / own) * ldexp(1, -abs(k));
 			seen += weight * far * far * m->slot_choices[t].own;
 			unoccluded += weight * far * far * m->slot_choices[t].parts;
 			sum += weight * m->scratch[t];
@@ -549,8 +541,8 @@ static enum eco_code add_tiles(struct lod_planner *p, struct eco_error *error)
 static uint64_t bound_cells(struct lod_planner *p)
 {
 	uint64_t cells = lod_screen_cells(&p->screen);
-	while (p->input->work_max && cells > p->input->work_max / CELLS_PART / LOD_WORK_CELL
-			&& p->screen.columns * p->screen.rows > CELLS_LEAST) {
+	while (p->input->work_max && cells > p->input->work_max / LOD_CELLS_PART / LOD_WORK_CELL
+			&& p->screen.columns * p->screen.rows > LOD_CELLS_LEAST) {
 		lod_screen_coarsen(&p->screen);
 		cells = lod_screen_cells(&p->screen);
 	}
@@ -604,7 +596,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 			code = make_slot_choice(m, s, error);
 	if (!code)
 		code = make_tile_choices(m, error);
-	m->few_plants = m->tile_choices[0].plants < FEW_PLANTS;
+	m->few_plants = m->tile_choices[0].plants < LOD_FEW_PLANTS;
 	lod_planner_work(p, LOD_WORK_VISIBILITY * (uint64_t)p->screen.count
 		+ LOD_WORK_CELL * m->cells + LOD_WORK_TALLY * m->tallies
 		+ 4 * LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count

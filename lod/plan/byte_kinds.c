@@ -12,9 +12,6 @@
 #include "lod/plan/knapsack.h"
 #include "lod/plan/price_search.h"
 
-#define BINS 256                 /* of the bytes that kinds share */
-#define ENOUGH 0.985             /* of the bytes: kinds need share none */
-#define TRIES 5                  /* of a mix: tiles that choose others need bytes, too */
 /* octaves of the prices whose limits kinds may have, beside the price of tiles; the first is that price */
 static const double around[] = { 0, 1.5, 0.5, -0.125, -0.5, -1, -2 };
 #define PRICES (sizeof around / sizeof *around)
@@ -87,11 +84,11 @@ static bool choose(const struct kinds *k, double room)
 		if (varies(k, i)) {
 			for (uint32_t j = 0; j < OPTIONS; j++)
 				options[OPTIONS * count + j] = (struct lod_knapsack_option){ k->wrong[j * k->count + i],
-					(uint64_t)ceil(k->bytes[j * k->count + i] / (room / BINS)) };
+					(uint64_t)ceil(k->bytes[j * k->count + i] / (room / LOD_KIND_BINS)) };
 			classes[count] = (struct lod_knapsack_class){ OPTIONS * count, OPTIONS * (count + 1), 0, false };
 			count++;
 		}
-	good = good && lod_knapsack_solve(k->m->p, options, classes, count, BINS, chosen);
+	good = good && lod_knapsack_solve(k->m->p, options, classes, count, LOD_KIND_BINS, chosen);
 	count = 0;
 	for (uint32_t i = 0; good && i < k->count; i++)
 		k->chosen[i] = varies(k, i) ? (uint8_t)(chosen[count++] % OPTIONS) : 0;
@@ -125,12 +122,12 @@ static bool share(const struct kinds *k, double lambda, double target, double oc
 {
 	struct lod_allocation *m = k->m;
 	double bytes = lod_price_relax(m, lambda, octave, NULL), worth = lod_price_wrong(m) + lambda * m->cost.vertices;
-	if (bytes >= ENOUGH * target)
+	if (bytes >= LOD_KIND_ENOUGH * target)
 		return false;
 	for (size_t i = PRICES; i-- > 0;)
 		measure(k, i, lambda);
 	double room = target - bytes + sum_first(k->bytes, k->count);
-	for (int i = 0; i < TRIES && room > 0 && choose(k, room); i++) {
+	for (int i = 0; i < LOD_KIND_TRIES && room > 0 && choose(k, room); i++) {
 		mix(k, to);
 		bytes = lod_price_relax(m, lambda, octave, to);
 		if (bytes <= target)

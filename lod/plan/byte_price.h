@@ -20,8 +20,6 @@
 
 #include "lod/plan/allocation.h"
 
-#define LOD_PRICE_ROUNDS 3       /* of limits at each lambda and price: with two more bytes predict more often a
-                                  * worse picture */
 /* Finds what everything in view would cost. `kept`: chunks that come anyway, sooner or later, so that all
  * others count `times` their bytes; NULL: all count once. It must outlive the prices. */
 enum eco_code lod_prices_make(struct lod_allocation *allocation, const struct eco_holdings *kept,

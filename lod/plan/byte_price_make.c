@@ -7,8 +7,6 @@
 #include "lod/plan/byte_price_state.h"
 #include "lod/plan/allocation.h"
 
-#define GROUND_LEAST 0.1         /* share of the ground that shows, at least */
-
 /* ---- Bytes ---- */
 
 /* Chunks [from, to) of a list that the client lacks. */
@@ -246,7 +244,7 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 	lod_prices_work(m);
 	const struct eco_view *view = &m->p->input->request->view;
 	if (nodes)
-		m->p->image.share = fmax(GROUND_LEAST, 1 - m->tile_choices[0].pixels
+		m->p->image.share = fmax(LOD_GROUND_LEAST, 1 - m->tile_choices[0].pixels
 			/ ((double)view->width * view->height));
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for the bytes of %u tiles",
 		nodes);

@@ -9,7 +9,6 @@
 #include "ecofiles/base/array_grow.h"
 
 #define ROUNDING 1e-9            /* slopes within this share are equal */
-#define ROW_WORK 2400u           /* of a bounded plan for each row that is made and written: four times what it takes */
 
 const char *const lod_why_names[LOD_WHY_COUNT] = {
 	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_BYTES] = "bytes", [LOD_WHY_PART] = "within a step",
@@ -84,7 +83,7 @@ static void count_explaining(struct lod_planner *p, uint64_t before)
 
 void lod_explain_begin(struct lod_explanation *explanation, uint64_t work_max)
 {
-	uint64_t most = work_max ? work_max / ROW_WORK : LOD_EXPLAINED_MAX;
+	uint64_t most = work_max ? work_max / LOD_ROW_WORK : LOD_EXPLAINED_MAX;
 	most = most < LOD_EXPLAINED_LEAST ? LOD_EXPLAINED_LEAST : most;
 	lod_explanation_free(explanation);
 	explanation->most = most < LOD_EXPLAINED_MAX ? (uint32_t)most : LOD_EXPLAINED_MAX;

@@ -10,9 +10,6 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
-#define LAMBDA_STEP 0.02         /* a lambda that fits in the mean may not fit with whole plants: it is raised by this
-                                  * share, ... */
-#define LAMBDA_FASTER 1.5        /* ... then by so many times as much */
 #define LAMBDA_MOST 1e60         /* beyond any at which something gains */
 
 /* ---- Candidates ---- */
@@ -178,11 +175,11 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 	if (fill->vertices > budget)
 		lod_fill_at(fill, fill->lambda = lambda);
 	double low = fill->lambda;
-	for (double more = LAMBDA_STEP; fill->vertices > budget && fill->lambda < LAMBDA_MOST; more *= LAMBDA_FASTER) {
+	for (double more = LOD_LAMBDA_STEP; fill->vertices > budget && fill->lambda < LAMBDA_MOST; more *= LOD_LAMBDA_FASTER) {
 		low = fill->lambda;
 		lod_fill_at(fill, fill->lambda *= 1 + more);
 	}
-	for (double high = fill->lambda; low < high && high / low > 1 + LAMBDA_STEP;) {
+	for (double high = fill->lambda; low < high && high / low > 1 + LOD_LAMBDA_STEP;) {
 		double middle = sqrt(low * high);
 		lod_fill_at(fill, middle);
 		*(fill->vertices <= budget ? &high : &low) = middle;

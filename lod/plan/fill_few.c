@@ -10,13 +10,6 @@
 #include "ecofiles/base/array_grow.h"
 #include "lod/plan/knapsack.h"
 
-#define BINS 256u                /* into which a budget of vertices is divided; fewer where ... */
-#define TRIES (1u << 18)         /* ... so many options in bins are tried */
-#define PARTS 32u                /* into which a step is divided, at most */
-#define CELL_LAMBDAS 48          /* for all cells: none, then an eighth of an octave apart from ... */
-#define CELL_STEP 0.917004       /* ... */
-#define CELL_HIGHEST 8           /* ... so many times that of the relaxation on */
-
 /* The plants of a candidate may draw this: `each`, but `ahead` of them the next hull point; cells what `lambda`
  * says. */
 struct option { double wrong; uint64_t vertices, each, ahead; double lambda; };
@@ -53,8 +46,8 @@ static void add_option(struct few *f, const struct lod_candidate *c, uint64_t ea
  * better than both points. */
 static void add_between(struct few *f, const struct lod_candidate *c, uint64_t at, uint64_t next)
 {
-	uint64_t bin = f->budget / BINS, part = bin / c->count > (next - at) / PARTS ? bin / c->count
-		: (next - at) / PARTS, plants = bin / (next - at) + (c->count + PARTS - 1) / PARTS;
+	uint64_t bin = f->budget / LOD_FEW_BINS, part = bin / c->count > (next - at) / LOD_FEW_PARTS ? bin / c->count
+		: (next - at) / LOD_FEW_PARTS, plants = bin / (next - at) + (c->count + LOD_FEW_PARTS - 1) / LOD_FEW_PARTS;
 	for (uint64_t ahead = plants; c->count > 1 && ahead < c->count; ahead += plants)
 		add_option(f, c, at, ahead, next);
 	for (uint64_t on = at; (on = lod_fill_next(f->fill, c, on, on + part)) < next && c->count * on <= f->budget;)
@@ -121,7 +114,7 @@ static void add_cells(struct few *f)
 	double lambda = INFINITY;
 	f->classes[f->class_count++] = (struct class){ { .ladder_choice = ECO_NONE, .node = ECO_NONE }, f->count, 0, 0,
 		false };
-	for (uint64_t i = 0; i < CELL_LAMBDAS; i++) {
+	for (uint64_t i = 0; i < LOD_CELL_LAMBDAS; i++) {
 		struct option option = { .lambda = lambda };
 		lod_fill_at(f->fill, lambda);
 		for (uint32_t k = 0; k < f->fill->candidate_count; k++) {
@@ -130,7 +123,7 @@ static void add_cells(struct few *f)
 			option.wrong += is_cell(f, c) ? lod_fill_wrong_of(f->fill, c) : 0;
 		}
 		push(f, &option);
-		lambda = i ? lambda * CELL_STEP : f->lambda * CELL_HIGHEST;
+		lambda = i ? lambda * LOD_CELL_STEP : f->lambda * LOD_CELL_HIGHEST;
 	}
 	f->classes[f->class_count - 1].end = f->count;
 }
@@ -155,10 +148,10 @@ static void make_classes(struct few *f)
 
 static void make_bins(struct few *f)
 {
-	uint64_t left = f->budget, most = TRIES / (f->count + 1u);
+	uint64_t left = f->budget, most = LOD_FEW_TRIES / (f->count + 1u);
 	for (uint32_t c = 0; c < f->class_count; c++)
 		left -= f->classes[c].whole ? 0 : f->options[f->classes[c].first].vertices;
-	f->unit = left / (most < BINS ? most + 1 : BINS) + 1;
+	f->unit = left / (most < LOD_FEW_BINS ? most + 1 : LOD_FEW_BINS) + 1;
 	f->bins = left / f->unit;
 }
 

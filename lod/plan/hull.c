@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-#define GROWTH 4u                /* samples grow by a quarter: curves are smooth */
-
 /* ---- Errors ---- */
 
 double lod_seen_worth(const struct eco_seen *seen, uint32_t size)
@@ -142,7 +140,7 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 	uint32_t count = 1;
 	points[0] = lod_hull_point_at(way, from, size, ECO_NONE);
 	while (at < to && count < LOD_HULL_POINTS_MAX - 2) {
-		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / GROWTH + 1);
+		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / LOD_HULL_GROWTH + 1);
 		next = further > next ? further : next;
 		uint64_t level = lod_way_level_above(way, at);
 		if (at < stage && next > stage) /* the curve often bends where a stage or a level ends */

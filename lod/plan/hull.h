@@ -19,6 +19,7 @@
 #ifndef LOD_HULL_H
 #define LOD_HULL_H
 
+#include "lod/plan/tuning.h"
 #include "lod/ladder.h"
 #include "lod/plan/visibility.h"
 
@@ -27,9 +28,6 @@
 
 /* The objective: errors that are seen (struct eco_seen), weighted. Units are wrong pixels: with bytes for texels and for
  * the ground, and with summaries, they compete by these. */
-#define LOD_SEEN_COLOR 0.05      /* of a difference of mean colours, a unit of CIELAB, ... */
-#define LOD_SEEN_CONTRAST 0.025  /* ... and of deviations of lightness: half as much, or from .2 to 2 times, is as good */
-#define LOD_SEEN_NOTHING 1.7     /* about what is wrong with a pixel of a plant that is not there */
 struct lod_seen_error { float alike, open; };    /* before like plants; added before ground and sky */
 
 struct lod_hull_point {
@@ -75,8 +73,6 @@ uint32_t lod_hull_lower(const struct lod_hull_point *points, const double *error
 /* Reduces points in ascending vertices to their lower convex hull at hull->open, in place. Reduced again at
  * another weight, a hull is convex at both weights and between. */
 void lod_hull_reduce(struct lod_hull *hull, double ratio);
-#define LOD_HULL_SLOPE_RATIO 1.25 /* for ladders: where a curve is nearly straight more points save nothing,
-                                   * but more plants change as a camera moves */
 /* Appends `to` as the last point, so that a budget for everything draws everything. Needs room for one. */
 void lod_hull_complete(struct lod_hull *hull, uint64_t to);
 
@@ -93,7 +89,6 @@ static inline double lod_hull_error(const struct lod_hull *hull, const struct lo
 	return point->alike + hull->open * point->open;
 }
 
-#define LOD_HULL_BLUR 1.25
 /* Position in [0, count - 1]. All plants take a step whose slope is above LOD_HULL_BLUR * lambda, none take
  * one whose slope is below lambda / LOD_HULL_BLUR, and a growing share of them in between: so a slot changes
  * gradually as lambda does. `near` is any position to start from: successive lambdas lie close together. */

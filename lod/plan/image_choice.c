@@ -10,15 +10,8 @@
 #include "lod/plan/visibility.h"
 
 #define NODES_MAX 16384u
-#define SAMPLES 4                        /* along each side of a tile, to count its pixels */
-#define FLAT_LEAST 0.25                  /* sine of the least angle that narrows texels */
-#define IMAGE_COST 0.04                  /* of a pixel, for each octave from ... */
-#define COST_FROM -2.0                   /* ... texels of a quarter of a pixel on, ... */
-#define COST_OCTAVES 14.0                /* ... for so many octaves */
-#define COST_NONE 0.6                    /* of a pixel of ground in its plain colour */
 #define PRICE_LEAST 1e-9
 #define PRICE_MOST 1e9
-#define PRICE_STEP 1.07                  /* of a search */
 
 struct lod_image_node {
 	uint32_t tile;
@@ -52,17 +45,17 @@ static void box_of(const struct eco_scene *scene, uint32_t tile, double low[3], 
 /* Pixels of a level square in the middle of the box, by parts of it. */
 static double pixels_of(const struct lod_eye *eye, const double low[3], const double high[3], double most)
 {
-	double sum = 0, side = (high[0] - low[0]) / SAMPLES, pixel = eye->pixel_rad * eye->pixel_rad;
-	for (int i = 0; i < SAMPLES * SAMPLES; i++) {
-		double d[3] = { low[0] + (i % SAMPLES + 0.5) * side - eye->at[0],
-			low[1] + (i / SAMPLES + 0.5) * side - eye->at[1],
+	double sum = 0, side = (high[0] - low[0]) / LOD_IMAGE_SAMPLES, pixel = eye->pixel_rad * eye->pixel_rad;
+	for (int i = 0; i < LOD_IMAGE_SAMPLES * LOD_IMAGE_SAMPLES; i++) {
+		double d[3] = { low[0] + (i % LOD_IMAGE_SAMPLES + 0.5) * side - eye->at[0],
+			low[1] + (i / LOD_IMAGE_SAMPLES + 0.5) * side - eye->at[1],
 			(low[2] + high[2]) / 2 - eye->at[2] };
 		double far = lod_dot(d, eye->forward), square = lod_dot(d, d);
 		if (!(far > 0) || fabs(lod_dot(d, eye->right)) > eye->tan_x * far
 				|| fabs(lod_dot(d, eye->up)) > eye->tan_y * far)
 			continue;
 		sum += fmin(side * side * fabs(d[2]) / (square * sqrt(square) * pixel),
-			most / (SAMPLES * SAMPLES));
+			most / (LOD_IMAGE_SAMPLES * LOD_IMAGE_SAMPLES));
 	}
 	return sum;
 }
@@ -70,7 +63,7 @@ static double pixels_of(const struct lod_eye *eye, const double low[3], const do
 static double texel_px(const struct lod_eye *eye, const double low[3], const double high[3], double texel_m)
 {
 	double depth = lod_box_depth(eye, low, high), above = fabs(eye->at[2] - (low[2] + high[2]) / 2);
-	return depth > 0 ? texel_m / (depth * eye->pixel_rad) * sqrt(fmin(1, fmax(FLAT_LEAST, above / depth)))
+	return depth > 0 ? texel_m / (depth * eye->pixel_rad) * sqrt(fmin(1, fmax(LOD_IMAGE_FLAT_LEAST, above / depth)))
 		: INFINITY;
 }
 
@@ -156,8 +149,8 @@ static double missing_bytes(const struct eco_scene *scene, const struct eco_hold
 
 static double cost_of(double px)
 {
-	double octaves = px < 1e6 ? lod_octaves(px * px) - COST_FROM : COST_OCTAVES;
-	return IMAGE_COST * fmin(COST_OCTAVES, fmax(0, octaves));
+	double octaves = px < 1e6 ? lod_octaves(px * px) - LOD_IMAGE_COST_FROM : LOD_IMAGE_COST_OCTAVES;
+	return LOD_IMAGE_COST * fmin(LOD_IMAGE_COST_OCTAVES, fmax(0, octaves));
 }
 
 /* From the leaves up: levels of its own, of equal ones the finest, or what its children chose. Returns
@@ -186,7 +179,7 @@ static bool choose(const struct lod_image *image, const struct eco_scene *scene,
 			node->levels = 0;
 		}
 	}
-	return image->count && !(price > 0 && image->share * image->nodes[0].pixels * COST_NONE
+	return image->count && !(price > 0 && image->share * image->nodes[0].pixels * LOD_IMAGE_COST_NONE
 		< image->nodes[0].cost);
 }
 
@@ -240,7 +233,7 @@ double lod_image_price(const struct lod_image *image, const struct eco_scene *sc
 	double low = PRICE_LEAST, high = PRICE_MOST;
 	if (lod_image_bytes(image, scene, holdings, 0) <= (double)bytes)
 		return 0;
-	while (high > PRICE_STEP * low) {
+	while (high > LOD_IMAGE_PRICE_STEP * low) {
 		double middle = sqrt(low * high);
 		*(lod_image_bytes(image, scene, holdings, middle) <= (double)bytes ? &high : &low) = middle;
 	}

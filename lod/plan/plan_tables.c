@@ -8,9 +8,6 @@
 
 #define PI 3.14159265358979323846
 #define CELL_HALF 0.57735026918962576    /* of its sphere's radius: a cell is a cube */
-#define STEM_LEAST 0.1           /* of half a plant's height: a stem below the crown is no shorter */
-#define THINNEST 0.01            /* area of a plant over its radius squared: a plant without area is visible
-                                  * all the same */
 
 struct lod_plan_tables {
 	const struct eco_scene *scene;
@@ -113,7 +110,7 @@ static void find_stem(const struct lod_plan_tables *tables, const struct eco_pla
 		area += half > 0 ? anchor_area(tables, plant->anchor_first + i, true)
 			* fmax(0, fmin(1, (to - low) / (2 * half))) : 0;
 	}
-	shape->stem = height > STEM_LEAST * shape->up ? area / (2 * PI * height) : 0;
+	shape->stem = height > LOD_STEM_LEAST * shape->up ? area / (2 * PI * height) : 0;
 }
 
 /* A plant's anchor is a sphere around it. Its cells say how wide it is and where its crown is; without cells
@@ -134,7 +131,7 @@ static struct lod_proxy_shape proxy_shape_of(const struct lod_plan_tables *table
 		across = fmax(0.5 * r, sqrt(fmax(0, r * r - up * up)));
 	across = fmin(across, r);
 	double leaves = anchor_area(tables, plant->anchor_first, false), wood = anchor_area(tables, plant->anchor_first, true),
-		area = plant->area > 0 ? (double)plant->area : leaves + wood, least = THINNEST * r * r;
+		area = plant->area > 0 ? (double)plant->area : leaves + wood, least = LOD_PLANT_THINNEST * r * r;
 	bool bare = !(leaves > 0);
 	struct lod_proxy_shape proxy_shape = { across, up, fmax(area, least), fmax(bare ? area : leaves, least), across,
 		up, 0, 0 };

@@ -9,9 +9,6 @@
 #include "lod/plan/allocation.h"
 
 #define CELLS_MOST (1u << 26)            /* of plants, whatever a pack says */
-#define IMAGE_PART 4u                    /* of an answer's bytes: 1 / so many */
-#define SEARCH_SLACK 256u                /* a search of vertices ends within 1 / so many of them */
-#define SEARCH_PART 8u                   /* of the work may each plan of it take: 1 / so many */
 
 /* Deussen's rule knows no bytes: vertices are searched for it. */
 static bool knows_bytes(const struct lod_planner_input *input)
@@ -127,7 +124,7 @@ static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_i
 	/* a rule that knows no bytes leaves the image a part of them */
 	if (!code && !knows_bytes(input))
 		p.image_price = lod_image_price(&p.image, input->scene, input->holdings,
-			input->request->bytes / IMAGE_PART);
+			input->request->bytes / LOD_IMAGE_PART);
 	if (!code)
 		code = plan_by_rule(&p, plan, error);
 	*stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, 0, p.cheapest, p.level,
@@ -152,8 +149,8 @@ static enum eco_code search_vertices(struct eco_plan *plan, struct lod_planner_i
 	bool fits = false;
 	enum eco_code code = ECO_OK;
 	struct lod_explanation none = { 0 }, *why = input->explanation ? input->explanation : &none, before;
-	while (!code && (!fits || high - low > 1 + low / SEARCH_SLACK) && (!input->work_max
-			|| work / SEARCH_PART < input->work_max)) {
+	while (!code && (!fits || high - low > 1 + low / LOD_SEARCH_SLACK) && (!input->work_max
+			|| work / LOD_SEARCH_PART < input->work_max)) {
 		struct lod_planner_stats now;
 		struct eco_plan next;
 		request->vertices = fits ? low + (high - low) / 2 : 0;
@@ -191,7 +188,7 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	struct eco_request request = *input->request;
 	assert(request.vertices <= ECO_VERTICES_MAX);
 	within.request = &request;
-	within.work_max /= knows_bytes(input) ? 1 : SEARCH_PART;
+	within.work_max /= knows_bytes(input) ? 1 : LOD_SEARCH_PART;
 	enum eco_code code = plan_once(plan, &within, &stats, error);
 	if (!code && stats.bytes > request.bytes && !knows_bytes(input))
 		code = search_vertices(plan, &within, &request, &stats, error);

@@ -10,35 +10,6 @@
 #include "lod/plan/byte_price.h"
 #include "lod/plan/price_search.h"
 
-#define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
-#define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
-#define PRICE_LAMBDAS 3          /* tried where vertices bind as well, ... */
-#define PRICE_ENOUGH 0.95        /* ... until they use so much of the budget */
-#define PRICE_FAR 3.0            /* logarithm: lambdas further apart say little of those between, ... */
-#define PRICE_POWER 1.25         /* ... which fall with this power of the vertices */
-/* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
- * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
-#define BYTES_WORK 5
-#define CURVE_SHARE 0.8          /* of an answer's bytes, that plants usually get */
-#define FEW_FALL 4               /* vertices of one try over those of the next, where hardly any fit */
-#define SIZE_MARGIN 0.002        /* of the bytes, since what is beside differs from one answer to the next */
-#define SIZE_TRIES 5             /* answers whose bytes are counted */
-#define TIMES_COARSER 4.0        /* their bytes count chunks of coarser answers that the answer lacks */
-#define SPARE_WORTH 1e-8         /* without a budget a byte of a plant's lists must set this share of the plants' pixels
-                                  * right: 100 kB a thousandth */
-#define SPARE_WRONG 0.005        /* missed is no more than this share of what is wrong before, ... */
-#define SPARE_PIXELS 0.0002      /* ... or of the plants' pixels */
-#define SPARE_VERTEX 8.0         /* bytes that a vertex is worth, at most: else lists that save vertices go */
-#define SPARE_LAMBDA 0.8         /* times that of the answer before: with fewer lists a vertex saves less */
-#define SWEEP_FIRST -10.0        /* octaves: at lower prices hardly anything is left out */
-#define SWEEP_STEP 0.375         /* octaves of the price to the next one tried, at least ... */
-#define SWEEP_STEP_MOST 3.0      /* ... and at most */
-#define SWEEP_LATE_STEP 3.0      /* the same once the work is done that a plan may take; answers then have ... */
-#define SWEEP_LATE_RATIO 2.5     /* ... so many times fewer bytes */
-#define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
-#define SWEEP_VERTICES 0.5       /* ... where no more than this part of the budget is used */
-#define SWEEP_ROUNDS 2           /* of limits: with three steps are no better */
-
 /* A trial plan records no reasons. */
 static enum eco_code emit_without_reasons(const struct lod_planner *p, struct eco_plan *plan,
 	struct eco_error *error)
@@ -95,8 +66,8 @@ static double next_lambda(const struct within *span, double budget, bool halves)
 {
 	double apart = lod_log(span->high / span->low), under = fmax(1, span->under),
 		more = lod_log(budget / under), step;
-	if (apart > PRICE_FAR)
-		step = PRICE_POWER * more;
+	if (apart > LOD_PRICE_FAR)
+		step = LOD_PRICE_POWER * more;
 	else
 		step = halves ? 0.5 * apart : apart * more / lod_log(span->over / under);
 	return span->high * lod_exp_minus(fmin(0.9 * apart, fmax(0.1 * fmin(apart, 1), step)));
@@ -120,8 +91,8 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 		near = fit->octave;
 	}
 	struct within span = { low, high, lowest, 0 };
-	for (int i = 0; both && i <= PRICE_LAMBDAS && (!i || span.low < span.high)
-			&& span.under < PRICE_ENOUGH * (double)budget
+	for (int i = 0; both && i <= LOD_PRICE_LAMBDAS && (!i || span.low < span.high)
+			&& span.under < LOD_PRICE_ENOUGH * (double)budget
 			&& !(i > 1 && lod_planner_over(m->p, 3)); i++) {
 		double lambda = i ? next_lambda(&span, (double)budget, i == 2) : high;
 		lod_price_find(m, lambda, target, &(struct lod_price_near){ near, true }, &near);
@@ -139,8 +110,8 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 			&fit->octave);
 	double bytes = relax_and_share(m, fit, target);
 	/* where more bytes come, a vertex may have to save more */
-	for (int i = 1; m->cost.vertices > (double)budget && i <= PRICE_RAISES; i++) {
-		fit->lambda = i < PRICE_RAISES ? sqrt(fit->lambda * top) : top;
+	for (int i = 1; m->cost.vertices > (double)budget && i <= LOD_PRICE_RAISES; i++) {
+		fit->lambda = i < LOD_PRICE_RAISES ? sqrt(fit->lambda * top) : top;
 		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false },
 			&fit->octave);
 		bytes = relax_and_share(m, fit, target);
@@ -200,7 +171,7 @@ static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct 
 	struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
-	double more = PRICE_MORE;
+	double more = LOD_PRICE_MORE;
 	enum eco_code code = ECO_OK;
 	for (; !code && p->bytes > p->input->request->bytes && fit->octave < LOD_PRICE_HIGHEST; more *= 2)
 		code = fill_dearer(s, fit, more, budget, error);
@@ -215,7 +186,7 @@ static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod
 	const struct lod_price_bounds bounds = { lod_lambda_at(s->last), lod_lambda_at(s->index),
 		(double)p->input->request->vertices };
 	enum eco_code code = lod_price_curve(s->allocation, &bounds,
-		CURVE_SHARE * (double)p->input->request->bytes, point, error);
+		LOD_CURVE_SHARE * (double)p->input->request->bytes, point, error);
 	if (!code && lod_expected_worse(&point->prediction, &p->prediction))
 		p->prediction = point->prediction;
 	return code;
@@ -232,7 +203,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	double most = (double)p->input->request->bytes;
 	struct tried between = { 0, INFINITY, 0, 0 };
 	bool last = false;               /* the allocation is that of the best answer */
-	for (int i = 0; i < SIZE_TRIES && !code; i++) {
+	for (int i = 0; i < LOD_SIZE_TRIES && !code; i++) {
 		now->first = i == 0;
 		double before = now->size, bytes = find_prices(s, most - now->beside, budget, now);
 		code = fill_fitted(s, now, budget, error);
@@ -247,7 +218,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 				&& !(now->size > most && now->size < most * (1 + LOD_PRICE_SLACK)))
 				|| (i > 0 && lod_planner_spent(p)))
 			break;
-		now->beside = most - next_target(&between, most, bytes, now->size) + SIZE_MARGIN * most;
+		now->beside = most - next_target(&between, most, bytes, now->size) + LOD_SIZE_MARGIN * most;
 	}
 	if (!code && !last)
 		code = fill_fitted(s, best, budget, error);
@@ -332,7 +303,7 @@ static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget,
 	}
 	if (!code && few)
 		return fill_few(s, lod_lambda_at(fits), few, error);
-	while (!code && (many /= FEW_FALL) > 0) {
+	while (!code && (many /= LOD_FEW_FALL) > 0) {
 		code = fill_few(s, lod_lambda_at(fits), many, error);
 		if (p->bytes <= most && p->vertices)
 			return code;
@@ -356,7 +327,7 @@ static enum eco_code find_scarce_ground(struct lod_planner *p, struct eco_error 
 
 static void bound_work(struct lod_planner *p)
 {
-	uint64_t most = BYTES_WORK * p->work;
+	uint64_t most = LOD_BYTES_WORK * p->work;
 	if (!p->work_most || most < p->work_most)
 		p->work_most = most;
 }
@@ -395,9 +366,9 @@ enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, stru
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	const uint64_t bytes = p->bytes, cheapest = p->cheapest;
-	const double wrong = p->wrong, pixels = m->tile_choices[0].pixels, price = SPARE_WORTH * pixels,
-		lambda = SPARE_LAMBDA * (p->fill_lambda > 0 ? p->fill_lambda : s->lambda);
-	if (!(s->lambda > 0) || lambda > SPARE_VERTEX * price)   /* at a lambda of 0 everything is drawn */
+	const double wrong = p->wrong, pixels = m->tile_choices[0].pixels, price = LOD_SPARE_WORTH * pixels,
+		lambda = LOD_SPARE_LAMBDA * (p->fill_lambda > 0 ? p->fill_lambda : s->lambda);
+	if (!(s->lambda > 0) || lambda > LOD_SPARE_VERTEX * price)   /* at a lambda of 0 everything is drawn */
 		return ECO_OK;
 	enum eco_code code = lod_prices_make(m, NULL, 0, error);
 	m->spares = true;
@@ -409,7 +380,7 @@ enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, stru
 		code = lod_bytes_size(p, error);
 	m->spares = false;
 	p->cheapest = cheapest;
-	s->price = p->bytes < bytes && p->wrong - wrong <= fmax(SPARE_WRONG * wrong, SPARE_PIXELS * pixels) ? price : 0;
+	s->price = p->bytes < bytes && p->wrong - wrong <= fmax(LOD_SPARE_WRONG * wrong, LOD_SPARE_PIXELS * pixels) ? price : 0;
 	if (code || s->price > 0)
 		return code;
 	lod_prices_lift(m);
@@ -447,7 +418,7 @@ static double relax_within(const struct lod_lambda_search *s, double *lambda, do
 	const double budget = (double)m->p->input->request->vertices;
 	double bytes = lod_price_relax(m, *lambda, octave, NULL);
 	while (m->cost.vertices > budget && *lambda < s->lambda) {
-		*lambda = fmin(s->lambda, *lambda / SWEEP_LAMBDA);
+		*lambda = fmin(s->lambda, *lambda / LOD_SWEEP_LAMBDA);
 		bytes = lod_price_relax(m, *lambda, octave, NULL);
 	}
 	return bytes;
@@ -461,13 +432,13 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
 	const double lowest = lod_lambda_at(s->last);
 	double octave = s->price > 0 ? 2 * lod_octaves(s->price) : LOD_PRICE_LOWEST, lambda = fmax(s->lambda, lowest),
-		before = lod_price_relax(m, lambda, octave, NULL), step = SWEEP_STEP;
+		before = lod_price_relax(m, lambda, octave, NULL), step = LOD_SWEEP_STEP;
 	enum eco_code code = ECO_OK;
-	m->rounds = SWEEP_ROUNDS;
-	octave = fmax(octave, SWEEP_FIRST);
+	m->rounds = LOD_SWEEP_ROUNDS;
+	octave = fmax(octave, LOD_SWEEP_FIRST);
 	while (!code && coarser->count < coarser->most && before > (double)coarser->least && octave < LOD_PRICE_HIGHEST) {
 		const bool late = lod_planner_over(m->p, 3);
-		const double ratio = late ? SWEEP_LATE_RATIO : coarser->ratio, least = late ? SWEEP_LATE_STEP : SWEEP_STEP;
+		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_LATE_STEP : LOD_SWEEP_STEP;
 		step = fmax(step, least);
 		double bytes = relax_within(s, &lambda, octave + step);
 		bool steep = bytes * ratio * ratio < before && step > least;
@@ -475,12 +446,12 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 		if (steep) {
 			step = least;
 		} else if (bytes * ratio > before) {
-			step = fmin(2 * step, SWEEP_STEP_MOST);
+			step = fmin(2 * step, LOD_SWEEP_STEP_MOST);
 		} else if (bytes > 0) {
 			code = hand_over(s, lambda, budget, error);
 			before = bytes;
 			step = least;
-			lambda = m->cost.vertices < SWEEP_VERTICES * (double)budget ? fmax(lowest, SWEEP_LAMBDA * lambda) : lambda;
+			lambda = m->cost.vertices < LOD_SWEEP_VERTICES * (double)budget ? fmax(lowest, LOD_SWEEP_LAMBDA * lambda) : lambda;
 		} else {
 			break;
 		}
@@ -495,7 +466,7 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 	struct lod_planner *p = s->allocation->p;
 	enum eco_code code = lod_plan_needs(p->scene, answer, &kept, error);
 	if (!code)
-		code = lod_prices_make(s->allocation, &kept, TIMES_COARSER, error);
+		code = lod_prices_make(s->allocation, &kept, LOD_TIMES_COARSER, error);
 	if (!code)
 		code = sweep_prices(s, p->input->request->vertices, error);
 	free(kept.items);

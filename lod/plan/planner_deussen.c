@@ -37,21 +37,17 @@ struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod
 	return lod_ladder_curve(p->scene, ladder, lod_way_share(lod_planner_way(p, entry->ladder), vertices));
 }
 
-#define SPLAT_FACTOR 1.3         /* c_p */
-#define STEPS_PER_OCTAVE 256     /* of d': next to none of a budget is left */
-#define STEP_LAST (STEPS_PER_OCTAVE * 60)
-#define PLACES_MOST 1000000u     /* plants looked at with a step, where summaries stand for the others */
-#define NODE_WORK 300u           /* of a tile in view, from opening it at many steps to sending its cut */
+#define STEP_LAST (LOD_DEUSSEN_STEPS * 60)
 
 /* ---- One level of detail ---- */
 
-/* Exact at every step: 2, then halved every STEPS_PER_OCTAVE steps, linear between. */
+/* Exact at every step: 2, then halved every LOD_DEUSSEN_STEPS steps, linear between. */
 static double distance_at(int step)
 {
 	if (step >= STEP_LAST)
 		return 0;
-	int octave = step / STEPS_PER_OCTAVE, part = step % STEPS_PER_OCTAVE;
-	return ldexp(2.0 - (double)part / STEPS_PER_OCTAVE, -octave);
+	int octave = step / LOD_DEUSSEN_STEPS, part = step % LOD_DEUSSEN_STEPS;
+	return ldexp(2.0 - (double)part / LOD_DEUSSEN_STEPS, -octave);
 }
 
 static uint64_t to_count(double x)
@@ -71,7 +67,7 @@ static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_lad
 		*wanted = ladder->total;
 		return full;
 	}
-	double samples = SPLAT_FACTOR * importance * ladder->area / (2.0 * r * r * d * d);
+	double samples = LOD_SPLAT_FACTOR * importance * ladder->area / (2.0 * r * r * d * d);
 	if (points) {
 		*wanted = samples;
 		if (samples >= ladder->total)
@@ -237,11 +233,11 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 static enum eco_code open_step(struct lod_planner *p, int step, struct eco_error *error)
 {
 	const uint64_t work = p->input->work_max, nodes_max = p->visible.nodes_max;
-	uint64_t places = work ? work / 4 / LOD_WORK_PLACE : PLACES_MOST, nodes = work ? work / NODE_WORK : nodes_max;
+	uint64_t places = work ? work / 4 / LOD_WORK_PLACE : LOD_DEUSSEN_PLACES, nodes = work ? work / LOD_DEUSSEN_NODE_WORK : nodes_max;
 	bool bound = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES);
-	places = (places < PLACES_MOST ? places : PLACES_MOST) + 1;
+	places = (places < LOD_DEUSSEN_PLACES ? places : LOD_DEUSSEN_PLACES) + 1;
 	nodes = (nodes < nodes_max ? nodes : nodes_max - 1) + 1;
-	p->visible.places_max = bound ? places : work ? PLACES_MOST + ECO_OPEN_PLANTS_MAX : 0;
+	p->visible.places_max = bound ? places : work ? LOD_DEUSSEN_PLACES + ECO_OPEN_PLANTS_MAX : 0;
 	p->visible.nodes_max = bound ? nodes : nodes_max;
 	p->visible.places_few = step == 0 && work ? places : 0;
 	p->visible.nodes_few = step == 0 && work ? nodes : 0;
@@ -281,7 +277,7 @@ static enum eco_code solve(struct lod_planner *p, int *solution, struct eco_erro
 		low = high;
 		if (high == STEP_LAST || lod_planner_over(p, 2))
 			break;
-		high = p->ended || high + STEPS_PER_OCTAVE > STEP_LAST ? STEP_LAST : high + STEPS_PER_OCTAVE;
+		high = p->ended || high + LOD_DEUSSEN_STEPS > STEP_LAST ? STEP_LAST : high + LOD_DEUSSEN_STEPS;
 	}
 	while (high - low > 1 && !lod_planner_over(p, 2)) {
 		int middle = low + (high - low) / 2;

@@ -17,7 +17,6 @@
 /* Points of summaries are scattered (lod/scattered.h) into as few parts as make them narrow, and as many as the
  * vertices that the plan has left allow. */
 
-#define PART_PX 8.0              /* narrower points look no better (lod/EXPERIMENTS.md, Scattered points) */
 #define PART_STEP 1.41421356237309504880
 #define PART_PX_MAX 1e6          /* wider points are not scattered */
 
@@ -61,16 +60,11 @@ static uint64_t added(const struct lod_planner *p, double part_px)
 static double part_px_of(const struct lod_planner *p)
 {
 	uint64_t left = p->input->request->vertices - p->vertices;
-	double part_px = PART_PX;
+	double part_px = LOD_PART_PX;
 	while (part_px < PART_PX_MAX && added(p, part_px) > left)
 		part_px *= PART_STEP;
 	return part_px < PART_PX_MAX ? part_px : INFINITY;
 }
-
-#define GROWTH 0.6               /* at most so much is added to leaves' areas among other plants */
-#define MISSED 0.15              /* share of a plant's pixels missed from which all of GROWTH is added */
-#define ABOVE_STEPS 8            /* rounds scales, so that bands of nearly one scale are one cut */
-#define NEARLY 0.03125f          /* areas that differ by no larger share are one */
 
 static double entry_density(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
@@ -92,15 +86,15 @@ static double grown(const struct lod_planner *p, const struct lod_entry *entry, 
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	double among = entry->among > 0 && ladder->organ != ECO_ORGAN_WOOD
 		&& !(ladder->flags & ECO_LADDER_WHOLE) ? entry->among * entry->among : 0;
-	double missed = among > 0 ? lod_planner_curve(p, entry, vertices).fn / MISSED : 0;
-	return 1 + GROWTH * among * among * fmin(1, missed);
+	double missed = among > 0 ? lod_planner_curve(p, entry, vertices).fn / LOD_LEAF_MISSED : 0;
+	return 1 + LOD_LEAF_GROWTH * among * among * fmin(1, missed);
 }
 
 /* Mean degree of the view from above onto the slot's plants, rounded. */
 static double above_of(const struct lod_slot *slot)
 {
-	return slot->above_count > 0 ? floor(ABOVE_STEPS * slot->above / slot->above_count + 0.5)
-		/ ABOVE_STEPS : 0;
+	return slot->above_count > 0 ? floor(LOD_SCALE_STEPS * slot->above / slot->above_count + 0.5)
+		/ LOD_SCALE_STEPS : 0;
 }
 
 /* Plants of an entry whose hash lies in [first, end), `count` of them, draw `vertices` each. */
@@ -179,7 +173,7 @@ static bool like(const struct eco_cut *cut, const struct eco_cut *next)
 	return cut->anchor == next->anchor && cut->list == next->list && cut->first == next->first
 		&& cut->end == next->end && cut->share_first == next->share_first
 		&& cut->share_end == next->share_end
-		&& fabsf(cut->scale - next->scale) <= NEARLY * fminf(cut->scale, next->scale);
+		&& fabsf(cut->scale - next->scale) <= LOD_SCALE_NEARLY * fminf(cut->scale, next->scale);
 }
 
 /* Cuts that differ in their bands, and next to nothing in their scale, become one where no plant stands

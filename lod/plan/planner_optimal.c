@@ -29,39 +29,12 @@
 #include "lod/plan/allocation.h"
 
 #define LAMBDAS_PER_OCTAVE 2
-#define LAMBDA_HIGHEST 34        /* octaves: more pixels than a picture can have */
-#define LAMBDAS_PER_PREDICTION 4 /* grid lambdas between two predicted pictures, at most */
-#define LAMBDA_TRIES 8           /* of the search between two grid lambdas, ... */
-#define LAMBDA_SLACK 0.001       /* ... which ends when no more than this share of the budget is unused */
-#define LAMBDA_UNUSED 0.01       /* a larger share asks for other tiles and gates, where few plants are in view */
-#define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
-#define CELLS_PX 1.0             /* ... and cells; less at finer levels */
-#define FINER_OCTAVES 3          /* from one level to the next */
-#define FINER_TIMES 3            /* levels above 0; the last opens all */
-#define SMALL_STEPS 4            /* levels below 0 that are one octave apart */
-#define COARSEST -12
-#define EXACT_PART 8             /* answers within bytes solve the knapsack of few plants, too, if the plan for the
-                                  * vertices took less than this part of the work */
-#define SPARE_REACH 2            /* answers of so many times the bytes may fit without what nobody misses */
-#define PLACES_MOST 100000u      /* plants that one level walks over */
-#define CELLS_WORK 64            /* of a plan, for each cell of a plant, where all are drawn */
-#define WALKS 4                  /* as large as may be, that the work allows */
-/* work of a plan, over that of one pass over all choices: these are how many of a slot, usually */
-#define SLOT_CHOICES 3
-#define FINER_WORK 4             /* of a finer level, over that of a level */
-#define PASSES_VERTICES 96
-#define PASSES_BYTES 200
-#define PASSES_EVERYTHING 8      /* no search: the ends of the grid, what they predict, and the fill */
-#define NODE_BYTES 2             /* times that a tile is passed in each of these */
-#define HIDDEN_MOST 0.05         /* of what a picture has */
-#define UNCHANGED 2              /* one of so many tallies is summed again, for the others nothing changed */
-#define SUMMARY_TRIES 7          /* numbers of points that are tried of each */
 
 double lod_lambda_at(int index)
 {
 	if (index >= LOD_LAMBDA_COUNT)
 		return 0;
-	return ldexp(index % 2 ? 0.70710678118654752440 : 1, LAMBDA_HIGHEST - index / LAMBDAS_PER_OCTAVE);
+	return ldexp(index % 2 ? 0.70710678118654752440 : 1, LOD_LAMBDA_HIGHEST - index / LAMBDAS_PER_OCTAVE);
 }
 
 static void begin_screen(struct lod_planner *p)
@@ -181,7 +154,7 @@ static enum eco_code search_grid(struct lod_lambda_search *s, uint64_t budget, s
 	if (next.outcome.vertices <= (double)budget)
 		s->from = here = next;
 	while (!code && next.at - here.at > 1) {
-		bool wide = next.at - here.at > LAMBDAS_PER_PREDICTION;
+		bool wide = next.at - here.at > LOD_LAMBDAS_PER_PREDICTION;
 		code = evaluate(s, next_to_evaluate(s, &here, &next), &here, &next, wide, &middle, error);
 		*(middle.outcome.vertices <= (double)budget ? &here : &next) = middle;
 		if (wide) {
@@ -247,7 +220,7 @@ static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget, d
 	double enough = (double)budget;
 	double unused = enough - s->here.vertices, under = unused, over = s->next.vertices - enough;
 	int side = 0;
-	for (int i = 0; i < LAMBDA_TRIES && low > 0 && unused > enough * LAMBDA_SLACK && !is_enough(s); i++) {
+	for (int i = 0; i < LOD_LAMBDA_TRIES && low > 0 && unused > enough * LOD_LAMBDA_SLACK && !is_enough(s); i++) {
 		double part = under / (under + over);
 		part = part < 0.02 ? 0.02 : part > 0.98 ? 0.98 : part;
 		double middle = high * lod_exp_minus(part * lod_log(high / low));
@@ -266,7 +239,7 @@ static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget, d
 			side = -1;
 		}
 	}
-	*below = unused > enough * LAMBDA_UNUSED ? low : 0;
+	*below = unused > enough * LOD_LAMBDA_UNUSED ? low : 0;
 	return high;
 }
 
@@ -331,7 +304,7 @@ static bool hides_plants(const struct lod_allocation *m)
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
 		if (p->visible.nodes[n].state == LOD_SUMMARY && m->tile_choices[n].summary.hull.count <= 1)
 			hidden_px += m->tile_choices[n].weight_px;
-	return hidden_px > HIDDEN_MOST * m->tile_choices[0].weight_px;
+	return hidden_px > LOD_HIDDEN_MOST * m->tile_choices[0].weight_px;
 }
 
 /* Finds the lambda of one level, and what is predicted. A level predicts only if the budget holds everything
@@ -363,10 +336,10 @@ static enum eco_code fill_level(struct lod_lambda_search *s, struct lod_planner 
 	p->texture_levels = NULL;
 	s->exact = s->allocation->few_plants && !is_enough(s);
 	enum eco_code code = fill_budget(s, budget, error);
-	s->exact = s->exact && (!p->work_most || p->work < p->work_most / EXACT_PART);
+	s->exact = s->exact && (!p->work_most || p->work < p->work_most / LOD_EXACT_PART);
 	if (!code && p->input->sent)
 		code = lod_bytes_size(p, error);
-	if (!code && p->input->sent && p->bytes / SPARE_REACH <= p->input->request->bytes && !is_enough(s))
+	if (!code && p->input->sent && p->bytes / LOD_SPARE_REACH <= p->input->request->bytes && !is_enough(s))
 		code = lod_bytes_spare(s, budget, error);
 	if (!code && p->bytes > p->input->request->bytes)
 		code = lod_bytes_fit(s, budget, error);
@@ -376,8 +349,8 @@ static enum eco_code fill_level(struct lod_lambda_search *s, struct lod_planner 
 /* Coarser levels begin with small steps: the work of a level is known only afterwards. */
 static int octaves(int level)
 {
-	return level >= 0 ? -FINER_OCTAVES * level : level >= -SMALL_STEPS ? -level
-		: SMALL_STEPS + FINER_OCTAVES * (-level - SMALL_STEPS);
+	return level >= 0 ? -LOD_FINER_OCTAVES * level : level >= -LOD_SMALL_STEPS ? -level
+		: LOD_SMALL_STEPS + LOD_FINER_OCTAVES * (-level - LOD_SMALL_STEPS);
 }
 
 /* Visibilities of tiles are made anew at each level; those of plants stay. */
@@ -396,8 +369,8 @@ static void drop_tiles(struct lod_screen *screen)
 
 static enum eco_code open_level(struct lod_planner *p, int level, struct eco_error *error)
 {
-	double pixel = p->visible.eye.pixel_rad, finer = level >= FINER_TIMES ? 0 : ldexp(1, octaves(level));
-	enum eco_code code = lod_planner_open(p, TILES_PX * pixel * finer, CELLS_PX * pixel * finer, error);
+	double pixel = p->visible.eye.pixel_rad, finer = level >= LOD_FINER_TIMES ? 0 : ldexp(1, octaves(level));
+	enum eco_code code = lod_planner_open(p, LOD_TILES_PX * pixel * finer, LOD_CELLS_PX * pixel * finer, error);
 	if (!code)
 		drop_tiles(&p->screen);
 	return code;
@@ -432,12 +405,12 @@ static bool is_everything(const struct lod_planner *p)
 
 static uint64_t passes(const struct lod_planner *p)
 {
-	return is_everything(p) ? PASSES_EVERYTHING : within_bytes(p) ? PASSES_BYTES : PASSES_VERTICES;
+	return is_everything(p) ? LOD_PASSES_EVERYTHING : within_bytes(p) ? LOD_PASSES_BYTES : LOD_PASSES_VERTICES;
 }
 
 static uint64_t work_of_node(const struct lod_planner *p)
 {
-	return (within_bytes(p) ? NODE_BYTES : 1) * LOD_WORK_NODE * passes(p) + SUMMARY_TRIES * LOD_WORK_SUMMARY;
+	return (within_bytes(p) ? LOD_NODE_BYTES : 1) * LOD_WORK_NODE * passes(p) + LOD_SUMMARY_TRIES * LOD_WORK_SUMMARY;
 }
 
 /* Work that the plan of this level is expected to take. Tiles, tallies and choices are gone through once for
@@ -446,10 +419,10 @@ static uint64_t work_of_node(const struct lod_planner *p)
  * might see a coarser level. */
 static uint64_t expected_work(const struct lod_planner *p)
 {
-	uint64_t nodes = p->visible.node_count, each = SLOT_CHOICES * LOD_WORK_CHOICE
+	uint64_t nodes = p->visible.node_count, each = LOD_SLOT_CHOICES * LOD_WORK_CHOICE
 		* (uint64_t)p->visible.slot_count;
 	for (uint32_t n = 0; n < nodes; n++)
-		each += LOD_WORK_TALLY * (uint64_t)p->visible.nodes[n].tally_count / UNCHANGED;
+		each += LOD_WORK_TALLY * (uint64_t)p->visible.nodes[n].tally_count / LOD_TALLIES_UNCHANGED;
 	return each * passes(p) + work_of_node(p) * nodes;
 }
 
@@ -462,14 +435,14 @@ static bool is_affordable(const struct lod_planner *p, uint64_t times)
 /* Plants that a walk may look at: it may have been in vain. */
 static uint64_t places_most(const struct lod_planner *p)
 {
-	uint64_t most = p->input->work_max / WALKS / LOD_WORK_PLACE;
-	return !p->input->work_max || most > PLACES_MOST ? PLACES_MOST : most + 1;
+	uint64_t most = p->input->work_max / LOD_PLACES_WALKS / LOD_WORK_PLACE;
+	return !p->input->work_max || most > LOD_PLACES_MOST ? LOD_PLACES_MOST : most + 1;
 }
 
 /* Cells that the plants of a level may have, if all draw theirs. */
 static uint64_t cells_most(const struct lod_planner *p)
 {
-	return p->input->work_max / CELLS_WORK * PASSES_VERTICES / passes(p);
+	return p->input->work_max / LOD_CELLS_WORK * LOD_PASSES_VERTICES / passes(p);
 }
 
 /* Tiles that a plan of any level may have, whatever else is in view. */
@@ -497,7 +470,7 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 	const uint64_t nodes_max = p->visible.nodes_max;
 	for (;; --*level) {
 		struct eco_error local = { 0 };
-		bool bound = *level > COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
+		bool bound = *level > LOD_COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
 		p->visible.places_max = bound ? places_most(p) : 0;
 		p->visible.nodes_max = bound ? nodes_most(p) : nodes_max;
 		if (!bound && p->input->work_max)
@@ -510,7 +483,7 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 		p->visible.cells_max = 0;
 		p->visible.places_few = p->visible.nodes_few = 0;
 		bool affordable = code || !bound || is_affordable(p, 1);
-		if ((code != ECO_TOO_LARGE && affordable) || *level <= COARSEST)
+		if ((code != ECO_TOO_LARGE && affordable) || *level <= LOD_COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
 		p->screen.count = p->screen.stem_count = p->screen.shared = 0;
 		code = lod_visible_tree_restart(&p->visible, error);
@@ -522,7 +495,7 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, struct eco_error *error)
 {
 	begin_screen(p);
-	return open_level(p, (int)level + COARSEST, error);
+	return open_level(p, (int)level + LOD_COARSEST, error);
 }
 
 /* Opens the next finer level, if it is within bounds; else all is as it was. */
@@ -536,7 +509,7 @@ static enum eco_code open_finer(struct lod_planner *p, int *level, bool *opened,
 			p->scene->plant_count);
 	memcpy(gates, p->gates, plants * sizeof *gates);
 	p->visible.places_max = p->scene->needs & ECO_NEED_SUMMARIES
-		? places_most(p) * PASSES_VERTICES / passes(p) : 0;
+		? places_most(p) * LOD_PASSES_VERTICES / passes(p) : 0;
 	p->visible.nodes_max = p->scene->needs & ECO_NEED_SUMMARIES ? nodes_most(p) : nodes_max;
 	p->visible.cells_max = cells_most(p);
 	enum eco_code code = open_level(p, *level + 1, &local);
@@ -555,17 +528,17 @@ static enum eco_code open_finer(struct lod_planner *p, int *level, bool *opened,
 static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
 {
 	const bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED, everything = is_everything(p);
-	int level = everything ? FINER_TIMES : 0;
+	int level = everything ? LOD_FINER_TIMES : 0;
 	bool predicts = true, opened = true;
 	enum eco_code code = open_possible(p, &level, error);
 	while (!code && opened) {
-		bool may = !everything && !complete(p) && level < FINER_TIMES,
-			finer = may && is_affordable(p, FINER_WORK);
-		p->level = (uint32_t)(level - COARSEST);
+		bool may = !everything && !complete(p) && level < LOD_FINER_TIMES,
+			finer = may && is_affordable(p, LOD_FINER_WORK);
+		p->level = (uint32_t)(level - LOD_COARSEST);
 		code = search_level(s, p, &predicts, error);
 		opened = false;
 		p->hidden = !code && may && hides_plants(s->allocation);
-		if (!code && (p->hidden ? is_affordable(p, FINER_WORK)
+		if (!code && (p->hidden ? is_affordable(p, LOD_FINER_WORK)
 				: finer && !bytes && s->index == LOD_LAMBDA_COUNT)) {
 			code = open_finer(p, &level, &opened, error);
 			finer = false;

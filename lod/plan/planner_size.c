@@ -5,11 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define GROUND_STEP 4.0                      /* how much coarser ground becomes at once */
-#define GROUND_PX_SCARCE 2.0                 /* at least so coarse it is where bytes bind */
-#define GROUND_PART 4u                       /* ground takes at most this part of the bytes */
-#define SIZING_WORK 12u                      /* a cut or a list whose bytes are counted */
-
 /* Payloads that the client lacks: of ground, and all of the plan. */
 struct missing { uint64_t ground, all; };
 
@@ -41,7 +36,7 @@ static enum eco_code size_on_ground(struct lod_planner *p, struct eco_plan *plan
 	p->body.cancelled = p->input->cancelled;
 	if (!code)
 		code = eco_wire_body_size(&p->body, p->input->holdings, plan, &needs, &p->bytes, error);
-	p->beside += SIZING_WORK * ((uint64_t)plan->cut_count + needs.count) + p->scene->list_count / 4;
+	p->beside += LOD_SIZING_WORK * ((uint64_t)plan->cut_count + needs.count) + p->scene->list_count / 4;
 	if (!code)
 		*missing = missing_of(p, &needs);
 	free(needs.items);
@@ -56,8 +51,8 @@ static enum eco_code coarsen_ground(struct lod_planner *p, struct eco_plan *plan
 	enum eco_code code = size_on_ground(p, plan, &missing, error);
 	double best_px = p->ground_px;
 	uint64_t least = missing.ground;
-	while (!code && p->ground_px < ECO_GROUND_PX_MAX && missing.ground > (most ? most : missing.all) / GROUND_PART) {
-		p->ground_px = fmin(GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
+	while (!code && p->ground_px < ECO_GROUND_PX_MAX && missing.ground > (most ? most : missing.all) / LOD_GROUND_PART) {
+		p->ground_px = fmin(LOD_GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
 		code = size_on_ground(p, plan, &missing, error);
 		if (code || missing.ground >= least)
 			continue;
@@ -77,7 +72,7 @@ enum eco_code lod_plan_size(struct lod_planner *p, struct eco_plan *plan, struct
 	if (code || p->ground_settled || p->bytes <= p->input->request->bytes || !p->scene->ground_count)
 		return code;
 	p->ground_settled = true;
-	p->ground_px = fmax(p->ground_px, GROUND_PX_SCARCE);
+	p->ground_px = fmax(p->ground_px, LOD_GROUND_PX_SCARCE);
 	return coarsen_ground(p, plan, p->input->request->bytes, error);
 }
 
@@ -91,7 +86,7 @@ enum eco_code lod_plan_scarce_ground(struct lod_planner *p, struct eco_plan *pla
 	struct missing missing;
 	enum eco_code code = ECO_OK;
 	while (!code && p->bytes > p->input->request->bytes && p->ground_px < ECO_GROUND_PX_MAX) {
-		p->ground_px = fmin(GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
+		p->ground_px = fmin(LOD_GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
 		code = size_on_ground(p, plan, &missing, error);
 	}
 	return code;

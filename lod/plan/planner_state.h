@@ -5,6 +5,7 @@
 
 #include <assert.h>
 
+#include "lod/plan/tuning.h"
 #include "ecofiles/format/wire_body.h"
 #include "lod/plan/explain.h"
 #include "lod/plan/image_choice.h"
@@ -71,20 +72,6 @@ struct lod_planner {
 enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input,
 	struct eco_error *error);
 void lod_planner_end(struct lod_planner *p);
-
-/* Weights of the work that is counted, by measurement (lod/EXPERIMENTS.md, What a plan costs). */
-enum lod_work_weight {
-	LOD_WORK_PLACE = 24,         /* a plant looked at */
-	LOD_WORK_NODE = 6,           /* a tile, a tally, a choice, a candidate, each time it is passed */
-	LOD_WORK_TALLY = 2,
-	LOD_WORK_CHOICE = 5,
-	LOD_WORK_CANDIDATE = 2,
-	LOD_WORK_CURVE = 10,         /* a curve read anywhere on it */
-	LOD_WORK_SUMMARY = 100,      /* a number of a summary's points tried */
-	LOD_WORK_VISIBILITY = 16,    /* a plant on the coarse screen, and a cell of it */
-	LOD_WORK_CELL = 1,
-	LOD_WORK_CUT = 3             /* a cut compared with another */
-};
 
 /* Nobody waits for the plan: all searches end. */
 static inline bool lod_planner_cancelled(const struct lod_planner *p)

@@ -7,14 +7,7 @@
 
 #include "lod/plan/byte_price.h"
 
-#define PRICE_NEAR 0.25          /* the same from a price that nearly fits */
-#define PRICE_USUAL -1.0
-#define PRICE_LITTLE -12.0       /* octaves: at lower prices hardly anything is left out */
-#define PRICE_STEP_FIRST 2.0     /* octaves to the next price tried, then twice as far */
 #define LOW_OCTAVES 10           /* no bytes are so far below any */
-#define PRICE_STEP 0.1           /* octaves to which a price is searched */
-#define PRICE_CLOSE 0.45         /* octaves: nearer than that bytes come at once, and are no line */
-#define PRICE_TRIES 5            /* of a search, whatever work is done: the highest price draws nothing */
 
 #define LN_2 0.69314718055994530942
 
@@ -82,7 +75,7 @@ static double beyond_at(const struct lod_allocation *m, double lambda, double ta
 
 /* How closely a price is searched: octaves; share of the bytes that may be left. */
 struct closely { double octaves, slack; };
-static const struct closely roughly = { 0.5, 0.1 }, exactly = { PRICE_STEP, LOD_PRICE_SLACK };
+static const struct closely roughly = { 0.5, 0.1 }, exactly = { LOD_PRICE_STEP, LOD_PRICE_SLACK };
 
 /* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most
  * `target`: a secant on bytes, or their middle where that moves one end alone, until they are nearly that
@@ -93,10 +86,10 @@ static double search_price(struct lod_allocation *m, double lambda, double targe
 	double over = beyond_at(m, lambda, target, low), under = beyond_at(m, lambda, target, high), bytes = 0;
 	int side = 0;                    /* tries that moved the same end */
 	for (int tries = 0; high - low > closely->octaves && bytes < target * (1 - closely->slack)
-			&& (tries < PRICE_TRIES || !lod_planner_over(m->p, 4)); tries++) {
+			&& (tries < LOD_PRICE_SEARCHES || !lod_planner_over(m->p, 4)); tries++) {
 		double part = over / (over + under),
-			from = low < PRICE_LITTLE && high > PRICE_LITTLE + 1 ? PRICE_LITTLE : low;
-		bool halves = high - low < PRICE_CLOSE || abs(side) > 1;
+			from = low < LOD_PRICE_LITTLE && high > LOD_PRICE_LITTLE + 1 ? LOD_PRICE_LITTLE : low;
+		bool halves = high - low < LOD_PRICE_CLOSE || abs(side) > 1;
 		part = halves ? 0.5 : part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
 		double middle = from + part * (high - from);
 		double now = lod_price_relax_alike(m, lambda, middle);
@@ -119,13 +112,13 @@ static double search_price(struct lod_allocation *m, double lambda, double targe
 static void seek(struct lod_allocation *m, double lambda, double target, double near, double *low,
 	double *high)
 {
-	double step = isnan(near) ? PRICE_STEP_FIRST : PRICE_NEAR;
-	*low = *high = isnan(near) ? PRICE_USUAL : near;
+	double step = isnan(near) ? LOD_PRICE_STEP_FIRST : LOD_PRICE_NEAR;
+	*low = *high = isnan(near) ? LOD_PRICE_USUAL : near;
 	double bytes = lod_price_relax_alike(m, lambda, *low);
 	while (bytes <= target && *low > LOD_PRICE_LOWEST) {
 		*high = *low;
 		*low -= step;
-		*low = *low < PRICE_LITTLE ? LOD_PRICE_LOWEST : *low;
+		*low = *low < LOD_PRICE_LITTLE ? LOD_PRICE_LOWEST : *low;
 		step *= 2;
 		bytes = lod_price_relax_alike(m, lambda, *low);
 	}
@@ -170,10 +163,6 @@ double lod_price_find(struct lod_allocation *m, double lambda, double target, co
 
 /* ---- The prediction of a number of bytes ---- */
 
-#define GRID_HIGHEST 12.0        /* octaves: nothing is worth so much a byte; the next is 1 lower */
-#define MIDDLE 0.25              /* of the highest lambda */
-#define GRID_COUNT 24            /* below the last everything is worth its bytes */
-
 struct evaluation {
 	int at;
 	double bytes, vertices, wrong, lowest;   /* lowest: vertices at the lowest lambda */
@@ -182,7 +171,7 @@ struct evaluation {
 
 static double octave_at(int at)
 {
-	return at < GRID_COUNT ? GRID_HIGHEST - at : LOD_PRICE_LOWEST;
+	return at < LOD_GRID_COUNT ? LOD_GRID_HIGHEST - at : LOD_PRICE_LOWEST;
 }
 
 static double within(double value, double least, double most)
@@ -217,7 +206,7 @@ static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_b
 	if (code || result->vertices <= bounds->vertices || !(bounds->high > bounds->low))
 		return code;
 	struct evaluation over = *result, under;
-	code = relax_at(m, fmax(bounds->low, MIDDLE * bounds->high), octave, &under, error);
+	code = relax_at(m, fmax(bounds->low, LOD_GRID_MIDDLE * bounds->high), octave, &under, error);
 	if (!code && under.vertices > bounds->vertices) {
 		over = under;
 		code = relax_at(m, bounds->high, octave, &under, error);
@@ -241,7 +230,7 @@ enum eco_code lod_price_curve(struct lod_allocation *m, const struct lod_price_b
 	struct lod_price_point *point, struct eco_error *error)
 {
 	struct evaluation here, next, middle;
-	enum eco_code code = evaluate(m, bounds, GRID_COUNT, &next, error);
+	enum eco_code code = evaluate(m, bounds, LOD_GRID_COUNT, &next, error);
 	if (!code)
 		code = evaluate(m, bounds, 0, &here, error);
 	clamp(&here, &(struct evaluation){ .wrong = INFINITY, .prediction = LOD_EXPECTED_WORST }, &next);

@@ -6,10 +6,6 @@
 #include <stdbool.h>
 #include "ecofiles/format/plan.h"
 
-#define LOD_PRICE_LOWEST -30.0   /* wrong pixels a byte: nothing is worth so little, ... */
-#define LOD_PRICE_HIGHEST 30.0   /* ... or so much */
-#define LOD_PRICE_SLACK 0.03     /* share of the bytes that may be left */
-
 struct lod_mix;
 /* Relaxes at a price, with its own limits or, if `mix` is used, with those; lod_prices_make came before. Returns the
  * bytes. */

@@ -11,8 +11,6 @@
 /* The expected error of the first points of a summary: computed, not measured. Splats hit what they stand for by
  * chance, independently of each other. */
 
-#define FILLING 0.5              /* splats lie where plants do: they fill gaps like half as many at random */
-
 /* Share of an area that n random splats hit, each covering `each` of it; for n < 1 the mean. */
 static double hit_share(double each, double area, double n)
 {
@@ -38,7 +36,7 @@ static double filled(const struct lod_summary_view *view, double splat, double n
 {
 	double region = view->wide * view->high;
 	return region > 0 ? hit_share(splat * inside_box(sqrt(splat), view->wide, view->high), region,
-		FILLING * n) : 0;
+		LOD_SUMMARY_FILLING * n) : 0;
 }
 
 /* Pixels around the tile that the first n points cover, over weight_px. Plants and ground that hide the tile need
@@ -78,9 +76,6 @@ static struct eco_curve summary_curve(const struct lod_summary_view *view, doubl
 }
 
 /* ---- The hull ---- */
-
-#define SCALE_LEAST 0.01
-#define LAST_STEP 64             /* the last step's slope is seldom less than the mean slope over this */
 
 static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i)
 {
@@ -124,7 +119,7 @@ static double best_scale(const struct lod_summary_hull *summary, uint64_t vertic
 	struct lod_hull_point *best)
 {
 	double least = INFINITY, scale = 1;
-	for (double s = 1; s >= SCALE_LEAST; s /= 2) {
+	for (double s = 1; s >= LOD_SUMMARY_SCALE_LEAST; s /= 2) {
 		struct lod_hull_point sample = at_scale(summary, vertices, s);
 		double error = lod_hull_error(&summary->hull, &sample);
 		if (s < 1 && !(error < least))
@@ -240,7 +235,7 @@ void lod_summary_hull_lambda_range(const struct lod_summary_hull *summary, doubl
 {
 	double saved = fmax(0, 1 - error_of(summary, summary->count - 1));
 	*high = saved / (double)vertices_of(summary, 0);
-	*low = saved / (double)vertices_of(summary, summary->count - 1) / LAST_STEP;
+	*low = saved / (double)vertices_of(summary, summary->count - 1) / LOD_SUMMARY_LAST_STEP;
 }
 
 /* ---- Splats on the screen ---- */

@@ -5,18 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 #define NEARER 0.8408964152537145        /* 2^(-1/4): a plant of a band against the band's middle, at most */
 
-/* Costs of texels: an octave up to a pixel, beyond one; octaves that count. */
-#define COST_BELOW 0.01
-#define COST_ABOVE 0.1
-#define COST_FROM -5.0
-#define COST_OCTAVES 3.0
 #define COST_FULL 8.0
-
-#define OUTLINE_LOSS_MAX 0.4             /* share of an outline's opaque texels */
-#define OUTLINE_WRONG 0.5                /* leaves behind a leaf hide half of what it has wrong */
 
 double lod_texel_px(const struct lod_planner *p, uint32_t image, uint32_t anchor, uint8_t band)
 {
@@ -43,8 +34,8 @@ double lod_outline_loss(const struct lod_planner *p, uint32_t outline, uint32_t 
 	if (levels < list->primitive_count && list->level == 0)
 		return INFINITY;
 	for (uint32_t n = list->primitive_count; n > levels; n--, step *= 2)
-		share += step * fmax(0, 1 - share / OUTLINE_LOSS_MAX);
-	return OUTLINE_WRONG * fmin(share, OUTLINE_LOSS_MAX);
+		share += step * fmax(0, 1 - share / LOD_OUTLINE_LOSS_MAX);
+	return LOD_OUTLINE_WRONG * fmin(share, LOD_OUTLINE_LOSS_MAX);
 }
 
 /* Octaves of rounding do no harm: the cost is the same on every machine. */
@@ -52,10 +43,10 @@ double lod_outline_loss(const struct lod_planner *p, uint32_t outline, uint32_t 
  * little for each octave up to a pixel, then as much as for elements that are wider (lod/plan/README.md). */
 static double texel_cost(double px)
 {
-	double octaves = px < COST_FULL ? lod_octaves(px) : COST_OCTAVES,
-		below = fmin(0, fmax(octaves, COST_FROM)) - COST_FROM,
-		above = fmin(COST_OCTAVES, fmax(0, octaves));
-	return COST_BELOW * below + COST_ABOVE * above;
+	double octaves = px < COST_FULL ? lod_octaves(px) : LOD_TEXEL_COST_OCTAVES,
+		below = fmin(0, fmax(octaves, LOD_TEXEL_COST_FROM)) - LOD_TEXEL_COST_FROM,
+		above = fmin(LOD_TEXEL_COST_OCTAVES, fmax(0, octaves));
+	return LOD_TEXEL_COST_BELOW * below + LOD_TEXEL_COST_ABOVE * above;
 }
 
 double lod_texel_loss(double px, uint32_t fewer)
@@ -126,12 +117,9 @@ enum eco_code lod_plan_textures(struct eco_plan *plan, const struct lod_planner 
 
 /* ---- Levels of impostors ---- */
 
-#define LOD_IMPOSTOR_SIZE 1u             /* of eco_seen: what most plants are that an impostor shows */
-#define WORTH 0.1
-#define WORTH_LAST 0.15
 static double worth_least(uint32_t level)
 {
-	return level + 1 < ECO_IMPOSTOR_LEVELS ? WORTH : WORTH_LAST;
+	return level + 1 < ECO_IMPOSTOR_LEVELS ? LOD_IMPOSTOR_WORTH : LOD_IMPOSTOR_WORTH_LAST;
 }
 
 /* Even small plants look better in more directions, but bytes count (lod/EXPERIMENTS.md, Impostors, Small

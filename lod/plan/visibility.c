@@ -10,23 +10,7 @@
 #include "lod/lanes.h"
 
 #define PI 3.14159265358979323846
-#define AROUND 2.5               /* false positives of a plant lie in a box so much wider and higher than its
-                                  * own */
-#define SEEN_LEAST 1e-4          /* share seen of what is hidden or outside the picture: it may be seen
-                                  * through an unknown gap */
-#define HILL 1.0f                /* columns on either side of a foot in which ground hides */
-#define CLUMPED 0.6              /* leaves stand along twigs: a picture shows as many as of so many random ones
-                                  * (Nilson 1971; forests: 0.5 to 0.7) */
-#define NEAR 2.0                 /* half axes of a crown, to an eye that looks through it ray by ray */
-#define SHADOW 0.003             /* of the pixels of its leaves: so many a near plant shows at least, for the shadow
-                                  * that it casts from above the picture or beside it */
-#define SHADE 1.5                /* what a pixel in the shadow of a crown counts, over one that shows the crown */
-#define SHADE_FLAT 0.05          /* half axis upwards of a shadow, over those across */
-#define STEM_ROWS 2              /* half as high, in rows: a stem shows beside its crown, a shadow on the ground */
-#define TRUNK 0.1                /* of a crown's half extent across: wood is no nearer than this */
 #define CLEAR_LEAST 1e-6f        /* light through the own crown below which that of others is not told */
-#define DENSEST 0.66666667f      /* see cover_of */
-#define SMALL 1.5                /* half as high, in rows: an ellipse is a box of its area */
 #define BOX 0.88622692545275801  /* half the side of a square as large as a circle of radius 1 */
 
 /* ---- Numbers ---- */
@@ -107,7 +91,7 @@ static struct span rows_reached(const struct lod_screen *screen, const struct lo
 	double y = 0.5 * screen->rows - rows_of(screen, outline->y), high = rows_of(screen, outline->high);
 	if (outline->around)
 		return span_of(0, (double)bottom, screen->rows);
-	high *= high < SMALL ? BOX : 1;
+	high *= high < LOD_SCREEN_SMALL ? BOX : 1;
 	return span_of(y - high, fmin(y + high, (double)bottom), screen->rows);
 }
 
@@ -125,7 +109,7 @@ static struct span cells_of_ellipse(const struct lod_screen *screen, const struc
 		y = 0.5 * screen->rows - rows_of(screen, o->y), v = (0.5 * (top + bottom) - y) * part,
 		middle = 0.5 * screen->columns + columns_of(screen, o->x - o->lean * v * o->high),
 		reach = columns_of(screen, o->half);
-	reach *= high < SMALL ? BOX : MIDDLE_WEIGHT * chord(v)
+	reach *= high < LOD_SCREEN_SMALL ? BOX : MIDDLE_WEIGHT * chord(v)
 		+ END_WEIGHT * (chord((top - y) * part) + chord((bottom - y) * part));
 	return span_of(middle - reach, middle + reach, screen->columns);
 }
@@ -293,7 +277,7 @@ double lod_height_seen(double across, double up, const double from_eye[3])
  * less than that. */
 static double wood_nearer(const double d[3], const struct lod_proxy_shape *shape)
 {
-	double thick = TRUNK * shape->crown_across, level2 = d[0] * d[0] + d[1] * d[1] + thick * thick,
+	double thick = LOD_SCREEN_TRUNK * shape->crown_across, level2 = d[0] * d[0] + d[1] * d[1] + thick * thick,
 		top = d[2] + shape->up, foot = d[2] - shape->up;
 	if (!(level2 > 0 && shape->up > 0))
 		return 1;
@@ -352,26 +336,26 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 	lod_outline_make(outline, eye, crown, proxy_shape->crown_across, proxy_shape->crown_up);
 	double stem = 0;             /* cells of its outline */
 	if (proxy_shape->stem > 0
-			&& proxy_shape->up * screen->per_y > STEM_ROWS * (double)visibility->distance) {
+			&& proxy_shape->up * screen->per_y > LOD_SCREEN_STEM_ROWS * (double)visibility->distance) {
 		struct lod_outline *made = &screen->stems[screen->stem_count].outline;
 		lod_outline_make(made, eye, d, proxy_shape->stem, proxy_shape->up);
 		stem = area_of(screen, made);
 		visibility->stem = ++screen->stem_count;
 	}
 	double shadow = proxy_shape->crown_across;
-	if (shadow * screen->per_y > STEM_ROWS * (double)visibility->distance) {
+	if (shadow * screen->per_y > LOD_SCREEN_STEM_ROWS * (double)visibility->distance) {
 		if (!eco_array_grow(&screen->stems, &screen->stem_capacity, screen->stem_count, sizeof *screen->stems))
 			return NULL;
-		lod_outline_make(&screen->stems[screen->stem_count].outline, eye, foot, shadow, SHADE_FLAT * shadow);
+		lod_outline_make(&screen->stems[screen->stem_count].outline, eye, foot, shadow, LOD_SCREEN_SHADE_FLAT * shadow);
 		visibility->shadow = ++screen->stem_count;
 	}
 	double density = density_of(proxy_shape);
 	double across = way_across(proxy_shape, crown);
 	visibility->near = outline->around
-		|| lod_dot(crown, crown) < NEAR * NEAR * proxy_shape->crown_across * proxy_shape->crown_up;
-	visibility->density = (float)(CLUMPED * density);
+		|| lod_dot(crown, crown) < LOD_SCREEN_NEAR * LOD_SCREEN_NEAR * proxy_shape->crown_across * proxy_shape->crown_up;
+	visibility->density = (float)(LOD_SCREEN_CLUMPED * density);
 	visibility->opacity = (float)(1 - lod_exp_minus(density * across));
-	visibility->shown = (float)covered_by(1.5 * CLUMPED * density * across);
+	visibility->shown = (float)covered_by(1.5 * LOD_SCREEN_CLUMPED * density * across);
 	double px = 1 / ((double)visibility->depth * eye->pixel_rad), cell = screen->cell_x * screen->cell_y;
 	visibility->ellipse = (float)(cell * area_of(screen, outline));
 	visibility->pixels = (float)((double)(visibility->shown * visibility->ellipse) + cell * stem);
@@ -417,12 +401,12 @@ static void sort_visibilities(const struct lod_screen *screen, bool by_range, st
 /* Per cell: share of light let through so far. Per column: first row hidden by ground. */
 struct light { float *cells, *horizon; };
 
-/* The box AROUND times as wide and high; around the eye the picture. Returns its cells, in the picture or not. */
+/* The box LOD_SCREEN_AROUND times as wide and high; around the eye the picture. Returns its cells, in the picture or not. */
 static double surroundings(const struct lod_screen *screen, uint32_t index, struct span *across, struct span *down)
 {
 	const struct lod_outline *o = &screen->crowns[index];
 	double x = 0.5 * screen->columns + columns_of(screen, o->x), y = 0.5 * screen->rows - rows_of(screen, o->y),
-		wide = AROUND * BOX * columns_of(screen, o->wide), high = AROUND * BOX * rows_of(screen, o->high);
+		wide = LOD_SCREEN_AROUND * BOX * columns_of(screen, o->wide), high = LOD_SCREEN_AROUND * BOX * rows_of(screen, o->high);
 	if (o->around) {
 		x = wide = 0.5 * screen->columns;
 		y = high = 0.5 * screen->rows;
@@ -466,8 +450,8 @@ static void lower_horizon(const struct lod_screen *screen, struct lod_visibility
 	int left = column < 0 ? 0 : column, right = column < last ? column + 1 : last;
 	float bottom = horizon[left] + part * (horizon[right] - horizon[left]);
 	visibility->bottom = rows + visibility->before * (bottom - rows);
-	for (int c = column - (int)HILL + 1; c <= column + (int)HILL; c++) {
-		float beside = fabsf(at - (float)c) / HILL;
+	for (int c = column - (int)LOD_SCREEN_HILL + 1; c <= column + (int)LOD_SCREEN_HILL; c++) {
+		float beside = fabsf(at - (float)c) / LOD_SCREEN_HILL;
 		if (c >= 0 && c <= last && beside < 1)
 			horizon[c] =
 				fminf(horizon[c], rows + visibility->before * (1 - beside) * (foot - rows));
@@ -504,9 +488,9 @@ static void take(const struct lod_screen *screen, uint32_t index, float *light)
 	}
 	double seen = cell * (crown.lit + stem.lit);
 	if (v->near)
-		seen = fmax(seen, SHADOW * fmin((double)v->leaves, cell * screen->columns * screen->rows));
+		seen = fmax(seen, LOD_SCREEN_SHADOW * fmin((double)v->leaves, cell * screen->columns * screen->rows));
 	if (v->shadow)
-		v->shade = (float)(SHADE * (double)v->opacity * cell
+		v->shade = (float)(LOD_SCREEN_SHADE * (double)v->opacity * cell
 			* lit_of(screen, &screen->stems[v->shadow - 1].runs, light));
 	v->pixels = fmaxf(v->pixels, (float)seen);
 	v->share = v->pixels > 0 ? (float)seen / v->pixels : 0;
@@ -547,7 +531,7 @@ void lod_screen_coarsen(struct lod_screen *screen)
 static void finish(const struct lod_screen *screen, uint32_t index, const float *light, bool hide)
 {
 	struct lod_visibility *v = &screen->visibilities[index];
-	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows * screen->cell_x * screen->cell_y
+	double least = LOD_SCREEN_SEEN_LEAST * fmin(1, screen->columns * screen->rows * screen->cell_x * screen->cell_y
 		/ (1 + (double)v->ellipse));
 	v->share = fmaxf(v->share, (float)least);
 	double unoccluded = hide ? unoccluded_share(screen, index, light) : (double)v->share;
@@ -610,13 +594,13 @@ static lod_f4 uncovered_of(double shown, struct lod_wrong wrong)
 	return (lod_f4){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn), 1 };
 }
 
-/* A crown as it covers cells: denser than DENSEST, it covers as much of wider runs, so that false positives lie around
+/* A crown as it covers cells: denser than LOD_SCREEN_DENSEST, it covers as much of wider runs, so that false positives lie around
  * it. */
 struct cover { const struct lod_visibility *v; float shown, wider; };
 
 static struct cover cover_of(const struct lod_visibility *v)
 {
-	return v->shown > DENSEST ? (struct cover){ v, DENSEST, v->shown / DENSEST } : (struct cover){ v, v->shown, 1 };
+	return v->shown > LOD_SCREEN_DENSEST ? (struct cover){ v, LOD_SCREEN_DENSEST, v->shown / LOD_SCREEN_DENSEST } : (struct cover){ v, v->shown, 1 };
 }
 
 static struct span cover_run(const struct lod_screen *screen, const struct cover *cover, int row, float *height)

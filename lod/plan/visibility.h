@@ -34,11 +34,9 @@
 #ifndef LOD_VISIBILITY_H
 #define LOD_VISIBILITY_H
 
+#include "lod/plan/tuning.h"
 #include "lod/plan/outline.h"
 #include <stdint.h>
-
-#define LOD_SCREEN_COLUMNS 96u
-#define LOD_OWNER_WEIGHT 0.5
 
 struct lod_runs { uint32_t first; uint16_t row, end; };      /* an outline's cells in rows [row, end) */
 struct lod_stem { struct lod_outline outline; struct lod_runs runs; };

@@ -10,8 +10,6 @@
 #include "ecofiles/base/angle16.h"
 #include "lod/plan/planner.h"
 
-#define SPLAT_FACTOR 1.3         /* c_p, Deussen 2002, 5.1: 1.2 to 1.5 */
-
 static enum eco_code no_memory(struct eco_error *error)
 {
 	eco_fail(error, ECO_NO_MEMORY, "planning: no memory for what is in view");
@@ -452,7 +450,7 @@ double lod_summary_points(const struct lod_node *node, double sample_distance)
 	double extent = node->distance * sample_distance;
 	if (!(extent > 0))
 		return INFINITY;
-	return SPLAT_FACTOR * node->area / (2.0 * extent * extent);
+	return LOD_SPLAT_FACTOR * node->area / (2.0 * extent * extent);
 }
 
 static bool summary_suffices(const struct lod_visible_tree *visible, const struct lod_node *node,
