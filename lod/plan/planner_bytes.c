@@ -56,23 +56,6 @@ static double relax_and_share(struct lod_allocation *m, struct fitted *fit, doub
 	return lod_kinds_share(m, fit->lambda, target, fit->octave, &fit->mix);
 }
 
-/* Lambdas between which the one lies that uses the vertices at the price that uses the bytes, and vertices
- * there. */
-struct within { double low, high, over, under; };
-
-/* Vertices are about a power of lambda: its own between two that are close together, else a usual one. Halves
- * the way where the last try may have been a poor guess. */
-static double next_lambda(const struct within *span, double budget, bool halves)
-{
-	double apart = lod_log(span->high / span->low), under = fmax(1, span->under),
-		more = lod_log(budget / under), step;
-	if (apart > LOD_PRICE_FAR)
-		step = LOD_PRICE_POWER * more;
-	else
-		step = halves ? 0.5 * apart : apart * more / lod_log(span->over / under);
-	return span->high * lod_exp_minus(fmin(0.9 * apart, fmax(0.1 * fmin(apart, 1), step)));
-}
-
 /* Relaxes within the vertices too: mostly at the lowest lambda, as bytes alone bind; else at the lambda, of
  * some between that and the one that uses the vertices alone, that leaves least wrong. Returns the bytes. */
 static double find_prices(const struct lod_lambda_search *s, double target, uint64_t budget,
@@ -82,7 +65,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	double low = lod_lambda_at(s->last), high = s->index == LOD_LAMBDA_COUNT ? low
 		: fmax(low, lod_lambda_at(s->index));
 	bool again = !isnan(fit->octave), both = !again && fit->lowest > (double)budget;
-	double least = INFINITY, near = again ? fit->octave : fit->near, top = high, lowest = fit->lowest;
+	double least = INFINITY, used = 1, near = again ? fit->octave : fit->near, top = high, lowest = fit->lowest;
 	fit->lambda = again ? fit->lambda : low;
 	if (!both) {
 		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ near, false }, &fit->octave);
@@ -90,18 +73,15 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 		both = !again && lowest > (double)budget;
 		near = fit->octave;
 	}
-	struct within span = { low, high, lowest, 0 };
-	for (int i = 0; both && i <= LOD_PRICE_LAMBDAS && (!i || span.low < span.high)
-			&& span.under < LOD_PRICE_ENOUGH * (double)budget
+	/* a lambda with more vertices, about as many times as the budget has */
+	for (int i = 0; both && i <= LOD_PRICE_LAMBDAS && !(i && used >= (double)budget)
 			&& !(i > 1 && lod_planner_over(m->p, 3)); i++) {
-		double lambda = i ? next_lambda(&span, (double)budget, i == 2) : high;
+		double lambda = i ? fmax(low, fit->lambda * used / (double)budget) : high;
 		lod_price_find(m, lambda, target, &(struct lod_price_near){ near, true }, &near);
-		bool fits = m->cost.vertices <= (double)budget;
-		*(fits ? &span.high : &span.low) = lambda;
-		*(fits ? &span.under : &span.over) = m->cost.vertices;
-		if (i && (!fits || lod_price_wrong(m) >= least))
-			continue;
-		least = fits ? lod_price_wrong(m) : INFINITY;
+		if (i && (m->cost.vertices > (double)budget || lod_price_wrong(m) >= least))
+			break;
+		least = lod_price_wrong(m);
+		used = fmax(1, m->cost.vertices);
 		fit->lambda = lambda;
 		fit->octave = near;
 	}

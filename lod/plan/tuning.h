@@ -229,11 +229,7 @@
 /* octaves, at first, by which a price is raised that no longer fits */
 #define LOD_PRICE_MORE 0.05
 #define LOD_PRICE_RAISES 3                      /* of lambda, up to the one that uses the vertices alone */
-#define LOD_PRICE_LAMBDAS 3                     /* tried where vertices bind as well, ... */
-#define LOD_PRICE_ENOUGH 0.95                   /* ... until they use so much of the budget */
-/* logarithm: lambdas further apart say little of those between, ... */
-#define LOD_PRICE_FAR 3.0
-#define LOD_PRICE_POWER 1.25                    /* ... which fall with this power of the vertices */
+#define LOD_PRICE_LAMBDAS 3                     /* tried below that one, where vertices bind as well */
 /* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
  * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
 #define LOD_BYTES_WORK 5
