@@ -7,266 +7,205 @@
 #define LOD_TUNING_H
 
 /* ---- Errors seen, and hulls of them ---- */
-
-#define LOD_SEEN_COLOR 0.05                     /* of a difference of mean colours, a unit of CIELAB, ... */
-/* ... and of deviations of lightness: half as much, or from .2 to 2 times, is as good */
-#define LOD_SEEN_CONTRAST 0.025
-/* about what is wrong with a pixel of a plant that is not there */
-#define LOD_SEEN_NOTHING 1.7
-/* for ladders: where a curve is nearly straight more points save nothing, but more plants change as a
- * camera moves */
-#define LOD_HULL_SLOPE_RATIO 1.25
-#define LOD_HULL_BLUR 1.25
-#define LOD_HULL_GROWTH 4u                      /* samples grow by a quarter: curves are smooth */
+#define LOD_SEEN_COLOR 0.05  /* of a difference of mean colours, a unit of CIELAB, ... */
+#define LOD_SEEN_CONTRAST 0.025  /* ... and of deviations of lightness: half as much, or from .2 to 2 times,
+				* is as good */
+#define LOD_SEEN_NOTHING 1.7  /* about what is wrong with a pixel of a plant that is not there */
+#define LOD_HULL_SLOPE_RATIO 1.25  /* for ladders: where a curve is nearly straight more points save nothing,
+				* but more plants change as a camera moves */
+#define LOD_HULL_BLUR 1.25  /* a step is taken in part at lambdas within this factor of its slope */
+#define LOD_HULL_GROWTH 4u  /* samples grow by a quarter: curves are smooth */
 
 /* ---- The coarse screen ---- */
-
-#define LOD_SCREEN_COLUMNS 96u
-#define LOD_OWNER_WEIGHT 0.5
-/* false positives of a plant lie in a box so much wider and higher than its own */
-#define LOD_SCREEN_AROUND 2.5
-/* share seen of what is hidden or outside the picture: it may be seen through an unknown gap */
-#define LOD_SCREEN_SEEN_LEAST 1e-4
-#define LOD_SCREEN_HILL 1.0f                    /* columns on either side of a foot in which ground hides */
-/* leaves stand along twigs: a picture shows as many as of so many random ones (Nilson 1971; forests: 0.5
- * to 0.7) */
-#define LOD_SCREEN_CLUMPED 0.6
-/* half axes of a crown, to an eye that looks through it ray by ray */
-#define LOD_SCREEN_NEAR 2.0
-/* of the pixels of its leaves: so many a near plant shows at least, for the shadow that it casts from
- * above the picture or beside it */
-#define LOD_SCREEN_SHADOW 0.003
-/* what a pixel in the shadow of a crown counts, over one that shows the crown */
-#define LOD_SCREEN_SHADE 1.5
-#define LOD_SCREEN_SHADE_FLAT 0.05              /* half axis upwards of a shadow, over those across */
-/* half as high, in rows: a stem shows beside its crown, a shadow on the ground */
-#define LOD_SCREEN_STEM_ROWS 2
-/* of a crown's half extent across: wood is no nearer than this */
-#define LOD_SCREEN_TRUNK 0.1
-#define LOD_SCREEN_DENSEST 0.66666667f          /* see cover_of */
-#define LOD_SCREEN_SMALL 1.5                    /* half as high, in rows: an ellipse is a box of its area */
+#define LOD_SCREEN_COLUMNS 96u  /* cells across the picture */
+#define LOD_OWNER_WEIGHT 0.5  /* of a false positive that covers another plant (visibility.h) */
+#define LOD_SCREEN_AROUND 2.5  /* false positives of a plant lie in a box so much wider and higher than its
+				* own */
+#define LOD_SCREEN_SEEN_LEAST 1e-4  /* share seen of what is hidden or outside the picture: it may be seen
+				* through an unknown gap */
+#define LOD_SCREEN_HILL 1.0f  /* columns on either side of a foot in which ground hides */
+#define LOD_SCREEN_CLUMPED 0.6  /* leaves stand along twigs: a picture shows as many as of so many random ones
+				* (Nilson 1971; forests: 0.5 to 0.7) */
+#define LOD_SCREEN_NEAR 2.0  /* half axes of a crown, to an eye that looks through it ray by ray */
+#define LOD_SCREEN_SHADOW 0.003  /* of the pixels of its leaves: so many a near plant shows at least, for the
+				* shadow that it casts from above the picture or beside it */
+#define LOD_SCREEN_SHADE 1.5  /* what a pixel in the shadow of a crown counts, over one of the crown */
+#define LOD_SCREEN_SHADE_FLAT 0.05  /* half axis upwards of a shadow, over those across */
+#define LOD_SCREEN_STEM_ROWS 2  /* half as high, in rows: a stem shows beside its crown, a shadow on the
+				* ground */
+#define LOD_SCREEN_TRUNK 0.1  /* of a crown's half extent across: wood is no nearer than this */
+#define LOD_SCREEN_DENSEST 0.66666667f  /* see cover_of */
+#define LOD_SCREEN_SMALL 1.5  /* half as high, in rows: an ellipse is a box of its area */
 
 /* ---- Summaries ---- */
-
-/* splats lie where plants do: they fill gaps like half as many at random */
-#define LOD_SUMMARY_FILLING 0.5
-#define LOD_SUMMARY_SCALE_LEAST 0.01
-/* the last step's slope is seldom less than the mean slope over this */
-#define LOD_SUMMARY_LAST_STEP 64
+#define LOD_SUMMARY_FILLING 0.5  /* splats lie where plants do: they fill gaps like half as many at random */
+#define LOD_SUMMARY_SCALE_LEAST 0.01  /* area of splats over that of the leaves, at least */
+#define LOD_SUMMARY_LAST_STEP 64  /* the last step's slope is seldom less than the mean slope over this */
 
 /* ---- Proxy shapes ---- */
-
-/* of half a plant's height: a stem below the crown is no shorter */
-#define LOD_STEM_LEAST 0.1
-/* area of a plant over its radius squared: a plant without area is visible all the same */
-#define LOD_PLANT_THINNEST 0.01
-#define LOD_SPLAT_FACTOR 1.3                    /* c_p, Deussen 2002, 5.1: 1.2 to 1.5 */
+#define LOD_STEM_LEAST 0.1  /* of half a plant's height: a stem below the crown is no shorter */
+#define LOD_PLANT_THINNEST 0.01  /* area of a plant over its radius squared: a plant without area is visible
+				* all the same */
+#define LOD_SPLAT_FACTOR 1.3  /* c_p, Deussen 2002, 5.1: 1.2 to 1.5 */
 
 /* ---- Textures and impostors ---- */
-
-/* Costs of texels: an octave up to a pixel, beyond one; octaves that count. */
-#define LOD_TEXEL_COST_BELOW 0.01
-#define LOD_TEXEL_COST_ABOVE 0.1
-#define LOD_TEXEL_COST_FROM -5.0
-#define LOD_TEXEL_COST_OCTAVES 3.0
-#define LOD_OUTLINE_LOSS_MAX 0.4                /* share of an outline's opaque texels */
-#define LOD_OUTLINE_WRONG 0.5                   /* leaves behind a leaf hide half of what it has wrong */
-#define LOD_IMPOSTOR_SIZE 1u                    /* of eco_seen: what most plants are that an impostor shows */
-#define LOD_IMPOSTOR_WORTH 0.1
-#define LOD_IMPOSTOR_WORTH_LAST 0.15
+#define LOD_TEXEL_COST_BELOW 0.01  /* of a pixel seen, for each octave of a texel's width up to a pixel */
+#define LOD_TEXEL_COST_ABOVE 0.1  /* the same for each octave beyond a pixel */
+#define LOD_TEXEL_COST_FROM -5.0  /* octaves of a pixel, from which on width costs */
+#define LOD_TEXEL_COST_OCTAVES 3.0  /* octaves beyond a pixel that count */
+#define LOD_OUTLINE_LOSS_MAX 0.4  /* share of an outline's opaque texels */
+#define LOD_OUTLINE_WRONG 0.5  /* leaves behind a leaf hide half of what it has wrong */
+#define LOD_IMPOSTOR_SIZE 1u  /* of eco_seen: what most plants are that an impostor shows */
+#define LOD_IMPOSTOR_WORTH 0.1  /* pixels that a byte of a level must set right */
+#define LOD_IMPOSTOR_WORTH_LAST 0.15  /* the same of the last level */
 
 /* ---- The ground's image ---- */
-
-#define LOD_IMAGE_SAMPLES 4                     /* along each side of a tile, to count its pixels */
-#define LOD_IMAGE_FLAT_LEAST 0.25               /* sine of the least angle that narrows texels */
-#define LOD_IMAGE_COST 0.04                     /* of a pixel, for each octave from ... */
-#define LOD_IMAGE_COST_FROM -2.0                /* ... texels of a quarter of a pixel on, ... */
-#define LOD_IMAGE_COST_OCTAVES 14.0             /* ... for so many octaves */
-#define LOD_IMAGE_COST_NONE 0.6                 /* of a pixel of ground in its plain colour */
-#define LOD_IMAGE_PRICE_STEP 1.07               /* of a search */
+#define LOD_IMAGE_SAMPLES 4  /* along each side of a tile, to count its pixels */
+#define LOD_IMAGE_FLAT_LEAST 0.25  /* sine of the least angle that narrows texels */
+#define LOD_IMAGE_COST 0.04  /* of a pixel, for each octave from ... */
+#define LOD_IMAGE_COST_FROM -2.0  /* ... texels of a quarter of a pixel on, ... */
+#define LOD_IMAGE_COST_OCTAVES 14.0  /* ... for so many octaves */
+#define LOD_IMAGE_COST_NONE 0.6  /* of a pixel of ground in its plain colour */
+#define LOD_IMAGE_PRICE_STEP 1.07  /* of a search */
 
 /* ---- Deussen's rule ---- */
-
-#define LOD_DEUSSEN_STEPS 256                   /* of d': next to none of a budget is left */
-/* plants looked at with a step, where summaries stand for the others */
-#define LOD_DEUSSEN_PLACES 1000000u
-/* of a tile in view, from opening it at many steps to sending its cut */
-#define LOD_DEUSSEN_NODE_WORK 300u
+#define LOD_DEUSSEN_STEPS 256  /* of d': next to none of a budget is left */
+#define LOD_DEUSSEN_PLACES 1000000u  /* plants looked at with a step, where summaries stand for the others */
+#define LOD_DEUSSEN_NODE_WORK 300u  /* of a tile in view, from opening it at many steps to sending its cut */
 
 /* ---- Weights of choices ---- */
-
-#define LOD_FEW_PLANTS 40                       /* in view: fewer than this change one by one in any case */
-#define LOD_SMOOTH_BANDS 3                      /* on either side count towards a slot's mean, ... */
-/* ... but less where there are more plants than this: most plants of many are hidden */
-#define LOD_SMOOTH_PLANTS 400.0
-/* of the work of a plan: cells of the screen in each of its passes; ... */
-#define LOD_CELLS_PART 8
-#define LOD_CELLS_LEAST 64u                     /* ... a screen of so few stays */
-/* share of wood that still counts where leaves cover it wholly: leaves are drawn with holes */
-#define LOD_WOOD_HIDDEN 0.2
+#define LOD_FEW_PLANTS 40  /* in view: fewer than this change one by one in any case */
+#define LOD_SMOOTH_BANDS 3  /* on either side count towards a slot's mean, ... */
+#define LOD_SMOOTH_PLANTS 400.0  /* ... but less where there are more plants than this: most plants of many
+				* are hidden */
+#define LOD_CELLS_PART 8  /* of the work of a plan: cells of the screen in each of its passes; ... */
+#define LOD_CELLS_LEAST 64u  /* ... a screen of so few stays */
+#define LOD_WOOD_HIDDEN 0.2  /* share of wood that still counts where leaves cover it wholly: leaves are drawn
+				* with holes */
 
 /* ---- Relaxation ---- */
-
-/* of the grid, down to where a vertex saves nothing visible; then 0 */
-#define LOD_LAMBDA_COUNT 240
-/* tiles and gates blend where both choices differ by less than this share of what the finer one costs,
- * errors and vertices */
-#define LOD_TIE_SHARE 0.1
-/* splats and organs blend where what organs save differs by less than this share from what their vertices
- * cost */
-#define LOD_TIE_STEP 0.25
+#define LOD_LAMBDA_COUNT 240  /* of the grid, down to where a vertex saves nothing visible; then 0 */
+#define LOD_TIE_SHARE 0.1  /* tiles and gates blend where both choices differ by less than this share of what
+				* the finer one costs, errors and vertices */
+#define LOD_TIE_STEP 0.25  /* splats and organs blend where what organs save differs by less than this share
+				* from what their vertices cost */
 
 /* ---- Limits of bytes ---- */
-
-/* of limits at each lambda and price: with two more bytes predict more often a worse picture */
-#define LOD_PRICE_ROUNDS 3
-#define LOD_GROUND_LEAST 0.1                    /* share of the ground that shows, at least */
+#define LOD_PRICE_ROUNDS 3  /* of limits at each lambda and price: with two more bytes predict more often a
+				* worse picture */
+#define LOD_GROUND_LEAST 0.1  /* share of the ground that shows, at least */
 
 /* ---- Prices, log2 ---- */
-
-#define LOD_PRICE_LOWEST -30.0                  /* wrong pixels a byte: nothing is worth so little, ... */
-#define LOD_PRICE_HIGHEST 30.0                  /* ... or so much */
-#define LOD_PRICE_SLACK 0.03                    /* share of the bytes that may be left */
-#define LOD_PRICE_NEAR 0.25                     /* the same from a price that nearly fits */
-#define LOD_PRICE_USUAL -1.0
-#define LOD_PRICE_LITTLE -12.0                  /* octaves: at lower prices hardly anything is left out */
-#define LOD_PRICE_STEP_FIRST 2.0                /* octaves to the next price tried, then twice as far */
-#define LOD_PRICE_STEP 0.1                      /* octaves to which a price is searched */
-/* octaves: nearer than that bytes come at once, and are no line */
-#define LOD_PRICE_CLOSE 0.45
-/* of a search, whatever work is done: the highest price draws nothing */
-#define LOD_PRICE_SEARCHES 5
-/* octaves: nothing is worth so much a byte; the next is 1 lower */
-#define LOD_GRID_HIGHEST 12.0
-#define LOD_GRID_MIDDLE 0.25                    /* of the highest lambda */
-#define LOD_GRID_COUNT 24                       /* below the last everything is worth its bytes */
+#define LOD_PRICE_LOWEST -30.0  /* wrong pixels a byte: nothing is worth so little, ... */
+#define LOD_PRICE_HIGHEST 30.0  /* ... or so much */
+#define LOD_PRICE_SLACK 0.03  /* share of the bytes that may be left */
+#define LOD_PRICE_NEAR 0.25  /* the same from a price that nearly fits */
+#define LOD_PRICE_USUAL -1.0  /* octave of the first price tried */
+#define LOD_PRICE_LITTLE -12.0  /* octaves: at lower prices hardly anything is left out */
+#define LOD_PRICE_STEP_FIRST 2.0  /* octaves to the next price tried, then twice as far */
+#define LOD_PRICE_STEP 0.1  /* octaves to which a price is searched */
+#define LOD_PRICE_CLOSE 0.45  /* octaves: nearer than that bytes come at once, and are no line */
+#define LOD_PRICE_SEARCHES 5  /* of a search, whatever work is done: the highest price draws nothing */
+#define LOD_GRID_HIGHEST 12.0  /* octaves: nothing is worth so much a byte; the next is 1 lower */
+#define LOD_GRID_MIDDLE 0.25  /* of the highest lambda */
+#define LOD_GRID_COUNT 24  /* below the last everything is worth its bytes */
 
 /* ---- Kinds that share bytes ---- */
-
-#define LOD_KIND_BINS 256                       /* of the bytes that kinds share */
-#define LOD_KIND_ENOUGH 0.985                   /* of the bytes: kinds need share none */
-#define LOD_KIND_TRIES 5                        /* of a mix: tiles that choose others need bytes, too */
+#define LOD_KIND_BINS 256  /* of the bytes that kinds share */
+#define LOD_KIND_ENOUGH 0.985  /* of the bytes: kinds need share none */
+#define LOD_KIND_TRIES 5  /* of a mix: tiles that choose others need bytes, too */
 
 /* ---- Fill ---- */
-
-/* a lambda that fits in the mean may not fit with whole plants: it is raised by this share, ... */
-#define LOD_LAMBDA_STEP 0.02
-#define LOD_LAMBDA_FASTER 1.5                   /* ... then by so many times as much */
+#define LOD_LAMBDA_STEP 0.02  /* a lambda that fits in the mean may not fit with whole plants: it is raised by
+				* this share, ... */
+#define LOD_LAMBDA_FASTER 1.5  /* ... then by so many times as much */
 
 /* ---- Few plants ---- */
-
-/* into which a budget of vertices is divided; fewer where ... */
-#define LOD_FEW_BINS 256u
-#define LOD_FEW_TRIES (1u << 18)                /* ... so many options in bins are tried */
-#define LOD_FEW_PARTS 32u                       /* into which a step is divided, at most */
-/* for all cells: none, then an eighth of an octave apart from ... */
-#define LOD_CELL_LAMBDAS 48
-#define LOD_CELL_STEP 0.917004                  /* ... */
-#define LOD_CELL_HIGHEST 8                      /* ... so many times that of the relaxation on */
+#define LOD_FEW_BINS 256u  /* into which a budget of vertices is divided; fewer where ... */
+#define LOD_FEW_TRIES (1u << 18)  /* ... so many options in bins are tried */
+#define LOD_FEW_PARTS 32u  /* into which a step is divided, at most */
+#define LOD_CELL_LAMBDAS 48  /* for all cells: none, then an eighth of an octave apart from ... */
+#define LOD_CELL_STEP 0.917004  /* ... */
+#define LOD_CELL_HIGHEST 8  /* ... so many times that of the relaxation on */
 
 /* ---- Explanations ---- */
-
-/* of a bounded plan for each row that is made and written: four times what it takes */
-#define LOD_ROW_WORK 2400u
+#define LOD_ROW_WORK 2400u  /* of a bounded plan for each row that is made and written: four times what it
+				* takes */
 
 /* ---- Cuts ---- */
-
-/* narrower points look no better (lod/EXPERIMENTS.md, Scattered points) */
-#define LOD_PART_PX 8.0
-/* at most so much is added to leaves' areas among other plants */
-#define LOD_LEAF_GROWTH 0.6
-/* share of a plant's pixels missed from which all of GROWTH is added */
-#define LOD_LEAF_MISSED 0.15
-/* rounds scales, so that bands of nearly one scale are one cut */
-#define LOD_SCALE_STEPS 8
-#define LOD_SCALE_NEARLY 0.03125f               /* areas that differ by no larger share are one */
+#define LOD_PART_PX 8.0  /* narrower points look no better (lod/EXPERIMENTS.md, Scattered points) */
+#define LOD_LEAF_GROWTH 0.6  /* at most so much is added to leaves' areas among other plants */
+#define LOD_LEAF_MISSED 0.15  /* share of a plant's pixels missed from which all of GROWTH is added */
+#define LOD_SCALE_STEPS 8  /* rounds scales, so that bands of nearly one scale are one cut */
+#define LOD_SCALE_NEARLY 0.03125f  /* areas that differ by no larger share are one */
 
 /* ---- Ground within bytes ---- */
-
-#define LOD_GROUND_STEP 4.0                     /* how much coarser ground becomes at once */
-#define LOD_GROUND_PX_SCARCE 2.0                /* at least so coarse it is where bytes bind */
-#define LOD_GROUND_PART 4u                      /* ground takes at most this part of the bytes */
-#define LOD_SIZING_WORK 12u                     /* a cut or a list whose bytes are counted */
+#define LOD_GROUND_STEP 4.0  /* how much coarser ground becomes at once */
+#define LOD_GROUND_PX_SCARCE 2.0  /* at least so coarse it is where bytes bind */
+#define LOD_GROUND_PART 4u  /* ground takes at most this part of the bytes */
+#define LOD_SIZING_WORK 12u  /* a cut or a list whose bytes are counted */
 
 /* ---- Search for lambda, and levels of detail ---- */
-
-#define LOD_LAMBDA_HIGHEST 34                   /* octaves: more pixels than a picture can have */
-#define LOD_LAMBDAS_PER_PREDICTION 4            /* grid lambdas between two predicted pictures, at most */
-#define LOD_LAMBDA_TRIES 8                      /* of the search between two grid lambdas, ... */
-/* ... which ends when no more than this share of the budget is unused */
-#define LOD_LAMBDA_SLACK 0.001
-/* a larger share asks for other tiles and gates, where few plants are in view */
-#define LOD_LAMBDA_UNUSED 0.01
-#define LOD_TILES_PX 0.5                        /* sample distance to which tiles are opened, ... */
-#define LOD_CELLS_PX 1.0                        /* ... and cells; less at finer levels */
-#define LOD_FINER_OCTAVES 3                     /* from one level to the next */
-#define LOD_FINER_TIMES 3                       /* levels above 0; the last opens all */
-#define LOD_SMALL_STEPS 4                       /* levels below 0 that are one octave apart */
-#define LOD_COARSEST -12
-/* answers within bytes solve the knapsack of few plants, too, if the plan for the vertices took less than
- * this part of the work */
-#define LOD_EXACT_PART 8
-/* answers of so many times the bytes may fit without what nobody misses */
-#define LOD_SPARE_REACH 2
-#define LOD_PLACES_MOST 100000u                 /* plants that one level walks over */
-#define LOD_CELLS_WORK 64                       /* of a plan, for each cell of a plant, where all are drawn */
-#define LOD_PLACES_WALKS 4                      /* as large as may be, that the work allows */
-/* work of a plan, over that of one pass over all choices: these are how many of a slot, usually */
-#define LOD_SLOT_CHOICES 3
-#define LOD_FINER_WORK 4                        /* of a finer level, over that of a level */
-#define LOD_PASSES_VERTICES 96
-#define LOD_PASSES_BYTES 200
-/* no search: the ends of the grid, what they predict, and the fill */
-#define LOD_PASSES_EVERYTHING 8
-#define LOD_NODE_BYTES 2                        /* times that a tile is passed in each of these */
-#define LOD_HIDDEN_MOST 0.05                    /* of what a picture has */
-/* one of so many tallies is summed again, for the others nothing changed */
-#define LOD_TALLIES_UNCHANGED 2
-#define LOD_SUMMARY_TRIES 7                     /* numbers of points that are tried of each */
+#define LOD_LAMBDA_HIGHEST 34  /* octaves: more pixels than a picture can have */
+#define LOD_LAMBDAS_PER_PREDICTION 4  /* grid lambdas between two predicted pictures, at most */
+#define LOD_LAMBDA_TRIES 8  /* of the search between two grid lambdas, ... */
+#define LOD_LAMBDA_SLACK 0.001  /* ... which ends when no more than this share of the budget is unused */
+#define LOD_LAMBDA_UNUSED 0.01  /* a larger share asks for other tiles and gates, of few plants in view */
+#define LOD_TILES_PX 0.5  /* sample distance to which tiles are opened, ... */
+#define LOD_CELLS_PX 1.0  /* ... and cells; less at finer levels */
+#define LOD_FINER_OCTAVES 3  /* from one level to the next */
+#define LOD_FINER_TIMES 3  /* levels above 0; the last opens all */
+#define LOD_SMALL_STEPS 4  /* levels below 0 that are one octave apart */
+#define LOD_COARSEST -12  /* level: the last that is tried */
+#define LOD_EXACT_PART 8  /* answers within bytes solve the knapsack of few plants, too, if the plan for the
+				* vertices took less than this part of the work */
+#define LOD_SPARE_REACH 2  /* answers of so many times the bytes may fit without what nobody misses */
+#define LOD_PLACES_MOST 100000u  /* plants that one level walks over */
+#define LOD_CELLS_WORK 64  /* of a plan, for each cell of a plant, where all are drawn */
+#define LOD_PLACES_WALKS 4  /* as large as may be, that the work allows */
+#define LOD_SLOT_CHOICES 3  /* work of a plan, over that of one pass over all choices: these are how many of a
+				* slot, usually */
+#define LOD_FINER_WORK 4  /* of a finer level, over that of a level */
+#define LOD_PASSES_VERTICES 96  /* over all choices, in a plan for vertices */
+#define LOD_PASSES_BYTES 200  /* the same within bytes */
+#define LOD_PASSES_EVERYTHING 8  /* no search: the ends of the grid, what they predict, and the fill */
+#define LOD_NODE_BYTES 2  /* times that a tile is passed in each of these */
+#define LOD_HIDDEN_MOST 0.05  /* of what a picture has */
+#define LOD_TALLIES_UNCHANGED 2  /* one of so many tallies is summed again, for the others nothing changed */
+#define LOD_SUMMARY_TRIES 7  /* numbers of points that are tried of each */
 
 /* ---- Answers within bytes ---- */
-
-/* octaves, at first, by which a price is raised that no longer fits */
-#define LOD_PRICE_MORE 0.05
-#define LOD_PRICE_RAISES 3                      /* of lambda, up to the one that uses the vertices alone */
-#define LOD_PRICE_LAMBDAS 3                     /* tried below that one, where vertices bind as well */
+#define LOD_PRICE_MORE 0.05  /* octaves, at first, by which a price is raised that no longer fits */
+#define LOD_PRICE_RAISES 3  /* of lambda, up to the one that uses the vertices alone */
+#define LOD_PRICE_LAMBDAS 3  /* tried below that one, where vertices bind as well */
 /* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
  * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
 #define LOD_BYTES_WORK 5
-#define LOD_CURVE_SHARE 0.8                     /* of an answer's bytes, that plants usually get */
-/* vertices of one try over those of the next, where hardly any fit */
-#define LOD_FEW_FALL 4
-/* of the bytes, since what is beside differs from one answer to the next */
-#define LOD_SIZE_MARGIN 0.002
-#define LOD_SIZE_TRIES 5                        /* answers whose bytes are counted */
-/* their bytes count chunks of coarser answers that the answer lacks */
-#define LOD_TIMES_COARSER 4.0
-/* without a budget a byte of a plant's lists must set this share of the plants' pixels right: 100 kB a
- * thousandth */
-#define LOD_SPARE_WORTH 1e-8
-/* missed is no more than this share of what is wrong before, ... */
-#define LOD_SPARE_WRONG 0.005
-#define LOD_SPARE_PIXELS 0.0002                 /* ... or of the plants' pixels */
-/* bytes that a vertex is worth, at most: else lists that save vertices go */
-#define LOD_SPARE_VERTEX 8.0
-/* times that of the answer before: with fewer lists a vertex saves less */
-#define LOD_SPARE_LAMBDA 0.8
-#define LOD_SWEEP_FIRST -10.0                   /* octaves: at lower prices hardly anything is left out */
-#define LOD_SWEEP_STEP 0.375                    /* octaves of the price to the next one tried, at least ... */
-#define LOD_SWEEP_STEP_MOST 3.0                 /* ... and at most */
-/* the same once the work is done that a plan may take; answers then have ... */
-#define LOD_SWEEP_LATE_STEP LOD_SWEEP_STEP_MOST
-#define LOD_SWEEP_LATE_RATIO 2.5                /* ... so many times fewer bytes */
-/* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
-#define LOD_SWEEP_LAMBDA 0.25
-#define LOD_SWEEP_VERTICES 0.5                  /* ... where no more than this part of the budget is used */
-#define LOD_SWEEP_ROUNDS 2                      /* of limits: with three steps are no better */
+#define LOD_CURVE_SHARE 0.8  /* of an answer's bytes, that plants usually get */
+#define LOD_FEW_FALL 4  /* vertices of one try over those of the next, where hardly any fit */
+#define LOD_SIZE_MARGIN 0.002  /* of the bytes, since what is beside differs from one answer to the next */
+#define LOD_SIZE_TRIES 5  /* answers whose bytes are counted */
+#define LOD_TIMES_COARSER 4.0  /* their bytes count chunks of coarser answers that the answer lacks */
+#define LOD_SPARE_WORTH 1e-8  /* without a budget a byte of a plant's lists must set this share of the plants'
+				* pixels right: 100 kB a thousandth */
+#define LOD_SPARE_WRONG 0.005  /* missed is no more than this share of what is wrong before, ... */
+#define LOD_SPARE_PIXELS 0.0002  /* ... or of the plants' pixels */
+#define LOD_SPARE_VERTEX 8.0  /* bytes that a vertex is worth, at most: else lists that save vertices go */
+#define LOD_SPARE_LAMBDA 0.8  /* times that of the answer before: with fewer lists a vertex saves less */
+#define LOD_SWEEP_FIRST -10.0  /* octaves: at lower prices hardly anything is left out */
+#define LOD_SWEEP_STEP 0.375  /* octaves of the price to the next one tried, at least ... */
+#define LOD_SWEEP_STEP_MOST 3.0  /* ... and at most */
+#define LOD_SWEEP_LATE_STEP LOD_SWEEP_STEP_MOST  /* the same once the work is done that a plan may take;
+				* answers then have ... */
+#define LOD_SWEEP_LATE_RATIO 2.5  /* ... so many times fewer bytes */
+#define LOD_SWEEP_LAMBDA 0.25  /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
+#define LOD_SWEEP_VERTICES 0.5  /* ... where no more than this part of the budget is used */
+#define LOD_SWEEP_ROUNDS 2  /* of limits: with three steps are no better */
 
 /* ---- Vertices for a rule that knows no bytes ---- */
-
-#define LOD_IMAGE_PART 4u                       /* of an answer's bytes: 1 / so many */
-#define LOD_SEARCH_SLACK 256u                   /* a search of vertices ends within 1 / so many of them */
-#define LOD_SEARCH_PART 8u                      /* of the work may each plan of it take: 1 / so many */
+#define LOD_IMAGE_PART 4u  /* of an answer's bytes: 1 / so many */
+#define LOD_SEARCH_SLACK 256u  /* a search of vertices ends within 1 / so many of them */
+#define LOD_SEARCH_PART 8u  /* of the work may each plan of it take: 1 / so many */
 
 /* ---- Work ---- */
 
