@@ -116,6 +116,24 @@ UNIT_TEST(bands_agree_with_every_edge)
 	eco_areas_free(&areas);
 }
 
+/* Edges across the whole height: with a band for every fourth of them each would be in thousands. */
+UNIT_TEST(the_index_of_long_edges_stays_in_proportion)
+{
+	enum { LONG = 4000 };
+	static double at[LONG][2];
+	struct eco_areas areas = { .items = NULL };
+	struct wkb line = { .size = 0 };
+	for (uint32_t i = 0; i < LONG; i++)
+		memcpy(at[i], (double[2]){ i, i % 2 * 1000.0 }, sizeof at[i]);
+	put_head(&line, 2);
+	put_path(&line, at, LONG);
+	add(&areas, &line);
+	assert_int_equal(eco_areas_index(&areas, 1, NULL), ECO_OK);
+	assert_true(areas.near.first[areas.near.count] <= 10 * areas.edge_count);
+	assert_true(eco_areas_near(&areas, 10.5, 500) && !eco_areas_near(&areas, 10.5, 1001.5));
+	eco_areas_free(&areas);
+}
+
 static double square_to(const double a[2], const double b[2], double x, double y)
 {
 	double dx = b[0] - a[0], dy = b[1] - a[1], length = dx * dx + dy * dy,

@@ -19,6 +19,7 @@
 #define DEPTH_MAX 16
 #define STRIPS_MAX (1u << 20)
 #define LINKS_MAX (1u << 27)
+#define LINKS_EACH 8.0
 
 enum { WKB_POINT = 1, WKB_LINE = 2, WKB_POLYGON = 3, WKB_POINTS = 4, WKB_LINES = 5, WKB_POLYGONS = 6,
 	WKB_COLLECTION = 7 };
@@ -144,12 +145,25 @@ static uint32_t strip_of(const struct eco_strips *s, double y)
 	return !(at > 0) ? 0 : at >= s->count ? s->count - 1 : (uint32_t)at;
 }
 
+/* As many bands as a quarter of the items, or fewer where these are so long that each would be in more than LINKS_EACH. */
+static uint32_t strips_for(const struct eco_strips *s, uint32_t items,
+	void (*range)(const void *ctx, uint32_t item, double y[2]), const void *ctx)
+{
+	double height = 0, most = fmin(items / 4 + 1, STRIPS_MAX);
+	for (uint32_t i = 0; i < items; i++) {
+		double y[2];
+		range(ctx, i, y);
+		height += y[0] <= y[1] ? y[1] - y[0] : 0;
+	}
+	return (uint32_t)fmax(1, height > 0 ? fmin(most, LINKS_EACH * items * ((s->high - s->low) / height)) : most);
+}
+
 /* Puts each item into every band of its range of y; an empty range: none. */
 static enum eco_code fill_strips(struct eco_strips *s, uint32_t items,
 	void (*range)(const void *ctx, uint32_t item, double y[2]), const void *ctx, struct eco_error *error)
 {
 	uint64_t total = 0;
-	s->count = items / 4 + 1 > STRIPS_MAX ? STRIPS_MAX : items / 4 + 1;
+	s->count = strips_for(s, items, range, ctx);
 	s->first = eco_alloc((size_t)s->count + 2, sizeof *s->first);
 	for (int pass = 0; pass < 2; pass++) {
 		for (uint32_t i = 0; i < items; i++) {
