@@ -45,8 +45,8 @@ WEB_OBJECTS := $(WEB_SOURCES:%.c=$(W)/obj/%.o) $(W)/obj/ecofiles/format/chunk/dr
 	$(WEB_WEBP:%=$(W)/obj/libwebp/%.o)
 
 # the planner of published scenes: server/publish/README.md
-PLANNER_SOURCES := $(wildcard server/publish/web/*.c) server/publish/index.c $(patsubst %,server/%.c,stream stream_after emit describe \
-	$(addprefix request/,json query target)) $(wildcard lod/plan/*.c lod/*.c) $(WEB_BASE:%=ecofiles/base/%.c) \
+PLANNER_SOURCES := $(wildcard server/publish/web/*.c) server/publish/index.c $(wildcard server/stream*.c) server/describe.c \
+	$(patsubst %,server/request/%.c,json query target) $(wildcard lod/plan/*.c lod/*.c) $(WEB_BASE:%=ecofiles/base/%.c) \
 	$(patsubst %,ecofiles/format/%.c,$(filter-out chunk/model model,$(WEB_FORMAT)) inventory legend)
 PLANNER_OBJECTS := $(PLANNER_SOURCES:%.c=$(W)/obj/%.o)
 # small, as it is fetched beside a first picture; uint64_t is no long there

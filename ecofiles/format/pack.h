@@ -287,8 +287,15 @@ struct eco_pack {
 	size_t meta_size;
 	const uint8_t *map;
 	size_t map_size;
+	uint8_t *const *payloads;    /* per chunk, of a pack without a map (server/publish/index.h): NULL until it is there */
 	int file;                    /* that the map is of, where it is a private copy; else -1 */
 };
+
+/* A chunk's payload as it is in memory; NULL: it is not there. */
+static inline const uint8_t *eco_pack_bytes(const struct eco_pack *pack, uint32_t chunk)
+{
+	return pack->payloads ? pack->payloads[chunk] : pack->map + pack->scene.chunks[chunk].offset;
+}
 
 /* Opens and checks everything but the payloads; eco_pack_payload checks the hash of each. */
 enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error);

@@ -124,7 +124,8 @@ static void seal(struct eco_wire_body *body, struct eco_frame_mark mark)
 	XXH3_64bits_update(&state, w->bytes + at, w->size - at);
 	for (uint32_t i = body->bundle_payload; i < body->payload_count; i++) {
 		body->payloads[i].at = w->size;
-		XXH3_64bits_update(&state, body->payloads[i].bytes, body->payloads[i].size);
+		if (body->payloads[i].bytes)     /* else the frame is not final */
+			XXH3_64bits_update(&state, body->payloads[i].bytes, body->payloads[i].size);
 	}
 	put(header + 8, XXH3_64bits_digest(&state), 8);
 }
@@ -171,7 +172,7 @@ static void emit_chunk(struct eco_wire_body *body, uint32_t list, uint32_t ordin
 		return;
 	if (eco_array_grow(&body->payloads, &body->payload_capacity, body->payload_count, sizeof *body->payloads))
 		body->payloads[body->payload_count++] = (struct eco_wire_payload){ 0, chunk,
-			body->pack->map + scene->chunks[chunk].offset, size };
+			eco_pack_bytes(body->pack, chunk), size };
 	else
 		body->frames.failed = true;
 }

@@ -85,6 +85,8 @@ int planner_open(uint8_t *index, size_t size)
 	enum eco_code code = srv_index_read(&own.index, index, size, &own.error);
 	if (!code && !(own.payloads = calloc(own.index->pack.scene.chunk_count + 1u, sizeof *own.payloads)))
 		code = eco_no_memory(&own.error, "a published scene");
+	if (!code)
+		own.index->pack.payloads = own.payloads;
 	return status_of(code);
 }
 

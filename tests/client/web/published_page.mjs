@@ -28,13 +28,8 @@ try {
 	writeFileSync(picture, await browser.picture());
 	let picked = null;
 	for (let i = 0; i < 24 && picked?.kind !== 'plant'; i++) {
-		if (picked)
-			for (const type of ['keyDown', 'keyUp'])
-				await browser.send('Input.dispatchKeyEvent', { type, key: 'Escape' });
-		for (const type of ['mousePressed', 'mouseReleased'])
-			await browser.send('Input.dispatchMouseEvent', { type, x: 50 + 60 * (i % 6), y: 130 + 30 * Math.floor(i / 6),
-				button: 'left', clickCount: 1 });
-		await browser.until('viewer.picked', WAIT_MS);
+		await ask(`(before = viewer.picked, engine.postMessage({ type: 'pick', at: [${0.12 + 0.15 * (i % 6)}, ${0.4 + 0.1 * Math.floor(i / 6)}] }))`);
+		await browser.until('viewer.picked && viewer.picked !== before', WAIT_MS);
 		picked = await ask('viewer.picked');
 	}
 	expect(picked.kind === 'plant', 'no plant was found to click');
