@@ -13,8 +13,8 @@
 #define TRIANGLES_SMALL 0.45 /* and a share of these for a small one */
 #define SPRAY_LEAST 5.0      /* leaves */
 #define SPRAY_MOST 225.0
-#define CARDS 4000.0
-#define CARDS_MAX 8000.0    /* a larger crown is thinner */
+#define CARDS 5000.0
+#define CARDS_MAX 10000.0   /* a larger crown is thinner */
 #define SHADE_SPREAD 0.25
 #define GOLDEN_DEG 137.50776405
 
@@ -85,12 +85,14 @@ static void place_piece(const struct gen_foliage *f, struct gen_v3 at, struct ge
 	struct gen_v3 face, double light)
 {
 	double size = gen_random_in(f->random, 0.82, 1.16);
-	bool flower = gen_random_unit(f->random) < f->flowers;
-	if (at.z + fmin(along.z, 0) * f->length < f->lowest)
+	bool flower = gen_random_unit(f->random) < f->flowers, spray = f->spray.leaves > 0;
+	if (spray)                                   /* turned anyhow, it stays above the ground */
+		at.z = fmax(at.z, f->lowest + 0.5 * f->width);
+	along = gen_unit(along);
+	if (at.z + fmin(along.z, 0) * size * f->length < f->lowest)
 		along.z = fabs(along.z) * 0.3;
 	if (at.z < f->lowest || (f->is_bare && !flower))
 		return;
-	bool spray = f->spray.leaves > 0;
 	uint32_t shade = gen_random_shade(f->random, light, SHADE_SPREAD, spray ? GEN_CELLS : GEN_SHADES);
 	gen_leaf(f->mesh, (uint8_t)(spray ? f->cards[flower] : (flower ? f->flower : f->leaf) + shade),
 		&(struct gen_leaf){ .at = at,
