@@ -591,7 +591,9 @@ void export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], do
 		}
 	bool is_outside = low[0] == high[0] || low[1] == high[1];
 	snprintf(stem, sizeof stem, "ground-%u", ground);
+	name[0] = 0;
 	if (!is_outside) {
+		snprintf(name, EXPORT_NAME, "tiles/%.50s.gltf", stem);
 		const double middle[3] = { (low[0] + high[0]) / 2, (low[1] + high[1]) / 2,
 			(low[2] + high[2]) / 2 };
 		char texture[EXPORT_NAME];
@@ -601,7 +603,6 @@ void export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], do
 		write_baked(x, &bake, &(struct content){ .middle = middle, .stem = stem,
 			.texture = has_image ? texture : NULL });
 	}
-	snprintf(name, EXPORT_NAME, is_outside ? "" : "tiles/%.50s.gltf", stem);
 	lod_bake_free(&bake);
 	eco_elements_free(&samples);
 }
