@@ -23,6 +23,10 @@ static const float before_open[3] = { 0.22f, 0.27f, 0.26f };
 struct lod_seen_light { struct sunlight sun; struct plant plant; };     /* the sky's alone */
 struct pixel { float light[3], cover; };        /* means over samples; light of what is covered */
 struct errors { double color, contrast; };       /* sums over pixels */
+/* A block's mean colour; means of lightness and of its square, which becomes the deviation. */
+struct look { float lab[3], sum, squares; };
+#define LOOKS 144u               /* blocks of the finest size; of others less, in all WAYS to lay blocks over them */
+#define WAYS 4
 /* back: what is drawn before all else, if it is; its samples have item BACK, and light. covered: pixels of
  * the finest size that the reference covers beside it. */
 struct lod_seen_view {
@@ -31,6 +35,7 @@ struct lod_seen_view {
 	struct pixel *reference, *pixels;
 	double covered;
 	struct errors errors[ECO_SEEN_SIZES][2];
+	struct look looks[ECO_SEEN_SIZES][2][LOOKS];     /* the reference's */
 };
 #define BACK UINT32_MAX
 #define SHARE_LEAST 0.02         /* of what the whole reference covers: less of it is hardly seen */
@@ -288,75 +293,67 @@ static void take_pixels(const struct lod_seen *seen, uint32_t view, struct pixel
 
 /* ---- Blocks ---- */
 
-struct block { float light[3], sum, squares; };
-
-static void add_pixel(struct block *block, const struct pixel *pixel, const float before[3])
+static void add_pixel(struct look *look, const float light[3], float l)
 {
-	float light[3], rest = 1 - pixel->cover;
 	for (int k = 0; k < 3; k++)
-		block->light[k] += light[k] = pixel->light[k] + rest * before[k];
-	float l = lightness_of(light);
-	block->sum += l;
-	block->squares += l * l;
+		look->lab[k] += light[k];
+	look->sum += l;
+	look->squares += l * l;
 }
 
-static float deviation_of(const struct block *block, float count)
+/* The block whose first pixel is (x, y), in part outside the picture; empty: lightness of `before`. */
+static void look_at_block(struct look *look, const struct pixel *pixels, int32_t side, const int32_t at[2],
+	const float before[3], float empty)
 {
-	float mean = block->sum / count;
-	return sqrtf(fmaxf(block->squares / count - mean * mean, 0));
-}
-
-static void compare_blocks(struct errors *errors, const struct block *a, const struct block *b)
-{
-	float count = LOD_BLOCK_SIDE * LOD_BLOCK_SIDE, lab[2][3], light[3], square = 0;
-	for (int k = 0; k < 3; k++)
-		light[k] = a->light[k] / count;
-	lab_of(light, lab[0]);
-	for (int k = 0; k < 3; k++)
-		light[k] = b->light[k] / count;
-	lab_of(light, lab[1]);
-	for (int k = 0; k < 3; k++)
-		square += (lab[0][k] - lab[1][k]) * (lab[0][k] - lab[1][k]);
-	errors->color += (double)(count * sqrtf(square));
-	errors->contrast += (double)(count * fabsf(deviation_of(a, count) - deviation_of(b, count)));
-}
-
-/* Adds the block whose first pixel is (x, y), in part outside the picture. */
-static void compare_block(const struct pixel *a, const struct pixel *b, uint32_t side, const int32_t at[2],
-	const float before[3], struct errors *errors)
-{
-	static const struct pixel empty;
-	struct block blocks[2] = { { .sum = 0 } };
-	const struct pixel *pixels[2][LOD_BLOCK_SIDE * LOD_BLOCK_SIDE];
-	float covered = 0;
+	const float count = LOD_BLOCK_SIDE * LOD_BLOCK_SIDE;
+	float light[3];
+	*look = (struct look){ .sum = 0 };
 	for (int32_t i = 0; i < (int32_t)(LOD_BLOCK_SIDE * LOD_BLOCK_SIDE); i++) {
-		int32_t x = at[0] + i % (int32_t)LOD_BLOCK_SIDE, y = at[1] + i / (int32_t)LOD_BLOCK_SIDE,
-			s = (int32_t)side;
-		bool inside = x >= 0 && y >= 0 && x < s && y < s;
-		pixels[0][i] = inside ? &a[y * s + x] : &empty;
-		pixels[1][i] = inside ? &b[y * s + x] : &empty;
-		covered += pixels[0][i]->cover + pixels[1][i]->cover;
+		int32_t x = at[0] + i % (int32_t)LOD_BLOCK_SIDE, y = at[1] + i / (int32_t)LOD_BLOCK_SIDE;
+		const struct pixel *pixel = x >= 0 && y >= 0 && x < side && y < side ? &pixels[y * side + x] : NULL;
+		if (!pixel || !(pixel->cover > 0)) {
+			add_pixel(look, before, empty);
+			continue;
+		}
+		for (int k = 0; k < 3; k++)
+			light[k] = pixel->light[k] + (1 - pixel->cover) * before[k];
+		add_pixel(look, light, lightness_of(light));
 	}
-	if (!(covered > 0))
-		return;
-	for (int k = 0; k < 2; k++)
-		for (uint32_t i = 0; i < LOD_BLOCK_SIDE * LOD_BLOCK_SIDE; i++)
-			add_pixel(&blocks[k], pixels[k][i], before);
-	compare_blocks(errors, &blocks[0], &blocks[1]);
+	for (int k = 0; k < 3; k++)
+		light[k] = look->lab[k] / count;
+	lab_of(light, look->lab);
+	look->sum /= count;
+	look->squares = sqrtf(fmaxf(look->squares / count - look->sum * look->sum, 0));
 }
 
-/* Plants stand anywhere in blocks: of small ones the mean of four ways is taken, each half a block
- * further. */
-static void compare_pixels(const struct pixel *a, const struct pixel *b, uint32_t side, const float before[3],
-	struct errors *errors)
+/* Plants stand anywhere in blocks: of small ones the mean of four ways is taken, each half a block further. Returns the
+ * number of looks. */
+static uint32_t look_at(struct look looks[LOOKS], const struct pixel *pixels, uint32_t size, const float before[3])
 {
-	const int32_t block = LOD_BLOCK_SIDE, ways = side < FINEST ? 4 : 1;
+	const int32_t block = LOD_BLOCK_SIDE, side = (int32_t)side_of(size), ways = size ? WAYS : 1;
+	const float empty = lightness_of(before);
+	uint32_t count = 0;
 	for (int32_t way = 0; way < ways; way++)
-		for (int32_t y = way / 2 * -block / 2; y < (int32_t)side; y += block)
-			for (int32_t x = way % 2 * -block / 2; x < (int32_t)side; x += block)
-				compare_block(a, b, side, (const int32_t[2]){ x, y }, before, errors);
-	errors->color /= ways;
-	errors->contrast /= ways;
+		for (int32_t y = way / 2 * -block / 2; y < side; y += block)
+			for (int32_t x = way % 2 * -block / 2; x < side; x += block)
+				look_at_block(&looks[count++], pixels + first_of(size), side, (const int32_t[2]){ x, y }, before, empty);
+	return count;
+}
+
+static struct errors compare_looks(const struct look *a, const struct look *b, uint32_t count, uint32_t size)
+{
+	const float pixels = LOD_BLOCK_SIDE * LOD_BLOCK_SIDE;
+	struct errors errors = { .color = 0 };
+	for (uint32_t i = 0; i < count; i++) {
+		float square = 0;
+		for (int k = 0; k < 3; k++)
+			square += (a[i].lab[k] - b[i].lab[k]) * (a[i].lab[k] - b[i].lab[k]);
+		errors.color += (double)(pixels * sqrtf(square));
+		errors.contrast += (double)(pixels * fabsf(a[i].squares - b[i].squares));
+	}
+	errors.color /= size ? WAYS : 1;
+	errors.contrast /= size ? WAYS : 1;
+	return errors;
 }
 
 /* ---- Views, several at a time ---- */
@@ -396,9 +393,9 @@ static void take_errors(struct lod_seen *seen, uint32_t view)
 	take_pixels(seen, view, v->pixels);
 	for (uint32_t size = 0; size < ECO_SEEN_SIZES; size++)
 		for (int open = 0; open < 2; open++) {
-			v->errors[size][open] = (struct errors){ .color = 0 };
-			compare_pixels(v->pixels + first_of(size), v->reference + first_of(size),
-				side_of(size), open ? before_open : seen->alike, &v->errors[size][open]);
+			struct look looks[LOOKS];
+			uint32_t count = look_at(looks, v->pixels, size, open ? before_open : seen->alike);
+			v->errors[size][open] = compare_looks(looks, v->looks[size][open], count, size);
 		}
 }
 
@@ -441,6 +438,11 @@ void lod_seen_keep(struct lod_seen *seen)
 		}
 	for (int k = 0; k < 3; k++)
 		seen->alike[k] = covered > 0 ? (float)(sum[k] / covered) : 0;
+	for (uint32_t i = 0; i < 2 * ECO_SEEN_SIZES * seen->options.views; i++) {
+		struct lod_seen_view *v = &seen->views[i / 2 / ECO_SEEN_SIZES];
+		uint32_t size = i / 2 % ECO_SEEN_SIZES, open = i % 2;
+		look_at(v->looks[size][open], v->reference, size, open ? before_open : seen->alike);
+	}
 }
 
 static uint16_t code_of(double sum, double covered)
