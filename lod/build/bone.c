@@ -235,23 +235,12 @@ static void add_span(struct lines *lines, const struct lod_mesh *mesh, uint32_t 
 /* Spans of triangle t: lines of all pieces that it reaches into. */
 static void add_spans(struct lines *lines, struct lod_tube *tube, const struct through *through, uint32_t t)
 {
-	struct lod_bones *bones = lines->bones;
-	uint32_t of_mesh = tube->member[t];
-	struct lod_v3 sum = lod_v3_add(lod_mesh_corner(tube->mesh, of_mesh, 0),
-		lod_v3_add(lod_mesh_corner(tube->mesh, of_mesh, 1), lod_mesh_corner(tube->mesh, of_mesh, 2))),
-		middle = lod_v3_scale(sum, 1.0 / 3);
-	double best = INFINITY, away;
 	for (uint32_t f = tube->offset[t]; f < tube->offset[t + 1]; f++) {
-		uint32_t piece = lod_tube_piece(tube, f),
-			nearest = nearest_line(through, bones, piece, middle, &away);
-		if (nearest != ECO_NONE && away < best) {
-			best = away;
-			bones->width_at[of_mesh] = bones->items[nearest].width;
-		}
+		uint32_t piece = lod_tube_piece(tube, f);
 		for (uint32_t i = through->first[piece]; i < through->first[piece + 1]; i++) {
 			uint32_t *spanned = &through->spanned[through->line[i] - through->own];
 			if (*spanned != t + 1)
-				add_span(lines, tube->mesh, through->line[i], of_mesh);
+				add_span(lines, tube->mesh, through->line[i], tube->member[t]);
 			*spanned = t + 1;
 		}
 	}
@@ -331,7 +320,6 @@ static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const st
 				distance_to(lod_mesh_corner(mesh, mesh->member[i], k), line->end[0],
 				line->end[1]) - line->width / 2);
 		add_span(lines, mesh, lines->bones->count - 1, mesh->member[i]);
-		lines->bones->width_at[mesh->member[i]] = line->width;
 	}
 }
 
@@ -342,8 +330,7 @@ static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const st
 void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs,
 	struct lod_arena *arena)
 {
-	*bones = (struct lod_bones){ .width_at =
-		lod_arena_take(arena, mesh->triangle_count, sizeof *bones->width_at) };
+	*bones = (struct lod_bones){ .count = 0 };
 	struct lod_arena scratch = { 0 };
 	struct lines *lines = lod_arena_take(arena, 1, sizeof *lines);
 	*lines = (struct lines){ .bones = bones, .arena = arena };

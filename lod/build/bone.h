@@ -28,7 +28,6 @@ struct lod_bones {
 	/* Every triangle of wood has a span for each bone that stands for a part of it. */
 	uint32_t span_count;
 	struct lod_bone_span *spans;
-	double *width_at;            /* per triangle of the mesh: width of the nearest of its bones, or 0 */
 };
 
 /* Lines of all wood, component by component. Arrays from `arena`. */

@@ -54,7 +54,7 @@ uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, 
 void lod_draft_shade(struct lod_draft *draft);
 
 /* Simplified levels of wood (plant_wood.c). */
-#define LOD_LEVELS_SIMPLE 2u
+#define LOD_LEVELS_SIMPLE (ECO_LEVELS_MAX - 1u)
 
 struct lod_corner { uint32_t vertex, component; int32_t uv[2]; };        /* vertex of the mesh */
 

@@ -62,7 +62,7 @@ struct lod_build {
 	uint32_t group_count;
 	struct lod_group *groups;
 	uint32_t *group_of_component;        /* wood's */
-	bool *cut;                   /* per component: of several widths or cells */
+	bool *cut;                   /* per component: of several cells */
 
 	/* leaves, per element */
 	struct lod_v3 *center;

@@ -9,25 +9,23 @@
 
 #define FAR_LINES 1024u          /* of the whole plant, the largest */
 #define LEVEL_RADII 0.6          /* mean tube radii of a part by which its simplified levels may differ */
-
+#define SAME_RADII 0.02          /* a level that differs by no more is as good as finer ones */
 #define PAYS 0.7                 /* a level has at most this share of the next one's triangles */
-#define LEAST 96u                /* triangles of a level: with fewer, lines serve better */
+#define LEAST 64u                /* triangles of a level: with fewer, lines serve better */
 
 /* ---- Levels ---- */
 
-/* Simplified levels of wood by meshoptimizer: about a sixteenth and a quarter of the triangles, then all of them.
- * Levels are exchanged as a whole, since a missing piece of branch is noticed at once. Branches of similar width
- * are simplified together, by an error in proportion to it; borders at the end of a cell or a width are kept. All of an
- * object is simplified together, seams between colours with it, so that its walls stay closed. */
+/* Simplified levels of wood by meshoptimizer, then all of its triangles. Levels are exchanged as a whole, since a missing
+ * piece of branch is noticed at once. Components of similar width are simplified together, by an error in proportion to it
+ * at most; borders at the end of a cell are kept. All of an object is simplified together, seams between colours with it,
+ * so that its walls stay closed. */
 
-/* Triangles of the mesh that are simplified together, since they belong to branches of similar width. */
+/* Triangles of the mesh that are simplified together, since they belong to components of similar width. */
 struct part {
 	const uint32_t *triangle;
 	uint32_t count;
-	/* Metres by which the surface may move in each level: of branches less than a tube's radius, beyond which it would
-	 * lose its form. */
-	double reach[LOD_LEVELS_SIMPLE];
-	bool keep_border;            /* neighbours of its triangles are in other parts, or in other cells */
+	double radius;               /* mean of the tubes, m; of an object its extent */
+	bool keep_border;            /* neighbours of its triangles are in other cells */
 };
 
 /* Corners of triangles as a mesh for meshoptimizer: a vertex for each combination of place, texture
@@ -72,14 +70,10 @@ static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uin
 	}
 }
 
-static const uint32_t divisors[LOD_LEVELS_SIMPLE] = { 16, 4 };
-/* Per level, as a share of an object's extent: a third of a pixel for an object of 10 and of 40 pixels. */
-static const double object_reach[LOD_LEVELS_SIMPLE] = { 1.0 / 32, 1.0 / 128 };
-
-/* Simplifies a part to a level's share of its triangles, or as far as its reach where it is an object's, and appends those
- * with area to `out`, which has room for all. */
+/* Simplifies a part to a share of its triangles, or until its surface would move by `reach` radii, beyond which it would
+ * lose its form. Appends those with area to `out`, which has room for all. *moved: at least the radii by which it does. */
 static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const struct part *part,
-	uint32_t level, bool object, struct lod_arena *arena)
+	double share, double reach, double *moved, struct lod_arena *arena)
 {
 	if (part->count == 0)
 		return 0;
@@ -89,10 +83,11 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 	make_wedges(&w, mesh, part->triangle, part->count, arena);
 	unsigned int *simple = lod_arena_take(arena, 3 * (size_t)part->count, sizeof *simple);
 	float extent = meshopt_simplifyScale(w.position, w.count, 3 * sizeof(float));
-	float error = extent > 0 ? (float)(part->reach[level] / mesh->step / extent) : 1;
+	float error = extent > 0 ? (float)(reach * part->radius / mesh->step / extent) : 1, made = 0;
 	size_t indices = meshopt_simplify(simple, w.index, 3 * (size_t)part->count, w.position, w.count,
-		3 * sizeof(float), object ? 0 : 3 * (size_t)(part->count / divisors[level]), error,
-		part->keep_border ? meshopt_SimplifyLockBorder : 0, NULL);
+		3 * sizeof(float), 3 * (size_t)(part->count * share), error,
+		part->keep_border ? meshopt_SimplifyLockBorder : 0, &made);
+	*moved = fmax(*moved, error > 0 ? reach * (double)made / (double)error : 0);
 	for (size_t i = 0; i + 2 < indices; i += 3) {
 		struct lod_corner c[3] = { w.corner[simple[i]], w.corner[simple[i + 1]],
 			w.corner[simple[i + 2]] };
@@ -105,59 +100,62 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 	return kept;
 }
 
-/* Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. */
+/* Shares of an object's extent: a third of a pixel for an object of 40 and of 10 pixels. */
+static const double object_reach[] = { 1.0 / 128, 1.0 / 32 };
+#define OBJECT_LEVELS (sizeof object_reach / sizeof object_reach[0])
+
+/* How many times more triangles the next finer level has. Where wood is all there is to draw, a budget between two levels
+ * is not used, and small levels are few bytes. */
+static double step_of(double triangles)
+{
+	return triangles > 512 ? 2 : 1.5;
+}
+
+/* From fine to coarse. Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. */
 static void make_levels(struct lod_levels *levels, const struct lod_mesh *mesh,
 	const struct part *parts, uint32_t part_count, bool object, struct lod_arena *arena)
 {
-	uint32_t finer = 0;
-	struct { struct lod_corner *corner; uint32_t count; } made[LOD_LEVELS_SIMPLE] = { { NULL, 0 } };
-	bool pays[LOD_LEVELS_SIMPLE];
-	*levels = (struct lod_levels){ 0 };
+	uint32_t all = 0, room = LOD_LEVELS_SIMPLE, least = object ? 1 : LEAST;
 	for (uint32_t p = 0; p < part_count; p++)
-		finer += parts[p].count;
-	for (uint32_t i = 0; i < LOD_LEVELS_SIMPLE; i++) {
-		made[i].corner = lod_arena_take(arena, 3 * (size_t)finer, sizeof *made[i].corner);
+		all += parts[p].count;
+	double target = all;
+	for (uint32_t i = 0, finer = all; room > 0 && (object ? i < OBJECT_LEVELS : target >= LEAST); i++) {
+		struct lod_arena_piece *mark = arena->last;
+		struct lod_corner *corner = lod_arena_take(arena, 3 * (size_t)all, sizeof *corner);
+		uint32_t count = 0;
+		double moved = 0;
+		target = object ? 0 : target / step_of(target);
 		for (uint32_t p = 0; p < part_count; p++)
-			made[i].count += simplify(made[i].corner + 3 * (size_t)made[i].count, mesh, &parts[p],
-				i, object, arena);
-	}
-	for (uint32_t i = LOD_LEVELS_SIMPLE; i-- > 0;) {
-		pays[i] = made[i].count >= (object ? 1 : LEAST) && made[i].count <= PAYS * finer;
-		finer = pays[i] ? made[i].count : finer;
-	}
-	for (uint32_t i = 0; i < LOD_LEVELS_SIMPLE; i++) {
-		if (!pays[i])
+			count += simplify(corner + 3 * (size_t)count, mesh, &parts[p], target / all,
+				object ? object_reach[i] : LEVEL_RADII, &moved, arena);
+		if (count < least || count > PAYS * finer) {
+			lod_arena_release(arena, mark);
 			continue;
-		levels->triangle_count[levels->count] = made[i].count;
-		levels->corner[levels->count++] = made[i].corner;
+		}
+		room = object || moved > SAME_RADII ? room : LOD_LEVELS_SIMPLE;
+		levels->corner[--room] = corner;
+		levels->triangle_count[room] = finer = count;
 	}
+	levels->count = LOD_LEVELS_SIMPLE - room;
+	memmove(levels->corner, levels->corner + room, levels->count * sizeof *levels->corner);
+	memmove(levels->triangle_count, levels->triangle_count + room, levels->count * sizeof *levels->triangle_count);
 }
 
 /* ---- Lines ---- */
 
 struct region { struct lod_line *lines; uint32_t count; double length, area, error; };
 
-/* Width of the branch that a triangle of wood belongs to, metres; of a component that is kept whole, its mean. An object has
- * no branches. */
-static double width_at(const struct lod_build *b, uint32_t t)
+/* Triangles of one part are simplified together: components whose widths are in one octave, and those that are whole
+ * apart from those that are cut. An object has no branches. */
+static uint64_t part_of(const struct lod_build *b, uint32_t component)
 {
-	const struct lod_component *component = &b->organs.components[b->mesh.component[t]];
-	if (b->model->object)
-		return 0;
-	return b->bones.width_at[t] > 0 && !lod_build_whole(component) ? b->bones.width_at[t]
-		: 2 * component->radius;
+	int octave = 0;
+	if (!b->model->object)
+		frexp(b->organs.components[component].radius, &octave);
+	return (uint64_t)b->cut[component] << 32 | (uint32_t)(octave + 4096);
 }
 
-/* Triangles of one part are simplified together: branches whose widths are in one octave, and components that
- * are whole apart from those that are cut. */
-static uint64_t part_of(const struct lod_build *b, uint32_t t)
-{
-	int octave;
-	frexp(width_at(b, t), &octave);
-	return (uint64_t)b->cut[b->mesh.component[t]] << 32 | (uint32_t)(octave + 4096);
-}
-
-/* Components whose triangles are in several cells or parts. */
+/* Components whose triangles are in several cells. */
 static void find_cut(struct lod_build *b)
 {
 	const struct lod_mesh *mesh = &b->mesh;
@@ -166,8 +164,7 @@ static void find_cut(struct lod_build *b)
 		bool cut = false;
 		uint32_t first = mesh->member[mesh->member_first[c]];
 		for (uint32_t i = mesh->member_first[c]; i < mesh->member_first[c + 1]; i++)
-			cut = cut || b->cell_of_triangle[mesh->member[i]] != b->cell_of_triangle[first]
-				|| part_of(b, mesh->member[i]) != part_of(b, first);
+			cut = cut || b->cell_of_triangle[mesh->member[i]] != b->cell_of_triangle[first];
 		b->cut[c] = cut;
 	}
 }
@@ -252,7 +249,7 @@ static void add_lines(struct lod_build *b, const struct lod_group *group, uint32
 	lod_arena_release(&b->arena, mark);
 }
 
-/* Triangles of the group in the cell, by the widths of their branches. */
+/* Triangles of the group in the cell, by parts. */
 static uint32_t take_triangles(struct lod_build *b, const struct lod_group *group, uint32_t cell,
 	uint32_t *triangle)
 {
@@ -267,7 +264,7 @@ static uint32_t take_triangles(struct lod_build *b, const struct lod_group *grou
 					|| b->cell_of_triangle[t] != cell
 					|| &b->groups[b->group_of_component[c]] != group)
 				continue;
-			by[count++] = (struct lod_keyed){ part_of(b, t), t };
+			by[count++] = (struct lod_keyed){ part_of(b, c), t };
 		}
 	lod_sort(&b->arena, by, count);
 	for (uint32_t i = 0; i < count; i++)
@@ -295,18 +292,16 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 	struct part *parts = lod_arena_take(&b->arena, count, sizeof *parts);
 	double area = 0;
 	for (uint32_t i = 0, next; i < count; i = next) {
-		double width = 0;
-		for (next = i; next < count && part_of(b, triangle[next]) == part_of(b, triangle[i]); next++) {
+		double radius = 0;
+		uint64_t key = part_of(b, mesh->component[triangle[i]]);
+		for (next = i; next < count && part_of(b, mesh->component[triangle[next]]) == key; next++) {
 			area += b->organs.area[triangle[next]];
-			width += width_at(b, triangle[next]);
+			radius += b->organs.components[mesh->component[triangle[next]]].radius;
 		}
-		struct part *part = &parts[part_count++];
-		/* an object's pictures have levels of their own, which meet at borders */
-		*part = (struct part){ triangle + i, next - i, .keep_border = b->cut[mesh->component[triangle[i]]]
-			|| (b->model->object && b->group_count > 1) };
-		for (uint32_t l = 0; l < LOD_LEVELS_SIMPLE; l++)
-			part->reach[l] = b->model->object ? object_reach[l] * extent_of(mesh)
-				: LEVEL_RADII * width / 2 / (next - i);
+		parts[part_count++] = (struct part){ triangle + i, next - i,
+			b->model->object ? extent_of(mesh) : radius / (next - i),
+			/* an object's pictures have levels of their own, which meet at borders */
+			b->cut[mesh->component[triangle[i]]] || (b->model->object && b->group_count > 1) };
 	}
 	ladder->area = (float)area;
 	if (count) {

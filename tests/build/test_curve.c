@@ -159,6 +159,40 @@ UNIT_TEST(what_is_seen_falls_from_nothing_to_full_detail)
 	finish();
 }
 
+/* A log of one welded piece, which lines show badly. */
+static const struct eco_ladder *measure_log(double rough)
+{
+	soup_begin(&soup);
+	uint32_t bark = soup_material(&soup, 90, 60, 40, ECO_NONE, false);
+	strcpy(soup.material[bark].name, "bark");
+	soup_tube(&soup, bark, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0.2, 0, 1 }, 0.8, 0.2, 24, 24);
+	for (uint32_t i = 0; i < 3 * soup.model.vertex_count; i++)
+		soup.model.position[i] += (float)soup_random(&soup, -rough, rough);
+	measure(&quick);
+	assert_true(plant.ladder_count == 1 && plant.ladders[0].organ == ECO_ORGAN_WOOD);
+	return &plant.ladders[0];
+}
+
+/* Between its line and all of its triangles there are levels, and what is seen is measured of each. */
+UNIT_TEST(levels_of_wood_leave_no_gap)
+{
+	const struct eco_ladder *ladder = measure_log(0.02);
+	const struct eco_curve *level = &plant.curves[ladder->curve_first + ladder->curve_count - ladder->level_count];
+	assert_true(ladder->level_count > 4 && level->share < 0.2f);
+	for (uint32_t i = 1; i < ladder->level_count; i++) {
+		assert_true(level[i].share < 2.2f * level[i - 1].share);
+		assert_true(seen_of(&level[i].seen, 0) < seen_of(&level[i - 1].seen, 0));
+	}
+	finish();
+}
+
+UNIT_TEST(levels_that_are_as_good_as_finer_ones_stand_for_them)
+{
+	const struct eco_ladder *ladder = measure_log(0);
+	assert_true(ladder->level_count > 1 && ladder->level_count < 4);
+	finish();
+}
+
 /* Greatest difference between the errors of the curve and of drawings at its samples and between them, from
  * GAP_LEAST vertices on. */
 static double curve_gap(uint32_t views)

@@ -7,7 +7,7 @@
  * tried, and the chosen sequence has the least total loss without dropping or coarsening an element (dynamic
  * programming). Ladders of cells share the curve of the whole.
  *
- * When all curves are there the errors that are seen are measured of one sample of three (seen.h): of an organ among
+ * When all curves are there the errors that are seen are measured, of samples that are far enough apart (seen.h): of an organ among
  * the others, of a ladder for the whole plant alone. Others lie between.
  *
  * Scales are smoothed over neighbouring shares, and errors made non-increasing (pool adjacent violators). All is
@@ -28,7 +28,9 @@
 #define SAMPLES_DRAFT 14u
 #define VIEWS_DRAFT 6u
 #define PIXELS_DRAFT 96u
-#define SEEN_EVERY 3u                /* samples between: errors that are seen are measured of one of so many */
+/* Errors that are seen lie between those of samples whose shares are so many times apart at most. */
+#define SEEN_STEP 1.7f
+#define SEEN_STEP_DRAFT 5.0f
 #define SEEN_VIEWS_FEW 2u            /* of drafts */
 
 /* ---- Shares ---- */
@@ -450,7 +452,8 @@ static void see_curve(struct lod_seen *seen, struct lod_plant *plant, const stru
 		struct eco_curve *sample = &plant->curves[first->curve_first + i];
 		struct lod_impostor impostor;
 		bool one = i < levels;
-		if (i > levels && i + 1 < first->curve_count && (i - levels) % SEEN_EVERY)
+		if (i > levels && i + 1 < first->curve_count && sample[1].share
+				<= (curve->draft ? SEEN_STEP_DRAFT : SEEN_STEP) * plant->curves[first->curve_first + last].share)
 			continue;
 		lod_probe_clear(probe);
 		if (one) {
