@@ -88,12 +88,12 @@ static const struct eco_option option_table[] = {
 		.is_required = true },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .is_required = true,
 		.help = "size of the pictures in pixels; at most 16384 either way and 2^26 in all" },
-	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, ECO_VERTICES_MAX, .is_required = true,
+	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, (double)ECO_VERTICES_MAX, .is_required = true,
 		.help = "vertices drawn in a frame: points + 2 lines + 3 triangles, each instance "
 		"counted" },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
 		.help = "folder for pictures and report.json; made if missing" },
-	{ "bytes", 0, ECO_OPTION_BYTES, "M", &given.bytes, 0, INT64_MAX,
+	{ "bytes", 0, ECO_OPTION_BYTES, "M", &given.bytes, 0, (double)INT64_MAX,
 		.help = "bytes of each response; default: no limit. Within a limit the first response begins "
 		"with a picture of at most 14 kB; other coarse pictures come if they fit" },
 	{ "memory", 0, ECO_OPTION_BYTES, "SIZE", &given.memory, VIEW_MEMORY_LEAST, VIEW_MEMORY_MOST,
