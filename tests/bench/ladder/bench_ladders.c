@@ -1,7 +1,8 @@
 /* Whether ladders have gaps: each plant alone, packed in full and as a draft, with budgets of vertices from 4 to full
  * detail. Pictures of all budgets are drawn in a few directions and compared with full detail drawn alike.
  *
- * Two errors: that of the colors of blocks (m16) over that of a picture without the plant, and 1 - soft Q. */
+ * Two errors: that of the colors of blocks (m16) over that of a picture without the plant, and 1 - soft Q. A budget is
+ * unused whether no more fits in it or whatever does is worse by the plant's curves: more vertices bring nothing. */
 #include <math.h>
 #include <sys/stat.h>
 
