@@ -16,6 +16,7 @@
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/import/model/gltf.h"
 #include "lod/eye.h"
+#include "tests/support/cases.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
@@ -539,40 +540,21 @@ static uint32_t files_with(const char *part)
 	return count;
 }
 
-static const struct { const char *scene, *says; } bad[] = {
-	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\", \"colour\": 1}}, "
-		"\"instances\": []}", "colour" },
-	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"missing.obj\"}}, \"instances\": "
-		"[{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
-		"missing.obj" },
-	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": "
-		"[{\"plant\": \"oak\", \"at\": [0, 0, 0]}]}", "oak" },
-	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": []}",
-		"no plants" },
-	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": "
-		"[{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
-		"broken.obj" },
-	{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": "
-		"\"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
-		"\"at\": [0, 0, 0]}]}", "a.obj" },
-	/* what is quickly found is said before plants are built */
-	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": "
-		"[{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
-		"\"north\", \"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
-};
-
 UNIT_TEST(test_failure_leaves_the_old_pack)
 {
+	struct fault { const char *scene, *says; };
+	uint32_t count;
+	const struct fault *bad = cases_read("tests/ecopack/cases/make_faults.tsv", sizeof *bad, &count);
 	write_text("broken.obj", "v 0 0\nf 1 2 3\n");
 	write_text("two.csv", "x,y\n1,2\n500,1\n");
-	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+	for (uint32_t i = 0; i < count; i++) {
 		struct eco_error error = { 0 };
 		size_t size;
 		write_text("bad.json", bad[i].scene);
 		write_text("kept.eco", "ECOPACK1 that was there before");
 		assert_int_not_equal(make("bad.json", "kept.eco", 1, &error), ECO_OK);
 		if (!strstr(error.text, bad[i].says))
-			fail_msg("case %zu: \"%s\" does not name %s", i, error.text, bad[i].says);
+			fail_msg("case %u: \"%s\" does not name %s", i, error.text, bad[i].says);
 		char *kept = read_all("kept.eco", &size);
 		assert_int_equal(size, strlen("ECOPACK1 that was there before"));
 		free(kept);

@@ -1,4 +1,5 @@
 /* The viewer's files: what is read at start, and which form of a file a browser gets. */
+#include "tests/support/cases.h"
 #include "tests/support/input_files.h"
 #include "tests/support/serve/serve_daemon.h"
 
@@ -90,26 +91,13 @@ UNIT_TEST(a_browser_gets_the_smallest_form_that_it_takes)
 
 UNIT_TEST(files_have_addresses_forms_and_validators)
 {
-#define KEPT "Cache-Control", "public, max-age=31536000, immutable"
 	/* the page's addresses are relative to it; those with a version name their content */
-	static const struct { const char *target, *headers; unsigned status; const char *body, *name, *value; } rows[] = {
-		{ "/", "Accept-Encoding: gzip, br\r\n", 200, "brotli", "Content-Encoding", "br" },
-		{ "/", "", 200, "<!doctype html>", "Content-Type", "text/html; charset=utf-8" },
-		{ "/", "", 200, "<!doctype html>", "Vary", "Accept-Encoding" },
-		{ "/", "If-None-Match: *\r\n", 304, "", "Cache-Control", "no-cache" },
-		{ "/favicon.ico", "", 307, "", "Location", "viewer/0123abcd/icon.svg" },
-		{ "/viewer/icon.svg", "", 307, "", "Location", "0123abcd/icon.svg" },
-		{ "/viewer/icon.svg", "", 307, "", "Cache-Control", "no-cache" },
-		{ "/viewer/0123abcd/icon.svg", "", 200, "<svg/>", KEPT },
-		{ "/viewer/0123abcd/icon.svg", "", 200, "<svg/>", "Content-Type", "image/svg+xml" },
-		{ "/viewer/0123abce/icon.svg", "", 404, "another version", "Cache-Control", "no-store" },
-		{ "/viewer/0123abcd/none.mjs", "", 404, "no such file", "Cache-Control", "no-store" },
-		{ "/viewer/none.mjs", "", 404, "no such file", "Cache-Control", "no-store" },
-		{ "/viewer/index.html", "", 307, "", "Location", "../" },
-		{ "/viewer/0123abcd/index.html", "", 307, "", "Location", "../../" } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct site_case { const char *target, *headers, *status, *body, *name, *value; };
+	uint32_t count;
+	const struct site_case *rows = cases_read("tests/server/cases/site.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
 		struct http_answer answer = http_ask(port, "GET", rows[i].target, rows[i].headers, NULL, 0);
-		if (answer.status != rows[i].status || !strstr(answer.body, rows[i].body))
+		if (answer.status != (unsigned)atoi(rows[i].status) || !strstr(answer.body, rows[i].body))
 			fail_msg("%s: %u\n%s", rows[i].target, answer.status, answer.body);
 		assert_header(&answer, rows[i].name, rows[i].value);
 		http_free(&answer);
