@@ -105,12 +105,16 @@ static enum eco_code plan_by_rule(struct lod_planner *p, struct eco_plan *plan, 
 
 static enum eco_code add_coarser(struct lod_planner *p, const struct eco_plan *plan, struct eco_error *error)
 {
-	struct lod_planner_input unexplained = *p->input;
+	const struct lod_planner_input *input = p->input;
+	struct lod_planner_input unexplained = *input;
 	unexplained.explanation = NULL;
+	input->coarser->count = 0;
+	if (!p->search || (input->sent && p->bytes <= input->coarser->least))
+		return ECO_OK;
 	p->input = &unexplained;
-	unexplained.coarser->count = 0;
-	return p->search && (!unexplained.sent || p->bytes > unexplained.coarser->least)
-		? lod_bytes_coarser(p->search, plan, error) : ECO_OK;
+	enum eco_code code = lod_bytes_coarser(p->search, plan, error);
+	p->input = input;
+	return code;
 }
 
 static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_input *input,
