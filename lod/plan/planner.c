@@ -76,7 +76,7 @@ static enum eco_code plan_smallest(struct lod_planner *p, struct eco_plan *plan,
 	plan->prediction.fn = (double)view->width * view->height;
 	p->ground_px = ECO_GROUND_PX_MAX;
 	if (p->input->explanation)
-		lod_explanation_free(p->input->explanation);
+		lod_explain_begin(p->input->explanation, p->input->work_max);
 	return lod_plan_size(p, plan, error);
 }
 
@@ -95,12 +95,13 @@ static enum eco_code plan_by_rule(struct lod_planner *p, struct eco_plan *plan, 
 		code = lod_plan_size(p, plan, error);
 	else if (!code)
 		code = lod_plan_ground(plan, p->scene, &request->view, p->ground_px, error);
+	if (!code && p->input->sent && p->bytes > request->bytes && (knows_bytes(p->input) || !request->vertices)) {
+		code = lod_plan_scarce_ground(p, plan, error);
+		code = code || p->bytes <= request->bytes ? code : plan_smallest(p, plan, error);
+	}
 	if (!code && p->input->explanation)
 		lod_explain_ground(p->input->explanation, plan, p->scene, p->ground_px);
-	if (!p->input->sent || code || p->bytes <= request->bytes || !(knows_bytes(p->input) || !request->vertices))
-		return code;
-	code = lod_plan_scarce_ground(p, plan, error);
-	return code || p->bytes <= request->bytes ? code : plan_smallest(p, plan, error);
+	return code;
 }
 
 static enum eco_code add_coarser(struct lod_planner *p, const struct eco_plan *plan, struct eco_error *error)
@@ -196,6 +197,8 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	enum eco_code code = plan_once(plan, &within, &stats, error);
 	if (!code && stats.bytes > request.bytes && !knows_bytes(input))
 		code = search_vertices(plan, &within, &request, &stats, error);
+	if (code)
+		eco_plan_free(plan);
 	if (input->stats)
 		*input->stats = stats;
 	return code;

@@ -130,6 +130,31 @@ UNIT_TEST(rows_add_up_to_the_plan)
 	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_GIVES_WAY] && seen[LOD_WHY_PART] && seen[LOD_WHY_WHOLE]);
 }
 
+/* Few bytes: ground gives way, or nothing but ground is left. */
+UNIT_TEST(ground_that_gave_way_has_its_rows)
+{
+	for (uint64_t seed = 1; seed <= 8; seed++) {
+		struct random_pack *pack = random_pack_make(seed, 0, 10);
+		for (uint64_t bytes = 300; bytes < 100000; bytes *= 3)
+			for (int rule = 0; rule < 2; rule++) {
+				struct eco_request request = { .view = random_view(&pack->r), .vertices = 1000, .bytes = bytes };
+				struct lod_explanation why = { 0 };
+				struct eco_plan plan;
+				plan_make(&plan, (struct lod_planner_input){ .scene = &pack->pack.scene, .request = &request,
+					.rule = rule ? lod_rule_deussen : lod_rule_optimal, .explanation = &why, .sent = true });
+				uint32_t cuts = 0, rows = 0;
+				for (uint32_t i = 0; i < plan.cut_count; i++)
+					cuts += pack->pack.scene.lists[plan.cuts[i].list].kind == ECO_LIST_GROUND;
+				for (uint32_t i = 0; i < why.count; i++)
+					rows += why.rows[i].reason.why == LOD_WHY_GROUND;
+				assert_true(cuts > 0 && cuts == rows);
+				eco_plan_free(&plan);
+				lod_explanation_free(&why);
+			}
+		random_pack_free(pack);
+	}
+}
+
 /* In a scene whose tiles are all open: of each plant by its distance. */
 UNIT_TEST(expected_pixels_add_up_by_distance)
 {
