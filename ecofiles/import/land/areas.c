@@ -346,7 +346,7 @@ static bool passes_by(const struct eco_edge *e, const double low[2], const doubl
 {
 	double dx = e->b[0] - e->a[0], dy = e->b[1] - e->a[1], x = (low[0] + high[0]) / 2 - e->a[0],
 	       y = (low[1] + high[1]) / 2 - e->a[1];
-	return fabs(x * dy - y * dx) > (fabs(dy) * (high[0] - low[0]) + fabs(dx) * (high[1] - low[1])) / 2 + near_m * hypot(dx, dy);
+	return fabs(x * dy - y * dx) > (fabs(dy) * (high[0] - low[0]) + fabs(dx) * (high[1] - low[1])) / 2 + near_m * sqrt(dx * dx + dy * dy);
 }
 
 bool eco_areas_near_box(const struct eco_areas *areas, const double low[2], const double high[2])

@@ -325,7 +325,8 @@ static enum eco_code fill_lines(struct eco_scatter *s, struct filling *f)
 		double dx = e->b[0] - e->a[0], dy = e->b[1] - e->a[1], length = sqrt(dx * dx + dy * dy);
 		for (; left <= length && length > 0 && !code; left += spacing) {
 			double at[2] = { e->a[0] + dx * left / length, e->a[1] + dy * left / length };
-			f->wanted++;
+			if (s->wanted + ++f->wanted > ECO_SCATTER_PLANTS_MAX)
+				return too_many(s);
 			if (!is_clear(s, at) || is_near(s, at, fmin(fmax(s->spec->distance_m, NEAREST_M), s->grid.cell_m)))
 				continue;
 			uint32_t plant = next_plant(s->spec, f->total, f->given, f->placed);
