@@ -433,7 +433,7 @@ rm -rf "$DIR/my"; table='any order'
 is '[.ground.heights, .instances[0].from, .plants.rock.model]' '["../metres.asc","../table.csv","../models/rock.obj"]'
 rm -rf "$DIR/my"
 order 'TREES, .*/models, is a folder' "$DIR/models" "$DIR/models"
-order 'MODELS, .*/table.csv, a table: .*the second a folder or a model .\.glb' "$DIR/table.csv" "$DIR/table.csv"
+order 'MODELS, .*/table.csv, a table: .*the other a folder or a model .\.glb' "$DIR/table.csv" "$DIR/table.csv"
 printf 'glTF' >"$DIR/forest.glb"
 order 'forest.glb, is a model' "$DIR/forest.glb" "$DIR/models"
 
@@ -473,6 +473,9 @@ line() { printf '{"type":"Feature","properties":{%s},"geometry":{"type":"LineStr
 at='"crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::25832"}}'
 { printf '{"type":"FeatureCollection",%s,"features":[' "$at"; line '"highway":"track","width":"3"'; printf ']}'; } >"$DIR/roads.geojson"
 { printf '{"type":"FeatureCollection",%s,"features":[' "$at"; square '"use":"Wald"' 691700; printf ,; square '"use":"Wiese"' 691720; printf ']}'; } >"$DIR/use.geojson"
+{ printf '{"type":"FeatureCollection",%s,"features":[' "$at"; square '"building":"yes"' 691700; printf ,; square '"landuse":"grass"' 691720; printf ']}'; } >"$DIR/both.geojson"
+start 0 'buildings .*/both.geojson .*ground .*/both.geojson' trees.csv "$DIR/both.geojson" --crs EPSG:25832
+is '[.ground.draw[0].from, .instances[1].skip]' '["../both.geojson",{"building":["","no"]}]'
 start 0 'ground .*/roads.geojson .*woods 1 wood, a plant every 7 m' trees.csv "$DIR/roads.geojson" "$DIR/use.geojson" --crs EPSG:25832
 is '.ground' '{"draw":[{"from":"../roads.geojson","width_m":"width"},{"from":"../use.geojson"}]}'
 is '.instances[1] | [.scatter, .only, (.density_per_ha | length), .height_m.max > 10]' '["../use.geojson",{"use":["Wald"]},3,true]'

@@ -118,8 +118,9 @@ bool start_check_order(char **names, uint32_t count);
 /* Takes files of footprints out of the arguments, whose number is returned. A lone table is that of the trees, whatever its
  * features are. */
 uint32_t start_buildings(struct start *s, char **names, uint32_t count);
-/* Takes a table of roads or land use, or an extract of OpenStreetMap; false: it is none, or the table of the trees, too. */
-bool start_land(struct start *s, const char *path);
+/* Takes a table of roads or land use, of which more than the share `least` must be known, or an extract of OpenStreetMap;
+ * false: it is none, or the table of the trees, too. */
+bool start_land(struct start *s, const char *path, double least);
 bool start_is_osm(const char *path);
 bool start_osm(struct start *s, const char *path, bool as_table);
 void start_land_plants(struct start *s);     /* of woods, once the table's species have theirs */

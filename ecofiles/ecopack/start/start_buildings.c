@@ -127,13 +127,15 @@ static json_t *look_at(struct start *s, const char *path)
 		if (!rows->crs)
 			json_object_set_new(entry, "crs", json_null()); /* the trees', once it is known */
 		take_columns(s, entry, rows, look);
+		if (look->buildings && look->land)
+			json_object_set_new(entry, "skip", json_pack("{s:[s,s]}", "building", "", "no"));
 	}
 	eco_rows_close(rows);
 	free(look);
 	return entry;
 }
 
-/* Roads and land use are told by their classes, unless sizes of buildings stand beside them. */
+/* Roads and land use are told by their classes, unless sizes of buildings stand beside them; a file may have both. */
 static bool take(struct start *s, const char *path, bool as_table)
 {
 	if (start_is_osm(path))
@@ -143,7 +145,8 @@ static bool take(struct start *s, const char *path, bool as_table)
 		json_object_set_new(entry, "extrude", json_string(path));
 		json_array_append_new(s->buildings, entry);
 	}
-	return entry || (!as_table && start_land(s, path));
+	bool both = json_object_get(entry, "skip"), land = !as_table && (!entry || both) && start_land(s, path, both ? 0 : 0.5);
+	return entry || land;
 }
 
 uint32_t start_buildings(struct start *s, char **names, uint32_t count)

@@ -177,8 +177,8 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 	bool no_crs = false, taken = look_at(&look, path, layer, &columns, &count, &no_crs);
 	uint64_t drawn = look.areas + look.lines;
 	uint32_t told = layer || !taken ? ECO_NONE : eco_land_class_told(eco_path_last(path), 2 * look.all_lines > look.features);
-	bool known = (double)drawn > least * (double)look.features && drawn + look.wood_count > 0;
-	taken = taken && (known || (told != ECO_NONE && look.features));
+	bool known = taken && (double)drawn > least * (double)look.features && drawn + look.wood_count > 0;
+	taken = known || (taken && (told != ECO_NONE && look.features));
 	if (taken && !known) {
 		struct eco_land_class class;
 		eco_land_class(told, &class);
@@ -209,10 +209,10 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 		free(columns[i]);
 	free(columns);
 	free(look.woods);
-	return taken || look.buildings;
+	return taken || (layer && look.buildings);
 }
 
-bool start_land(struct start *s, const char *path) { return take_layer(s, path, NULL, 0.5); }
+bool start_land(struct start *s, const char *path, double least) { return take_layer(s, path, NULL, least); }
 
 static bool has_trees(const char *path)
 {

@@ -400,8 +400,8 @@ bool start_check_order(char **names, uint32_t count)
 	bool trees_bad = trees == FOLDER || trees == MODEL;
 	bool models_bad = trees != ABSENT && ((models == RASTER && later) || models == TABLE);
 	if (trees_bad || models_bad)
-		eco_stop(ECO_BAD_INPUT, "the order is TREES [MODELS] [RASTER...], and TREES, %.250s, is %s, MODELS, %.250s, %s: "
-			"the first is the table of plants, such as trees.csv, the second a folder or a model ("
-			START_FORMATS ")", names[0], says[trees], count > 1 ? names[1] : "-", says[count > 1 ? models : ABSENT]);
+		eco_stop(ECO_BAD_INPUT, "TREES, %.250s, is %s, MODELS, %.250s, %s: one is the table of plants, such as trees.csv, the "
+			"other a folder or a model (" START_FORMATS "), or a table whose features are known as buildings, "
+			"roads or land use", names[0], says[trees], count > 1 ? names[1] : "-", says[count > 1 ? models : ABSENT]);
 	return models != RASTER;
 }
