@@ -84,7 +84,7 @@ static bool choose(const struct kinds *k, double room)
 		if (varies(k, i)) {
 			for (uint32_t j = 0; j < OPTIONS; j++)
 				options[OPTIONS * count + j] = (struct lod_knapsack_option){ k->wrong[j * k->count + i],
-					(uint64_t)ceil(k->bytes[j * k->count + i] / (room / LOD_KIND_BINS)) };
+					(uint64_t)fmin(LOD_KIND_BINS + 1, ceil(k->bytes[j * k->count + i] / (room / LOD_KIND_BINS))) };
 			classes[count] = (struct lod_knapsack_class){ OPTIONS * count, OPTIONS * (count + 1), 0, false };
 			count++;
 		}
