@@ -273,9 +273,10 @@ static const struct eco_option publish_options[] = {
 	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &publish_given.packs, .high = 32, .is_required = true,
 		.help = "a pack, shown under NAME; without NAME= named as by ecoserve" },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &publish_given.publish.folder, .is_required = true,
-		.help = "the folder, which may be one that was published before; other files in it are left alone" },
+		.help = "the folder, which may be one that was published before; other files in it, and an index.html that is "
+			"not from here, are left alone" },
 	{ "views", 0, ECO_OPTION_TEXT, "FILE", &publish_given.publish.views,
-		.help = "a camera script, as the viewer's Record writes it: links to its views show them at once" },
+		.help = "a camera script, as the viewer's Views write it: links to its keyframes show a picture at once" },
 	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &publish_given.publish.viewer,
 		.help = "folder of the browser's viewer. Default: web/site beside this program, or the installed one" },
 	{ 0 } };

@@ -154,18 +154,33 @@ uint32_t eco_camera_frame_count(const struct eco_camera *camera)
 	return camera->frame_count;
 }
 
-double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view)
+uint32_t eco_camera_key_count(const struct eco_camera *camera)
 {
-	double number[NUMBERS], last = camera->keys[camera->key_count - 1].time_s;
-	double time_s = camera->keys[0].time_s + frame / camera->fps;
-	assert(frame < camera->frame_count);
-	time_s = time_s < last ? time_s : last;
+	return camera->key_count;
+}
+
+static double view_at(const struct eco_camera *camera, double time_s, struct eco_view *view)
+{
+	double number[NUMBERS];
 	interpolate(camera, time_s, number);
 	memcpy(view->eye, number + EYE, sizeof view->eye);
 	memcpy(view->target, number + TARGET, sizeof view->target);
 	memcpy(view->up, number + UP, sizeof view->up);
 	view->fov_y_deg = number[FOV];
 	return time_s;
+}
+
+double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view)
+{
+	double last = camera->keys[camera->key_count - 1].time_s;
+	double time_s = camera->keys[0].time_s + frame / camera->fps;
+	assert(frame < camera->frame_count);
+	return view_at(camera, time_s < last ? time_s : last, view);
+}
+
+double eco_camera_key(const struct eco_camera *camera, uint32_t key, struct eco_view *view)
+{
+	return view_at(camera, camera->keys[key].time_s, view);
 }
 
 /* ---- The whole script ---- */

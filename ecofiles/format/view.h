@@ -86,11 +86,13 @@ enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, stru
 enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name,
 	struct eco_error *error);
 uint32_t eco_camera_frame_count(const struct eco_camera *camera);
+uint32_t eco_camera_key_count(const struct eco_camera *camera);
 /* Whether the z of eye and target count from the ground below each of them, in every frame anew, and not from
  * the scene's origin. The drawing client knows the ground: client-min/view_ask.h. */
 bool eco_camera_above_ground(const struct eco_camera *camera);
 /* returns time_s; leaves size */
 double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view);
+double eco_camera_key(const struct eco_camera *camera, uint32_t key, struct eco_view *view);
 /* Gives a request for a frame the view of the first frame that is at least `seconds` later, or of the last
  * one; none if it is the last one itself. */
 void eco_camera_ahead(const struct eco_camera *camera, uint32_t frame, double seconds,

@@ -18,12 +18,15 @@
 #define FIRST_HEIGHT 800u
 #define FIRST_VERTICES 80000u
 #define FIRST_BYTES 65536u
-/* The viewer's first camera: .4 below the horizon, northwards, 45 degrees high (viewer_camera.mjs). */
-#define AHEAD 0.921061
-#define DOWN (-0.389418)
+/* The viewer's first camera: .33 below the horizon, northwards, 45 degrees high (viewer_camera.mjs: frame). */
+#define AHEAD 0.946042
+#define DOWN (-0.324043)
 #define HALF_TAN 0.414214
+#define FOV_Y_DEG 45
+#define CLOSE 0.9
 
 #define PAGE_MARK "<meta charset=\"utf-8\">\n"   /* behind it the page gets its scenes */
+#define PAGE_SCENES "<script type=\"application/json\" id=\"published\">"
 
 struct folder {
 	const char *path;
@@ -52,22 +55,24 @@ static enum eco_code write_file(const struct folder *f, const char *name, const 
 	return eco_file_write(path, bytes, size, f->error);
 }
 
-/* Takes the document. */
-static enum eco_code write_json(const struct folder *f, const char *name, struct srv_json *json)
+/* Takes the document, which is not written after a fault: `before`. */
+static enum eco_code write_json(const struct folder *f, const char *name, struct srv_json *json, enum eco_code before)
 {
-	enum eco_code code = srv_json_end(json);
-	code = code ? eco_fail(f->error, code, "no memory for %s", name) : write_file(f, name, json->out.bytes, json->out.size);
+	enum eco_code code = before;
+	if (!code && srv_json_end(json))
+		code = eco_no_memory(f->error, name);
+	code = code ? code : write_file(f, name, json->out.bytes, json->out.size);
 	eco_writer_free(&json->out);
 	return code;
 }
 
 /* ---- First answers ---- */
 
-/* As the viewer looks at a box at first: all of it in the shorter way, some of it in the other. */
-static struct eco_view first_view(const struct srv_outlook *look)
+/* As the viewer looks at a box at first. */
+static struct eco_view first_view(const struct srv_outlook *look, double near_m)
 {
-	double half[3], tall = 0, wide = 0;
-	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = 45, .width = FIRST_WIDTH, .height = FIRST_HEIGHT };
+	double half[3], tall = 10 * near_m, wide = tall;
+	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = FOV_Y_DEG, .width = FIRST_WIDTH, .height = FIRST_HEIGHT };
 	for (int k = 0; k < 3; k++) {
 		half[k] = (look->high[k] - look->low[k]) / 2;
 		view.target[k] = look->low[k] + half[k];
@@ -78,7 +83,7 @@ static struct eco_view first_view(const struct srv_outlook *look)
 		wide = fmax(wide, half[0] * FIRST_HEIGHT / FIRST_WIDTH / HALF_TAN - nearer);
 		tall = fmax(tall, fabs(z * AHEAD - y * DOWN) / HALF_TAN - nearer);
 	}
-	double distance = fmax(tall > wide ? tall : sqrt(tall * wide), 1);
+	double distance = CLOSE * fmin(tall, sqrt(tall * wide));
 	view.eye[0] = view.target[0];
 	view.eye[1] = view.target[1] - distance * AHEAD;
 	view.eye[2] = view.target[2] - distance * DOWN;
@@ -118,7 +123,7 @@ static enum eco_code write_first(const struct folder *f, const char *name, const
 static enum eco_code write_views(const struct folder *f, const char *own, const struct srv_scene *scene,
 	const struct eco_camera *saved, struct srv_json *page)
 {
-	uint32_t count = 1 + (saved ? eco_camera_frame_count(saved) : 0);
+	uint32_t count = 1 + (saved ? eco_camera_key_count(saved) : 0);
 	char name[PATH_MAX];
 	enum eco_code code = ECO_OK;
 	if (count > SRV_PUBLISH_VIEWS_MAX)
@@ -126,9 +131,10 @@ static enum eco_code write_views(const struct folder *f, const char *own, const 
 			SRV_PUBLISH_VIEWS_MAX - 1);
 	srv_json_add(page, "first:[");
 	for (uint32_t i = 0; i < count && !code; i++) {
-		struct eco_view view = first_view(&scene->outlook);
+		struct eco_view view = first_view(&scene->outlook, scene->pack->scene.near_m);
 		if (i)
-			eco_camera_frame(saved, i - 1, &view);
+			eco_camera_key(saved, i - 1, &view);
+		view.fov_y_deg = FOV_Y_DEG;
 		snprintf(name, sizeof name, "%s/first-%u.bin", own, i);
 		srv_json_add(page, "{eye:[%g %g %g] target:[%g %g %g] width:%u height:%u vertices:%u bytes:%u}", view.eye[0],
 			view.eye[1], view.eye[2], view.target[0], view.target[1], view.target[2], view.width, view.height,
@@ -180,9 +186,9 @@ static enum eco_code write_scene(const struct folder *f, const struct srv_scene 
 	srv_describe_scene(&about, scene, &most);
 	srv_describe_species(&species, scene);
 	snprintf(name, sizeof name, "%s/species.json", scene->name);
-	code = code ? code : write_json(f, name, &species);
+	code = write_json(f, name, &species, code);
 	snprintf(name, sizeof name, "%s/scene.json", scene->name);
-	return code ? code : write_json(f, name, &about);
+	return write_json(f, name, &about, code);
 }
 
 /* ---- The page ---- */
@@ -239,7 +245,7 @@ static enum eco_code write_page(const struct folder *f, const struct srv_site *s
 			PAGE_MARK);
 	mark += strlen(PAGE_MARK);
 	add_text(&out, (const uint8_t *)text, (size_t)(mark - text));
-	eco_write_format(&out, "<script type=\"application/json\" id=\"published\">");
+	eco_write_format(&out, PAGE_SCENES);
 	for (size_t i = 0; i < page->out.size; i++)
 		if (page->out.bytes[i] == '<')
 			eco_write_format(&out, "\\u003c");
@@ -252,20 +258,33 @@ static enum eco_code write_page(const struct folder *f, const struct srv_site *s
 	return code;
 }
 
+/* A page that was not published is not replaced. */
+static enum eco_code check_page(const struct folder *f)
+{
+	char path[PATH_MAX];
+	uint8_t *bytes = NULL;
+	size_t size;
+	snprintf(path, sizeof path, "%s/" SRV_SITE_INDEX, f->path);
+	enum eco_code code = eco_file_read(path, UINT32_MAX, &bytes, &size, f->error);
+	bool ours = code == ECO_NOT_FOUND || (!code && strstr((const char *)bytes, PAGE_SCENES));
+	free(bytes);
+	return ours ? ECO_OK : code ? code : eco_fail(f->error, ECO_BAD_USAGE, "%.330s is a page of another kind: name another "
+		"folder, or remove it", path);
+}
+
 /* ---- All ---- */
 
 static enum eco_code publish_all(const struct folder *f, const struct srv_store *store, const struct srv_site *site,
 	const struct eco_camera *saved)
 {
-	struct srv_json page = { 0 }, scenes = { 0 };
-	enum eco_code code = mkdir(f->path, 0777) && errno != EEXIST ? eco_fail(f->error, ECO_IO, "%.330s: %s%s", f->path,
-		strerror(errno), eco_advice_write(errno)) : write_viewer(f, site);
+	struct srv_json page = { 0 };
+	enum eco_code code = make_folder(f, "");
+	code = code ? code : check_page(f);
+	code = code ? code : write_viewer(f, site);
 	srv_json_add(&page, "[");
 	for (uint32_t i = 0; i < store->count && !code; i++)
 		code = write_scene(f, store->scenes[i], saved, &page);
 	srv_json_add(&page, "]");
-	srv_describe_scenes(&scenes, store, NULL, NULL);
-	code = code ? code : write_json(f, "scenes.json", &scenes);
 	code = code ? code : srv_json_end(&page);
 	code = code ? code : write_page(f, site, &page);
 	eco_writer_free(&page.out);
@@ -298,9 +317,12 @@ enum eco_code srv_publish(const struct srv_publish *publish, struct srv_publishe
 		code = eco_fail(error, ECO_NOT_FOUND, "there is no viewer: `make web` in the source tree builds one, or "
 			"name its folder by --viewer");
 	if (!code && publish->views && publish->count > 1)
-		code = eco_fail(error, ECO_BAD_USAGE, "--views: of one pack; give the others folders of their own");
+		code = eco_fail(error, ECO_BAD_USAGE, "--views needs exactly one pack; publish the others into another folder");
 	if (!code && publish->views)
 		code = eco_camera_load(&saved, publish->views, error);
+	if (!code && saved && eco_camera_above_ground(saved))
+		code = eco_fail(error, ECO_BAD_INPUT, "--views: heights of a saved view count from the scene's origin, not from "
+			"the ground");
 	code = code ? code : open_packs(&store, publish, error);
 	code = code ? code : publish_all(&folder, &store, &site, saved);
 	eco_camera_free(saved);

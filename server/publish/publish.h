@@ -1,8 +1,7 @@
 /* A folder of plain files that shows scenes on any static host, without a server (README.md):
  *
  *   index.html, viewer/VERSION/...        the viewer of `make web`, with its scenes' descriptions in the page
- *   scenes.json                           what ecoserve answers to /v1/scenes
- *   NAME/scene.json, NAME/species.json    and to /v1/scenes/NAME, .../species
+ *   NAME/scene.json, NAME/species.json    what ecoserve answers to /v1/scenes/NAME, .../species
  *   NAME/ID/index.bin                     what plans are made from (index.h); ID: the pack's
  *   NAME/ID/chunks.bin                    all chunks, in the pack's order; no inventory
  *   NAME/ID/first-N.bin                   ecoserve's answers to the first view, and to each saved one

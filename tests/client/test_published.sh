@@ -18,12 +18,16 @@ for scene in city:20 park:20 forest:3000; do
 	"$BUILD/ecopack" generate "$name" -o "$dir/$name" --plants "${scene#*:}" --quiet >/dev/null || fail "generate $name"
 	"$BUILD/ecopack" make --draft "$dir/$name/scene.json" -o "$dir/$name.eco" --quiet || fail "make $name"
 done
-# a saved view of a scene of its own
-view='{"time_s": 0, "eye": [60, -40, 30], "target": [0, 0, 5], "fov_y_deg": 45}'
-echo "{\"fps\": 1, \"keyframes\": [$view]}" >"$dir/views.json"
+# two saved views of a scene of its own
+view='"eye": [60, -40, 30], "target": [0, 0, 5], "fov_y_deg": 45'
+echo "{\"fps\": 1, \"keyframes\": [{\"time_s\": 0, $view}, {\"time_s\": 6, $view}]}" >"$dir/views.json"
 "$BUILD/ecopack" publish "$dir/city.eco" --views "$dir/views.json" --viewer build/web/site -o "$dir/site" --quiet || fail "publish"
 "$BUILD/ecopack" publish "$dir/city.eco" "$dir/park.eco" "$dir/forest.eco" --viewer build/web/site -o "$dir/site" --quiet \
 	|| fail "publish again"
+[ "$(echo "$dir"/site/city/*/first-*.bin | wc -w)" -eq 3 ] || fail "two saved views are $(echo "$dir"/site/city/*/first-*.bin)"
+echo mine >"$dir/index.html"
+"$BUILD/ecopack" publish "$dir/city.eco" --viewer build/web/site -o "$dir" 2>/dev/null && fail "another page was replaced"
+[ "$(cat "$dir/index.html")" = mine ] || fail "another page was replaced"
 for file in city/*/first-0.bin city/*/first-1.bin forest/*/index.bin park/scene.json; do
 	[ -s "$dir/site/"$file ] || fail "there is no $file"
 done

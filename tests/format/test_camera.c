@@ -41,6 +41,7 @@ UNIT_TEST(frames_run_to_the_last_keyframe)
 		assert_int_equal(eco_camera_frame_count(camera), rows[i].frames);
 		assert_true(eco_camera_frame(camera, rows[i].frames - 1, &view) == rows[i].last_s);
 		assert_true(view.width == 640 && view.height == 480);
+		assert_true(eco_camera_key(camera, eco_camera_key_count(camera) - 1, &view) >= rows[i].last_s);
 	}
 }
 

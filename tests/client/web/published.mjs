@@ -101,6 +101,15 @@ async function compare(url, host) {
 	return figures;
 }
 
+const { Camera } = await load('viewer_camera.mjs');
+for (const { about, first: [{ eye, width, height }] } of JSON.parse(/ id="published">(.*)<\/script>/.exec(
+	readFileSync(join(folder, 'index.html')))[1])) {
+	const camera = new Camera();
+	camera.reach(about.bounds, about.near_m);
+	camera.frame(about.look, width / height);
+	expect(camera.view().eye.every((v, i) => Math.abs(v - eye[i]) < camera.distance / 1e4),
+		`${about.name}: the first answer is for ${eye}, the viewer begins at ${camera.view().eye}`);
+}
 expect(rangesOf([[0, 10, 1], [1000, 10, 2], [3000, 10, 3], [0, 10, 4]]).length === 3, 'ranges are not merged by gaps');
 for (const ranges of [true, false]) {
 	for (const url of urls) {
