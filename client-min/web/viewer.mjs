@@ -259,7 +259,7 @@ const heard = {
 	},
 	identified({ picked: of, plant }) {
 		if (isPicked(of))
-			showPlant(plant);
+			showPlant(plant, of.number);
 	},
 	explained({ reasons, picked: of, ...why }) {
 		if (reasons && isPicked(of))
@@ -429,7 +429,7 @@ function toggleMeasure() {
 function choose({ said, ...plant }) {
 	picked = plant;
 	showPicked(picked, about.origin);
-	showPlant(said);
+	showPlant(said, plant.number);
 	engine.postMessage({ type: 'mark', plant });
 	orbitPicked();
 }
@@ -560,7 +560,13 @@ function goToAddress(scenes) {
 
 async function start() {
 	engine = await startEngine();
-	engine.onmessage = ({ data }) => heard[data.type](data);
+	engine.onmessage = async ({ data }) => {
+		try {
+			await heard[data.type](data);
+		} catch (error) {
+			say(error.message, true);
+		}
+	};
 	goToAddress(null);
 	const scenes = await scenesHere().catch(() => null), names = scenes?.map(({ name }) => name);
 	if (!scenes)

@@ -235,7 +235,10 @@ class Engine {
 			this.rows = { of: stream, pieces: new Map() };
 		const { pieces } = this.rows;
 		if (!pieces.has(key))
-			pieces.set(key, stream.rows(list, first, PIECE));
+			pieces.set(key, stream.rows(list, first, PIECE).catch((error) => {
+				pieces.delete(key);
+				throw error;
+			}));
 		return (await pieces.get(key))[index - first];
 	}
 

@@ -201,10 +201,11 @@ export function showPicked(picked, origin) {
 }
 
 /** The plant by the inventory that it comes from, if it comes from one. The picture alone knows only what
- * it is shown as, which may stand for several species. */
-export function showPlant({ species, plant, class: tint, file, row: number, line }) {
-	$('card-title').textContent = species ?? t('Species not stated');
-	const facts = isSame(species, plant) ? [] : [[t('Shown as'), plant]];
+ * it is shown as, which may stand for several species; and so does a published scene, where `species` is not given. */
+export function showPlant({ species, plant, class: tint, file, row: number, line }, model) {
+	const title = species === undefined ? speciesOf({ number: model, name: plant }).short : species ?? t('Species not stated');
+	$('card-title').textContent = title;
+	const facts = isSame(title, plant) ? [] : [[t('Shown as'), plant]];
 	if (tint)
 		facts.push([t('Class'), tint]);
 	if (file)

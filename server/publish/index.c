@@ -84,7 +84,7 @@ static void place_chunks(struct srv_index *index)
 static enum eco_code make_places(struct srv_index *index, struct eco_error *error)
 {
 	struct eco_scene *scene = &index->pack.scene;
-	if (scene->place_count > UINT32_MAX)
+	if (scene->place_count >= UINT32_MAX / ECO_PLACE_BYTES)
 		return BAD("%llu plants are too many", (unsigned long long)scene->place_count);
 	index->places = calloc(scene->place_count + 1, ECO_PLACE_BYTES);
 	index->known = calloc(scene->group_count + 1, 1);
@@ -97,10 +97,8 @@ static enum eco_code read_all(struct srv_index *index, struct eco_reader *r, str
 	struct eco_pack *pack = &index->pack;
 	const uint8_t *magic = eco_read_bytes(r, 8);
 	uint32_t version = eco_read_u32(r);
-	eco_read_u32(r);
 	const uint8_t *id = eco_read_bytes(r, sizeof pack->id.bytes);
 	uint64_t work = eco_read_u64(r), places = eco_read_u64(r);
-	eco_read_u64(r);
 	if (r->failed || memcmp(magic, SRV_INDEX_MAGIC, 8) != 0)
 		return BAD("it is none");
 	if (version != ECO_PACK_VERSION)

@@ -8,10 +8,10 @@
  *
  * File (little-endian), by zlib:
  *   0    8  "ECOINDEX"
- *   8    u32 ECO_PACK_VERSION       12  u32 0
- *   16   16 the pack's id           32  u64 work of an ordinary plan (server/stream.h)
- *   40   u64 number of places       48  u64 bytes of the chunks' file
- *   56   the pack's SCENE record, then each table of ECO_PACK_TABLES and the palette
+ *   8    u32 ECO_PACK_VERSION       12  16 the pack's id
+ *   28   u64 work of an ordinary plan (server/stream.h)
+ *   36   u64 number of places
+ *   44   the pack's SCENE record, then each table of ECO_PACK_TABLES and the palette
  *   .    u64 XXH3-64 of all before
  * Chunks have no ids. A chunk's offset is 0 where its payload follows those before it, else 1 more than where it
  * lies in the chunks' file, which is the pack's CHUNK_DATA without inventories' rows.

@@ -106,11 +106,9 @@ enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scen
 	tables.chunks = chunks;
 	eco_write_bytes(w, SRV_INDEX_MAGIC, 8);
 	eco_write_u32(w, ECO_PACK_VERSION);
-	eco_write_u32(w, 0);
 	eco_write_bytes(w, scene->pack->id.bytes, sizeof scene->pack->id.bytes);
 	eco_write_u64(w, atomic_load(&scene->typical_work));
 	eco_write_u64(w, tables.place_count);
-	eco_write_u64(w, *chunk_bytes);
 	eco_record_write(w, ECO_SECTION_SCENE, &tables);
 	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END && made; kind++) {
 		bool is_palette = kind == ECO_SECTION_PALETTE;

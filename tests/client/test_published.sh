@@ -61,6 +61,7 @@ if command -v nginx >/dev/null; then
 	asked -H 'Accept-Encoding: gzip' "$page/$wasm" | grep -q '^content-encoding: gzip' || fail "nginx: the planner is not compressed"
 	[ "$(wc -c <"$dir/got")" -lt 135000 ] || fail "the planner has $(wc -c <"$dir/got") bytes"
 	asked "$page/$chunks" | grep -q '^cache-control: .*immutable' || fail "nginx: chunks are asked for again"
+	asked "$page/${chunks%chunks.bin}first-1.bin" | grep -q '^cache-control: no-cache' || fail "nginx: saved views are kept"
 	asked "$page/" | grep -q '^cache-control: no-cache' || fail "nginx: the page is kept"
 fi
 [ -n "$chromium" ] || skip "no Chromium: only bodies were compared, in node; make deps-web installs it"

@@ -27,10 +27,15 @@ export function rangesOf(wanted) {
  * byte tells before any other. */
 export class RangeFile {
 	constructor(url) {
-		Object.assign(this, { url });
-		this.whole = this.ask(0, 1).then(async (answer) => answer.status === 206 ? null
+		Object.assign(this, { url, probed: null });
+	}
+
+	/** All of it, or null where the host knows Range; asked for anew after a failure. */
+	probe() {
+		this.probed ??= this.ask(0, 1).then(async (answer) => answer.status === 206 ? null
 			: new Uint8Array(await answer.arrayBuffer()));
-		this.whole.catch(() => {});
+		this.probed.catch(() => { this.probed = null; });
+		return this.probed;
 	}
 
 	async ask(at, end, signal) {
@@ -41,8 +46,10 @@ export class RangeFile {
 	}
 
 	async read(at, end, signal) {
-		const whole = await this.whole;
-		const bytes = whole?.subarray(at, end) ?? new Uint8Array(await (await this.ask(at, end, signal)).arrayBuffer());
+		const whole = await this.probe(), answer = whole ? null : await this.ask(at, end, signal);
+		const came = whole ?? new Uint8Array(await answer.arrayBuffer());
+		// some caches ignore Range now and then
+		const bytes = answer?.status === 206 ? came : came.subarray(at, end);
 		if (bytes.length !== end - at)
 			throw new Error(`${this.url}: ${bytes.length} bytes instead of ${end - at}`);
 		return bytes;
@@ -54,23 +61,38 @@ function refused(url, { status }) {
 }
 
 async function inflate(answer) {
-	const plain = answer.body.pipeThrough(new DecompressionStream('deflate'));
-	return new Uint8Array(await new Response(plain).arrayBuffer());
+	const packed = await answer.blob(), plain = packed.stream().pipeThrough(new DecompressionStream('deflate'));
+	return new Uint8Array(await new Response(plain).arrayBuffer().catch(() => {
+		throw new Error(`${answer.url}: the file is damaged`);
+	}));
 }
 
 export class Planner {
 	/** folder: the URL of a scene's files, which ends with '/'; module: what createPlanner is given. */
 	static async open(folder, module = {}) {
 		const planner = new Planner(), file = new RangeFile(new URL('chunks.bin', folder));
+		file.probe();
 		const [answer, m] = await Promise.all([fetch(new URL('index.bin', folder)), createPlanner(module)]);
 		if (!answer.ok)
 			throw refused(folder, answer);
-		const bytes = await inflate(answer), at = m._malloc(bytes.length);
-		m.HEAPU8.set(bytes, at);
+		const bytes = await inflate(answer);
 		Object.assign(planner, { m, file, turn: null });
-		if (m._planner_open(at, bytes.length) !== 200)
+		if (m._planner_open(planner.put(bytes), bytes.length) !== 200)
 			throw new Error(planner.error());
 		return planner;
+	}
+
+	/** A copy of these bytes that C reads. */
+	put(...parts) {
+		let at = this.m._malloc(parts.reduce((sum, { length }) => sum + length, 0));
+		if (!at)
+			throw new Error('no memory for the planner');
+		const first = at;
+		for (const part of parts) {
+			this.m.HEAPU8.set(part, at);
+			at += part.length;
+		}
+		return first;
 	}
 
 	error() {
@@ -119,20 +141,18 @@ export class Planner {
 		}
 	}
 
-	/** openapi.yaml's Plants; published scenes have no rows. */
+	/** openapi.yaml's Plants, without what rows say: published scenes have none. */
 	plants(path, onPart) {
 		const [, list, query] = /^\/plants\/(\d+)\?(.*)$/.exec(path), asked = new URLSearchParams(query);
 		const { m } = this, first = Number(asked.get('first')), plants = [];
 		for (let at, i = first; i < first + Number(asked.get('count') ?? 1024) && (at = m._planner_plant(list, i)); i++)
-			plants.push({ species: m.UTF8ToString(at), plant: m.UTF8ToString(at) });
+			plants.push({ plant: m.UTF8ToString(at) });
 		onPart(new TextEncoder().encode(JSON.stringify({ list: Number(list), first, plants })));
 		return 200;
 	}
 
 	ask(path, holdings) {
-		const { m } = this, text = new TextEncoder().encode(`${path}\0`), at = m._malloc(text.length + holdings.length);
-		m.HEAPU8.set(text, at);
-		m.HEAPU8.set(holdings, at + text.length);
+		const { m } = this, text = new TextEncoder().encode(`${path}\0`), at = this.put(text, holdings);
 		const status = m._planner_ask(at, at + text.length, holdings.length);
 		m._free(at);
 		return status;

@@ -33,7 +33,11 @@ function planned(folder, path, body, signal) {
 	return new Promise((resolve, reject) => {
 		let control = null;
 		const stop = () => worker.postMessage({ id, abort: true });
-		const stream = new ReadableStream({ start: (given) => { control = given; }, cancel: stop });
+		const cancel = () => {
+			running.delete(id);
+			stop();
+		};
+		const stream = new ReadableStream({ start: (given) => { control = given; }, cancel });
 		const response = new Response(stream);
 		const end = (why) => {
 			running.delete(id);
@@ -67,5 +71,6 @@ export async function answer(url, path, { body, signal } = {}) {
 	if (route === '' || route === '/species')
 		return fetch(`${url}${route || '/scene'}.json`, { signal, cache: 'no-cache' });
 	const pack = new URLSearchParams(query).get('pack') ?? (await (await fetch(`${url}/scene.json`)).json()).id;
+	signal?.throwIfAborted();
 	return planned(new URL(`${url}/${pack}/`, import.meta.url).href, path, body, signal);
 }

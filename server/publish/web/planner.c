@@ -152,7 +152,7 @@ static enum eco_code take_places(void)
 			code = srv_index_take(own.index, scene->groups[g].list, c, own.payloads[list->chunk_first + c],
 				scene->chunks[list->chunk_first + c].size_bytes, &own.error);
 	}
-	own.wanted_count = 0;
+	own.wanted_count = code ? own.wanted_count : 0;          /* what is damaged is fetched anew the next time */
 	return code;
 }
 

@@ -37,7 +37,7 @@ async function serve(ranges) {
 }
 
 const load = (name) => import(pathToFileURL(resolve(site, name)));
-const { Planner, rangesOf } = await load('eco_planner_worker.mjs');
+const { Planner, RangeFile, rangesOf } = await load('eco_planner_worker.mjs');
 const { default: createClient } = await load('eco_client.mjs');
 const { EcoStream } = await load('eco_stream.mjs');
 const wasmOf = (name) => ({ instantiateWasm: (imports, done) => {
@@ -110,6 +110,23 @@ for (const { about, first: [{ eye, width, height }] } of JSON.parse(/ id="publis
 	expect(camera.view().eye.every((v, i) => Math.abs(v - eye[i]) < camera.distance / 1e4),
 		`${about.name}: the first answer is for ${eye}, the viewer begins at ${camera.view().eye}`);
 }
+/** Parts of a file of numbers from a host that fails at first, and later ignores Range once. */
+async function readParts() {
+	const { fetch } = globalThis, answers = [null, [206, 1], [206, 4], [200, 9]], file = new RangeFile('chunks.bin');
+	globalThis.fetch = async () => {
+		const [status, size] = answers.shift() ?? [];
+		if (!status)
+			throw new TypeError('no network');
+		return new Response(Uint8Array.from({ length: size }, (_, i) => i), { status });
+	};
+	const parts = [];
+	for (let i = 0; i < 3; i++)
+		parts.push(await file.read(2, 6).then((bytes) => [...bytes].join(), ({ message }) => message));
+	globalThis.fetch = fetch;
+	return parts.join(' ');
+}
+const parts = await readParts();
+expect(parts === 'no network 0,1,2,3 2,3,4,5', `parts of a file are ${parts}`);
 expect(rangesOf([[0, 10, 1], [1000, 10, 2], [3000, 10, 3], [0, 10, 4]]).length === 3, 'ranges are not merged by gaps');
 for (const ranges of [true, false]) {
 	for (const url of urls) {
