@@ -1,5 +1,6 @@
 // A link to a view: the part of the page's address after #, as NAME=VALUE&NAME=VALUE. Names that are not known
 // are ignored, as others append theirs to links; a value that cannot be read is reported.
+import { t } from './viewer_text.mjs';
 
 const VERTICES_MAX = 2 ** 24, SAID_MAX = 40;
 const TIME = /^(\d{4}-\d\d-\d\dT\d\d:\d\d)(:\d\d(?:\.\d+)?)?(Z|[+-]\d\d:?\d\d)?$/;
@@ -48,7 +49,7 @@ const readers = {
 	scene: [text],
 	token: [text],
 	mode: [choice('orbit', 'walk', 'fly'), 'orbit, walk or fly'],
-	vertices: [whole(0, VERTICES_MAX), `a whole number up to ${VERTICES_MAX}, 0 for as many as the device draws`],
+	vertices: [whole(0, VERTICES_MAX), 'a whole number up to 16777216, 0 for as many as the device draws'],
 	bytes: [whole(-1, Number.MAX_SAFE_INTEGER), 'a whole number, -1 for no limit'],
 	kind: [whole(0, 1), '0 or 1'],
 	smooth: [whole(0, 1), '0 or 1'],
@@ -66,16 +67,16 @@ export function readLink(hash) {
 	for (const [name, [read, expected]] of Object.entries(readers)) {
 		const value = given.has(name) ? read(given.get(name)) : null;
 		if (value === undefined)
-			faults.push(`The link's ${name}=${given.get(name).slice(0, SAID_MAX)} cannot be read: `
-				+ `${expected} is expected.`);
+			faults.push(t("The link's {}={} cannot be read: {} is expected.", name, given.get(name).slice(0, SAID_MAX),
+				t(expected)));
 		else if (value !== null)
 			values[name] = value;
 	}
 	const { eye, target } = values;
 	if (given.has('eye') !== given.has('target'))
-		faults.push('The link has one of eye and target: both are needed.');
+		faults.push(t('The link has one of eye and target: both are needed.'));
 	else if (eye && target && eye.every((v, i) => v === target[i]))
-		faults.push("The link's eye and target are one place.");
+		faults.push(t("The link's eye and target are one place."));
 	else if (eye && target)
 		values.view = [eye, target];
 	return { values, faults };

@@ -70,6 +70,19 @@ const german = {
 	'The y axis of the scene': 'Die y-Achse der Szene',
 	'The link\'s sun is not used: the scene has no CRS, so its place on Earth is unknown.':
 		'Die Sonne des Links gilt nicht: die Szene hat kein Koordinatensystem; ihr Ort auf der Erde ist unbekannt.',
+	'The link\'s {}={} cannot be read: {} is expected.': '{}={} im Link ist nicht lesbar; erwartet wird: {}.',
+	'The link has one of eye and target: both are needed.': 'Der Link hat nur eines von eye und target; beide sind nötig.',
+	'The link\'s eye and target are one place.': 'eye und target des Links sind derselbe Ort.',
+	'orbit, walk or fly': 'orbit, walk oder fly',
+	'a whole number up to 16777216, 0 for as many as the device draws':
+		'eine ganze Zahl bis 16777216, 0 für so viele, wie das Gerät schafft',
+	'a whole number, -1 for no limit': 'eine ganze Zahl, -1 für keine Grenze',
+	'0 or 1': '0 oder 1',
+	'a time such as 2026-06-21T10:00Z': 'eine Zeit wie 2026-06-21T10:00Z',
+	'none, standard or perspective': 'none, standard oder perspective',
+	'some of plants, objects, ground': 'einige von plants, objects, ground',
+	'NAME~X,Y,Z~X,Y,Z;... with eye and target': 'NAME~X,Y,Z~X,Y,Z;... mit eye und target',
+	'X,Y,Z in metres': 'X,Y,Z in Metern',
 	'The viewer could not be loaded; reload the page to try again.':
 		'Der Betrachter konnte nicht geladen werden; bitte die Seite neu laden.',
 	'This browser has no WebGL 2, which the viewer draws with.':
