@@ -662,11 +662,14 @@ const char *web_plants(struct web *web, double most)
 	const struct view_instance **near = malloc(((size_t)s->instance_count + 1) * sizeof *near);
 	uint32_t count = 0;
 	web->text.size = 0;
-	for (uint32_t i = 0; near && i < s->instance_count; i++)
+	if (!near) {
+		eco_no_memory(&web->error, "the plants in view");
+		return NULL;
+	}
+	for (uint32_t i = 0; i < s->instance_count; i++)
 		if (s->instances[i].plant != ECO_NONE)
 			near[count++] = &s->instances[i];
-	if (near)
-		qsort(near, count, sizeof *near, by_distance);
+	qsort(near, count, sizeof *near, by_distance);
 	eco_write_format(&web->text, "[");
 	for (uint32_t i = 0; i < count && i < most; i++) {
 		const struct view_instance *p = near[i];
