@@ -2,7 +2,7 @@
 // that plans in place of ecoserve (eco_published.mjs). The URL of a scene of ecoserve has /v1/scenes/ in it.
 
 const page = globalThis.document?.getElementById('published');
-/** Of a published page its scenes, in their order: { about, first }, openapi.yaml's Scene and views that are answered. */
+/** The scenes of a published page, in their order: { about, first }, openapi.yaml's Scene and views that are answered; null: none. */
 const published = page ? JSON.parse(page.textContent) : null;
 
 /** The scenes of this page: openapi.yaml's Scenes. */

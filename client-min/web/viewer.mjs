@@ -71,7 +71,7 @@ function writeAddress() {
 
 // ---- Pictures ----
 
-/** What this browser keeps by that name, or null. */
+/** A value that this browser keeps by that name, or null. */
 function kept(name) {
 	try {
 		return localStorage.getItem(name);

@@ -206,7 +206,7 @@ function drawRest(shadows, [width, height]) {
 
 // ---- Here ----
 
-/** What `read` finds of a process or thread, or `otherwise` if that has ended. */
+/** The figure that `read` finds of a process or thread, or `otherwise` if that has ended. */
 const ifThere = (read, otherwise) => {
 	try {
 		return read();

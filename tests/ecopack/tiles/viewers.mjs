@@ -62,7 +62,7 @@ function packAndUnpack() {
 
 // ---- Trees ----
 
-/** What a content has: instances of plants, and drawn ones, a mesh's primitives each. */
+/** Counts of a content: instances of plants, and drawn ones, a mesh's primitives each. */
 function countsOf(name) {
 	const { nodes, meshes, accessors } = JSON.parse(readFileSync(join(dir, name)));
 	let instances = 0, drawn = 0;
