@@ -88,6 +88,9 @@ function keep(name, value) {
 	}
 }
 
+/** Several folders of one host may have a scene of this name. */
+const viewsName = () => `views ${location.pathname}${settings.scene}`;
+
 /** The engine: a worker's where canvases can be given away, else this page's. */
 async function startEngine() {
 	const worker = globalThis.engine;
@@ -195,7 +198,7 @@ function know(said) {
 	$('draft').hidden = !about.draft;
 	showLegend(about.tints);
 	if (!settings.views.length)
-		settings.views = JSON.parse(kept(`views ${settings.scene}`)) ?? [];
+		settings.views = JSON.parse(kept(viewsName())) ?? [];
 	showViews();
 	camera.reach(about.bounds, about.near_m);
 	const stays = !view && located && camera.transfer(located, about);
@@ -216,7 +219,7 @@ const heard = {
 	opened(message) {
 		// the head of the next visit's page then asks for less
 		if (!token)
-			keep(`kept ${settings.scene}`, 1);
+			keep(`kept ${settings.scene}`, message.about.id);
 		if (message.about.id !== about?.id)
 			know(message.about);
 	},
@@ -496,7 +499,7 @@ function showViews() {
 function setViews(views) {
 	settings.views = views;
 	if (!token)
-		keep(`views ${settings.scene}`, JSON.stringify(views));
+		keep(viewsName(), JSON.stringify(views));
 	showViews();
 	writeAddress();
 }

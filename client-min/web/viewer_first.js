@@ -25,7 +25,7 @@
 		const near = (a, b) => a.every((v, i) => Math.abs(v - b[i]) < 2e-3);
 		const saved = (view) => near(view.eye, eye) && near(view.target, target);
 		const number = eye && target ? own.first.findIndex(saved) : 0, { eye: from, target: to, ...size } = own.first[number] ?? {};
-		const answer = from && !kept ? fetch(`${scene}/${own.about.id}/first-${number}.bin`)
+		const answer = from && kept !== own.about.id ? fetch(`${scene}/${own.about.id}/first-${number}.bin`)
 			.then((came) => new Response(came.body, { status: came.status })) : null;
 		answer?.catch(() => {});
 		globalThis.first = { scene, about: Promise.resolve(Response.json(own.about)), answer, wanted: size,

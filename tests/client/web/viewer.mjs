@@ -282,7 +282,7 @@ async function keepsViews() {
 	await press('ArrowLeft');
 	expect(await ask("document.getElementById('tour').getAttribute('aria-pressed') === 'false'"), 'a key does not end a tour');
 	await ask("document.querySelector('#view-list [aria-label^=Remove]').click()");
-	const kept = await ask('JSON.parse(localStorage.getItem(`views ${viewer.settings.scene}`)).length');
+	const kept = await ask('JSON.parse(localStorage.getItem(`views ${location.pathname}${viewer.settings.scene}`)).length');
 	expect(kept === 1 && await ask('viewer.settings.views.length') === 1, `a view is not removed: ${kept} are kept`);
 	await browser.until(complete);
 }
