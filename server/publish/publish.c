@@ -52,6 +52,7 @@ static enum eco_code write_file(const struct folder *f, const char *name, const 
 		return eco_fail(f->error, ECO_BAD_USAGE, "%.200s...: the path is too long", f->path);
 	f->counts->files++;
 	f->counts->bytes += size;
+	eco_unfinished_remove(path);
 	return eco_file_write(path, bytes, size, f->error);
 }
 

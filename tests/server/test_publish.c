@@ -65,9 +65,11 @@ static enum eco_code publish(const char *folder, const char *views, uint32_t pac
 UNIT_TEST(a_folder_has_an_answer_for_each_keyframe_and_no_rows)
 {
 	struct srv_published made;
+	input_text("test_publish/site", "index.html.tmp-1", "of one that was killed");
 	for (int again = 0; again < 2; again++)
 		assert_good(publish(SITE, DIR "/tour.json", 1, &made));
 	assert_int_equal(made.files, 1 + 1 + 2 + 2 + 3);
+	assert_int_not_equal(access(SITE "/index.html.tmp-1", F_OK), 0);
 	assert_text(SITE "/index.html", "<meta charset=\"utf-8\">\n<script type=\"application/json\" id=\"published\">[{\"about\":",
 		"trees.csv");
 	assert_text(SITE "/index.html", "\"first\":[{\"eye\":", "a.mjs");
