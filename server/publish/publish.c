@@ -263,14 +263,15 @@ static enum eco_code write_page(const struct folder *f, const struct srv_site *s
 static enum eco_code check_page(const struct folder *f)
 {
 	char path[PATH_MAX];
-	uint8_t *bytes = NULL;
+	struct eco_error why = { 0 };
+	uint8_t *bytes;
 	size_t size;
 	snprintf(path, sizeof path, "%s/" SRV_SITE_INDEX, f->path);
-	enum eco_code code = eco_file_read(path, UINT32_MAX, &bytes, &size, f->error);
+	enum eco_code code = eco_file_read(path, UINT32_MAX, &bytes, &size, &why);
 	bool ours = code == ECO_NOT_FOUND || (!code && strstr((const char *)bytes, PAGE_SCENES));
 	free(bytes);
-	return ours ? ECO_OK : code ? code : eco_fail(f->error, ECO_BAD_USAGE, "%.330s is a page of another kind: name another "
-		"folder, or remove it", path);
+	return ours ? ECO_OK : code ? eco_fail(f->error, code, "%s", why.text)
+		: eco_fail(f->error, ECO_BAD_USAGE, "%.330s is a page of another kind: name another folder, or remove it", path);
 }
 
 /* ---- All ---- */

@@ -89,6 +89,9 @@ UNIT_TEST(a_refusal_leaves_the_folder_alone)
 	assert_code(publish(DIR "/none", DIR "/walk.json", 1, &made), ECO_BAD_INPUT, "from the ground");
 	assert_code(publish(DIR "/none/below", NULL, 1, &made), ECO_IO, "none/below");
 	assert_code(publish(DIR "/mine/index.html", NULL, 1, &made), ECO_IO, "index.html");
+	folder_make(DIR "/full");
+	input_text("test_publish/full", "viewer", "a file in its place");
+	assert_code(publish(DIR "/full", NULL, 1, &made), ECO_IO, "full/viewer");
 	assert_text(DIR "/mine/index.html", "mine", "script");
 	assert_null(opendir(DIR "/none"));
 	assert_null(opendir(DIR "/mine/viewer"));
