@@ -205,7 +205,9 @@ if (globalThis.WorkerGlobalScope) {
 			const onPart = (part) => postMessage({ id, part }, [part.buffer]);
 			postMessage({ id, ...await planner.answer(path, body, onPart, control.signal) });
 		} catch (error) {
-			opened.catch(() => { opened = null; });
+			opened?.catch(() => { opened = null; });
+			if (error instanceof WebAssembly.RuntimeError)
+				opened = null;           // out of memory: this module answers nothing more
 			// gone: another pack was published since
 			postMessage(error.status === 404 ? { id, status: 409, error: error.message }
 				: { id, failed: error.message, name: error.name });
