@@ -395,12 +395,8 @@ static void grow_stem(struct grower *g, uint32_t i, uint32_t count)
 	way.y *= g->plan == PLAN_WALL ? WALL_DEPTH : 1;
 	double length = h->leader * g->height * (many ? gen_random_in(g->random, 0.74, 1.02) : 1);
 	grow_branch(g, &b,
-		&(struct path){ .from = foot,
-			.way = way,
-			.length = length,
-			.steps = ribbon ? 5
-				: many  ? 7
-					: POINTS - 1,
+		&(struct path){ .from = foot, .way = way, .length = length,
+			.steps = ribbon ? 5 : many ? 7 : POINTS - 1,
 			.sway = many ? 1 : 0.4,
 			.curve_deg = many ? h->stem_deg * (0.4 + 0.6 * share) : 0,
 			.radius = radius,
@@ -587,8 +583,7 @@ void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], str
 		.noise = seed };
 	double crown_m = g.height * (1 - fmax(h->base, h->foot >= 0.7 ? 0.5 : 0));
 	/* half by the crown from above, half from the side; of a crown as wide as it is high both are alike */
-	double area =
-		3.1416 * g.half * (0.5 * g.half * (g.plan == PLAN_WALL ? WALL_DEPTH : 1) + 0.25 * crown_m);
+	double area = 3.1416 * g.half * (0.5 * g.half * (g.plan == PLAN_WALL ? WALL_DEPTH : 1) + 0.25 * crown_m);
 	g.foliage = (struct gen_foliage){ .mesh = mesh,
 		.random = &random,
 		.lowest = 0.004 * g.height,
