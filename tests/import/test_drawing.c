@@ -131,6 +131,9 @@ UNIT_TEST(odd_features_are_told_and_others_drawn)
 	import_says("nothing");
 	assert_null(eco_drawing_ground(d));
 	eco_drawing_close(d);
+	d = drawn("far.json", FEATURE("\"highway\":\"path\"", "LineString", "[[-9e6,0],[9e6,0]]"), (struct eco_draw_spec){ .line = 1 });
+	assert_true(eco_drawing_ground(d)->high[0] - eco_drawing_ground(d)->low[0] < 1e7);       /* as wide as an image may be */
+	eco_drawing_close(d);
 	d = drawn("class.json", STRANGE, (struct eco_draw_spec){ .class = (char *)"street" });
 	import_says("street 1");
 	eco_drawing_close(d);

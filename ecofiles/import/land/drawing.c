@@ -15,6 +15,7 @@
 
 #define CLASSES (sizeof ground_rows / sizeof *ground_rows)
 #define TEXEL_M 0.25         /* of the picture: a path has five */
+#define FAR_M 4e6            /* from the origin the picture ends: one line across a continent spoils no scene */
 
 /* ---- Classes ---- */
 
@@ -242,8 +243,8 @@ static void gather(struct eco_drawing *d)
 			const struct eco_area *area = &d->files[i].areas.items[k];
 			d->order[d->count++] = (struct drawn_order){ i, k };
 			for (int axis = 0; axis < 2; axis++) {
-				g->low[axis] = fmin(g->low[axis], area->low[axis] - ECO_DRAWN_WIDE_M / 2);
-				g->high[axis] = fmax(g->high[axis], area->high[axis] + ECO_DRAWN_WIDE_M / 2);
+				g->low[axis] = fmin(g->low[axis], fmax(-FAR_M, area->low[axis] - ECO_DRAWN_WIDE_M / 2));
+				g->high[axis] = fmax(g->high[axis], fmin(FAR_M, area->high[axis] + ECO_DRAWN_WIDE_M / 2));
 			}
 		}
 	qsort_r(d->order, d->count, sizeof *d->order, by_level, d->files);
