@@ -487,6 +487,8 @@ is '.instances[1] | [.scatter, .only, (.density_per_ha | length), .height_m.max 
 	ring='<nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="1"/>'
 	way 3 building=yes "$ring"; way 4 natural=wood "$ring"; way 5 landuse=forest "$ring"; printf '</osm>'
 } >"$DIR/town.osm"
+head -c 900 "$DIR/town.osm" >"$DIR/cut.osm"
+start 1 'cut.osm: it cannot be read, as it is damaged' trees.csv "$DIR/cut.osm" --crs EPSG:25832
 start 0 'single trees .*natural=tree' town.osm
 is '.instances | map(.from // .extrude // .scatter)' '["../town.osm","../town.osm","../town.osm","../town.osm","../town.osm"]'
 is '.ground.draw | map(.layer)' '["multipolygons","lines"]'

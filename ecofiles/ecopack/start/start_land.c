@@ -67,24 +67,24 @@ static void look_at_row(struct look *look, const struct eco_rows *rows, const st
 		add_wood(look, class, column, rows);
 }
 
-/* False: it cannot be read so. *no_crs: the trees' is to be taken. */
-static bool look_at(struct look *look, const char *path, const char *layer, char ***columns, uint32_t *column_count, bool *no_crs)
+/* An error: it cannot be read so. *no_crs: the trees' is to be taken. */
+static void look_at(struct look *look, const char *path, const char *layer, char ***columns, uint32_t *column_count,
+	bool *no_crs, struct eco_error *error)
 {
 	struct eco_rows *rows = NULL;
-	struct eco_error own = { .code = ECO_OK };
 	struct eco_land_reader reader;
 	bool more = true;
 	*look = (struct look){ .features = 0 };
-	if (eco_rows_open(&rows, &(struct eco_rows_source){ .path = path, .layer = layer, .areas = true }, &own)) {
+	if (eco_rows_open(&rows, &(struct eco_rows_source){ .path = path, .layer = layer, .areas = true }, error)) {
 		eco_rows_close(rows);
-		return false;
+		return;
 	}
 	uint32_t building = 0;
 	while (building < rows->column_count && strcmp(rows->columns[building], "building") != 0)
 		building++;
 	eco_land_reader_open(&reader, rows->columns, rows->column_count);
 	*no_crs = !rows->crs;
-	while (!rows->next(rows, &more, &own) && more)
+	while (!rows->next(rows, &more, error) && more)
 		if (rows->place.kind == ECO_PLACE_AREA && rows->place.wkb_bytes > 4)
 			look_at_row(look, rows, &reader, building);
 	eco_land_reader_close(&reader);
@@ -93,7 +93,6 @@ static bool look_at(struct look *look, const char *path, const char *layer, char
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		(*columns)[i] = eco_copy_text(rows->columns[i]);
 	eco_rows_close(rows);
-	return !own.code;
 }
 
 /* ---- Woods ---- */
@@ -167,14 +166,17 @@ static void take_buildings(struct start *s, const char *path, const struct look 
 		"levels\", else %g m", eco_phrase_count(look->buildings, count), ECO_BUILDING_M);
 }
 
-/* Draws, scatters and extrudes what a layer has; false: nothing of it. `least`: the share of its features that must be of a
+/* Draws, scatters and extrudes what a layer has, which must then be readable; false: nothing of it. `least`: the share of its features that must be of a
  * class that is known. */
 static bool take_layer(struct start *s, const char *path, const char *layer, double least)
 {
 	struct look look;
 	char **columns = NULL, areas[32], lines[32];
 	uint32_t count = 0;
-	bool no_crs = false, taken = look_at(&look, path, layer, &columns, &count, &no_crs);
+	struct eco_error own = { .code = ECO_OK };
+	bool no_crs = false;
+	look_at(&look, path, layer, &columns, &count, &no_crs, &own);
+	bool taken = !own.code;
 	uint64_t drawn = look.areas + look.lines;
 	uint32_t told = layer || !taken ? ECO_NONE : eco_land_class_told(eco_path_last(path), 2 * look.all_lines > look.features);
 	bool known = taken && (double)drawn > least * (double)look.features && drawn + look.wood_count > 0;
@@ -199,7 +201,7 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 	}
 	for (uint32_t i = 0; i < look.wood_count && known; i++)
 		take_wood(s, &look, i, columns, file_json("scatter", path, layer, no_crs));
-	if (layer && look.buildings)
+	if (layer && !own.code && look.buildings)
 		take_buildings(s, path, &look);
 	for (uint32_t i = 0; i < look.wood_count; i++) {
 		eco_areas_free(&look.woods[i].areas);
@@ -209,6 +211,8 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 		free(columns[i]);
 	free(columns);
 	free(look.woods);
+	if (layer && own.code)
+		eco_stop(own.code, "%s", own.text);
 	return taken || (layer && look.buildings);
 }
 
