@@ -121,13 +121,6 @@ static void set_color(struct drawn *item, uint32_t class)
 	item->cover = (float)ground_rows[class].cover;
 }
 
-#define NOTE(what, text) \
-	do { \
-		if ((what)->count++ == 0) \
-			eco_phrase_cut((what)->example, sizeof(what)->example, \
-				snprintf((what)->example, sizeof(what)->example, "%s", text)); \
-	} while (0)
-
 static float width_of(struct drawn_file *file, const struct drawn *item, const char *text)
 {
 	double number = file->spec->width_m, unit_m = 0, usual = ground_rows[item->class].width;
@@ -137,7 +130,9 @@ static float width_of(struct drawn_file *file, const struct drawn *item, const c
 	number *= unit_m > 0 ? unit_m : 1;
 	if (form != ECO_FORM_NONE && form != ECO_FORM_STEMS && number > 0 && number <= ECO_DRAWN_WIDE_M)
 		return (float)number;
-	NOTE(&file->odd, text);
+	if (file->odd.count++ == 0)
+		eco_phrase_cut(file->odd.example, sizeof file->odd.example,
+			snprintf(file->odd.example, sizeof file->odd.example, "%s", text));
 	return (float)usual;
 }
 
@@ -163,11 +158,8 @@ static bool take(void *ctx, uint32_t index, const struct eco_rows *rows, const c
 	r->open = true;
 	item.class = file->spec->class ? eco_land_class_named(file->spec->class)
 		: eco_land_class_of(&r->reader, rows->fields, rows->field_count, line, &column);
-	if (item.class == ECO_NONE) {
-		NOTE(&file->unknown, "");
-		return false;
-	}
-	if (!(ground_rows[item.class].level > 0))
+	file->unknown += item.class == ECO_NONE;
+	if (item.class == ECO_NONE || !(ground_rows[item.class].level > 0))
 		return false;
 	set_color(&item, item.class);
 	if (line) {
@@ -361,11 +353,9 @@ void eco_drawing_report(const struct eco_drawing *d, void (*say)(void *ctx, cons
 				eco_phrase_count(file->odd.count, count), ECO_DRAWN_WIDE_M, file->odd.example);
 			say(ctx, line);
 		}
-		if (file->unknown.count && !file->areas.count) {
-			snprintf(line, sizeof line, "  none of its features has a class that is known: say one, such as \"class\": "
-				"\"street\", or add words to ground.tsv");
-			say(ctx, line);
-		}
+		if (file->unknown && !file->areas.count)
+			say(ctx, "  none of its features has a class that is known: say one, such as \"class\": \"street\", or add words "
+				"to ground.tsv");
 	}
 }
 

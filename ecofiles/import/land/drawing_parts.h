@@ -10,8 +10,8 @@ struct drawn_file {
 	struct eco_areas areas;
 	struct drawn *items; uint32_t capacity;  /* per area */
 	struct eco_areas_report report;
-	/* features of no class that is known; texts of widths that are none */
-	struct { uint64_t count; char example[40]; } unknown, odd;
+	uint64_t unknown;            /* features of no class that is known */
+	struct { uint64_t count; char example[40]; } odd;        /* texts of widths that are none */
 };
 struct drawn_order { uint32_t file, area; };
 
