@@ -1,4 +1,4 @@
-/* What the page calls of the C client: one view of one scene, in a browser (web_client.h). Longer than 600 lines: all of it works
+/* Calls of a page into the C client: one view of one scene, in a browser (web_client.h). Longer than 600 lines: all of it works
  * on one struct, which the page holds by its address. */
 #include "client-min/web/web_client.h"
 

@@ -13,15 +13,16 @@ mkdir -p "$OUT"
 awk -F '\t' -v only="${HABITS:-.*}" '
 	function crown(h) { return h * $c["crown"] < $c["widest_m"] ? h * $c["crown"] : $c["widest_m"] }
 	/^#/ { next }
-	!named[FILENAME]++ { for (i = 1; i <= NF; i++) c[$i] = i; next }
-	FILENAME ~ /looks/ { genus[$c["habit"]] = $c["taxon"]; next }
+	!named[FILENAME]++ { split("", c); for (i = 1; i <= NF; i++) c[$i] = i; next }
+	FILENAME ~ /genera/ { known[$1] = 1; next }
+	FILENAME ~ /looks/ { if ($c["taxon"] in known) genus[$c["habit"]] = $c["taxon"]; next }
 	$1 ~ "^(" only ")$" {
 		low = $c["least_m"]; high = $c["most_m"]; base = $c["base"]; size[1] = low; size[2] = $c["height_m"]; size[3] = high
 		for (i = 1; i <= 3; i++)
 			printf "%s\t%s\t%g\t%g\t%g to %g m\t%.2g to %.2g m\t%.2g to %.2g m\n", $1, genus[$1], size[i], crown(size[i]), low, high,
 				crown(low), crown(high), base * low, base * high
-	}' "$WORDS/looks.tsv" "$WORDS/habits.tsv" >"$OUT/plants.tsv"
-[ -s "$OUT/plants.tsv" ] || die "no habit is named like $HABITS"
+	}' "$WORDS/../../import/places/words/genera.tsv" "$WORDS/looks.tsv" "$WORDS/habits.tsv" >"$OUT/plants.tsv"
+[ -s "$OUT/plants.tsv" ] || die "no habit is named like ${HABITS:-.*}"
 
 jq -Rn '[inputs | split("\t") | {habit: .[0], genus: .[1], height_m: (.[2] | tonumber), crown_m: (.[3] | tonumber)}] | to_entries
 	| {name: "sheet", plants: (map({key: "p\(.key)", value: ({library: .value.habit, height_m: .value.height_m, crown_m: .value.crown_m}
