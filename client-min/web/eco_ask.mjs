@@ -20,7 +20,7 @@ export const sceneUrl = (name) => new URL(`${published ? '' : 'v1/scenes/'}${enc
 
 /** fetch(url + path, init), url: a scene's. */
 export async function ask(url, path, init = {}) {
-	if (url.includes('/v1/scenes/'))
+	if (url.includes('v1/scenes/'))
 		return fetch(url + path, init);
 	return (await import('./eco_published.mjs')).answer(url, path, init);
 }
