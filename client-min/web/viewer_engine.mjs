@@ -119,7 +119,7 @@ class Engine {
 		this.stale ||= layer.sampled > before || layer.refines !== refines;
 	}
 
-	/** A moving picture has as many pixels as can be drawn in time. Where the fewest are too many, or all of them take
+	/** A moving picture has as many pixels as can be drawn in time. If the fewest are too many, or all of them take
 	 * much less, picture after picture, the vertices are too many, or few. */
 	pace(ms) {
 		if (!this.wanted.moving)

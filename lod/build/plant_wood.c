@@ -104,7 +104,7 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 static const double object_reach[] = { 1.0 / 128, 1.0 / 32 };
 #define OBJECT_LEVELS (sizeof object_reach / sizeof object_reach[0])
 
-/* How many times more triangles the next finer level has. Where wood is all there is to draw, a budget between two levels
+/* How many times more triangles the next finer level has. If wood is all there is to draw, a budget between two levels
  * is not used, and small levels are few bytes. */
 static double step_of(double triangles)
 {

@@ -404,8 +404,8 @@ static double relax_within(const struct lod_lambda_search *s, double *lambda, do
 	return bytes;
 }
 
-/* From the answer's price upwards: an answer comes where so many bytes fewer are left. Where a price leaves hardly
- * fewer the next one is twice as far; where that leaves far fewer it is tried again from near. */
+/* From the answer's price upwards: an answer comes where so many bytes fewer are left. If a price leaves hardly
+ * fewer the next one is twice as far; if that leaves far fewer it is tried again from near. */
 static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
