@@ -66,6 +66,16 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 	return 1 - fine_share(m, gain, LOD_TIE_STEP * (fabs(gain + spent) + fabs(spent)));
 }
 
+/* What far plants cost of which some draw organs, at cost[0] each, and others are shown whole. */
+static void blend_whole(const struct lod_allocation *m, struct lod_slot_choice *choice)
+{
+	const struct lod_cost organs = choice->cost[0], whole = whole_cost(m, choice->whole);
+	const double share = choice->whole_share;
+	choice->cost[0] = (struct lod_cost){ 0 };
+	lod_cost_add(&choice->cost[0], &organs, 1, 1 - share, 1 - share);
+	lod_cost_add(&choice->cost[0], &whole, 1, share, share);
+}
+
 /* Takes the best of the ladders that show the whole plant, and blends it with the organs, in cost[0]. */
 static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice)
 {
@@ -81,11 +91,9 @@ static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice
 			choice->whole = i;
 		}
 	}
-	double share = choice->whole_share = whole_share(m, choice, &organs, &best);
+	choice->whole_share = whole_share(m, choice, &organs, &best);
 	choice->organs_saved = least - lagrangian(m, &organs, choice->open);
-	choice->cost[0] = (struct lod_cost){ 0 };
-	lod_cost_add(&choice->cost[0], &organs, 1, 1 - share, 1 - share);
-	lod_cost_add(&choice->cost[0], &best, 1, share, share);
+	blend_whole(m, choice);
 }
 
 static double position_at_lambda(const struct lod_allocation *m, const struct lod_ladder_choice *choice)
@@ -97,24 +105,46 @@ static double position_at_lambda(const struct lod_allocation *m, const struct lo
 	return lod_hull_position(&choice->hull, m->lambda / choice->weight_px, choice->position);
 }
 
-static void relax_slot(struct lod_allocation *m, struct lod_slot_choice *slot_choice)
+/* What a slot comes to at the positions of its choices; [0] by its organs alone. */
+static void sum_slot(const struct lod_allocation *m, struct lod_slot_choice *slot_choice)
 {
 	uint32_t end = slot_choice->ladder_choice_first + slot_choice->ladder_choice_count;
 	slot_choice->cost[0] = slot_choice->cost[1] = (struct lod_cost){ 0 };
 	for (uint32_t i = slot_choice->ladder_choice_first; i < end; i++) {
-		struct lod_ladder_choice *ladder_choice = &m->ladder_choices[i];
-		ladder_choice->position = position_at_lambda(m, ladder_choice);
-		if (ladder_choice->when < LOD_NEAR)
-			add_at(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px,
-				ladder_choice->position);
-		if (ladder_choice->when == LOD_ALWAYS || ladder_choice->when == LOD_NEAR)
-			add_at(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px,
-				ladder_choice->position);
+		const struct lod_ladder_choice *choice = &m->ladder_choices[i];
+		if (choice->when < LOD_NEAR)
+			add_at(&slot_choice->cost[0], &choice->hull, choice->weight_px, choice->position);
+		if (choice->when == LOD_ALWAYS || choice->when == LOD_NEAR)
+			add_at(&slot_choice->cost[1], &choice->hull, choice->weight_px, choice->position);
 	}
+}
+
+static void relax_slot(struct lod_allocation *m, struct lod_slot_choice *slot_choice)
+{
+	for (uint32_t i = 0; i < slot_choice->ladder_choice_count; i++) {
+		struct lod_ladder_choice *choice = &m->ladder_choices[slot_choice->ladder_choice_first + i];
+		choice->position = position_at_lambda(m, choice);
+	}
+	sum_slot(m, slot_choice);
 	slot_choice->organs_saved = slot_choice->weight_px[0]
 		- lagrangian(m, &slot_choice->cost[0], slot_choice->open);
 	if (slot_choice->whole_count)
 		relax_whole(m, slot_choice);
+}
+
+void lod_allocation_sum(struct lod_allocation *m)
+{
+	for (uint32_t s = 0; s < m->p->visible.slot_count; s++) {
+		struct lod_slot_choice *choice = &m->slot_choices[s];
+		sum_slot(m, choice);
+		if (choice->whole_count)
+			blend_whole(m, choice);
+		choice->cells = (struct lod_cost){ 0 };
+		choice->cells_weight_px = 0;
+		lod_allocation_unsettle(m, s);
+	}
+	lod_uses_sum_cells(m);
+	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count);
 }
 
 /* Bytes are none of a slot's costs, so at the same lambda it chooses the same at any price. Returns the

@@ -238,6 +238,8 @@ static inline bool lod_allocation_is_relaxed(const struct lod_allocation *alloca
 	return allocation->relaxed.lambda == lambda && allocation->relaxed.price == price
 		&& allocation->relaxed.limits == limits;
 }
+/* Costs of slots at the positions that their choices have: the next relaxation chooses anew. */
+void lod_allocation_sum(struct lod_allocation *allocation);
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
 	struct eco_error *error);
 
@@ -257,17 +259,14 @@ void lod_allocation_fix(struct lod_allocation *allocation);
 /* The search for the lambda that uses a budget of vertices, as planner_optimal.c leaves it, and what
  * planner_bytes.c does with it where bytes count. */
 
-struct lod_outcome { double vertices, wrong; }; /* of a relaxation */
-
-struct lod_evaluation { int at; struct lod_outcome outcome; struct eco_prediction prediction; };
+struct lod_evaluation { int at; double vertices; };
 
 struct lod_lambda_search {
 	struct lod_allocation *allocation;
 	/* indices: where anything may be chosen, after which nothing more gains */
 	int first, last;
-	struct lod_evaluation from, to;      /* the predicted lambdas around the budget */
 	int index;                           /* the last lambda whose vertices fit the budget */
-	struct lod_outcome here, next;       /* there, and at the next lambda */
+	double here, next;                   /* vertices there, and at the next lambda */
 	double lambda;                       /* of the answer */
 	double price;                        /* of a byte in the answer where bytes do not bind; 0: none */
 	bool exact;                          /* few plants: each fill solves the knapsack */

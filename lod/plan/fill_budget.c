@@ -146,15 +146,19 @@ void lod_fill_at(struct lod_fill *fill, double lambda)
 	}
 }
 
+/* Part of the way to the next hull point, the mean over its plants. */
+static double part_of(const struct lod_candidate *c)
+{
+	const struct lod_hull_point *a = lod_candidate_point(c);
+	double plants = (double)c->count, low = (double)(c->low - a->vertices), more = (double)c->ahead * (double)(c->high - c->low)
+		+ (c->between ? (double)c->between * (double)(c->middle - c->low) : 0);
+	return lod_candidate_ended(c) ? 0 : (low + more / plants) / (double)(a[1].vertices - a->vertices);
+}
+
 static double candidate_wrong(const struct lod_candidate *candidate)
 {
 	const struct lod_hull_point *a = lod_candidate_point(candidate);
-	double now = lod_hull_error(candidate->hull, a), part = 0;
-	if (!lod_candidate_ended(candidate))
-		part = ((double)(candidate->low - a->vertices)
-			+ (double)candidate->ahead / (double)candidate->count * (double)(candidate->high
-			- candidate->low))
-			/ (double)(a[1].vertices - a->vertices);
+	double now = lod_hull_error(candidate->hull, a), part = part_of(candidate);
 	if (part > 0)
 		now += part * (lod_hull_error(candidate->hull, a + 1) - now);
 	return candidate->seen * now;
@@ -605,4 +609,18 @@ enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, struct eco
 			fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);
 	return add_entries(fill, error);
+}
+
+enum eco_code lod_fill_predict(struct lod_fill *fill, struct eco_prediction *prediction, struct eco_error *error)
+{
+	struct lod_allocation *m = fill->allocation;
+	for (uint32_t i = 0; i < fill->candidate_count; i++) {
+		const struct lod_candidate *c = &fill->candidates[i];
+		if (c->ladder_choice != ECO_NONE)
+			m->ladder_choices[c->ladder_choice].position = c->step + part_of(c);
+		else if (c->hull == &m->tile_choices[c->node].summary.hull)
+			m->tile_choices[c->node].position = c->step + part_of(c);
+	}
+	lod_allocation_sum(m);
+	return lod_allocation_predict(m, prediction, error);
 }

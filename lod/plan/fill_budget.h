@@ -57,6 +57,9 @@ enum eco_code lod_fill_few(struct lod_fill *fill, uint64_t budget, struct eco_er
 /* After a search that fits. */
 enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, struct eco_error *error);
 
+/* After it: the picture. Slots are no longer those of a lambda. */
+enum eco_code lod_fill_predict(struct lod_fill *fill, struct eco_prediction *prediction, struct eco_error *error);
+
 /* Sets the hull points of a lambda; sums vertices, not what is wrong. */
 void lod_fill_at(struct lod_fill *fill, double lambda);
 static inline uint64_t lod_candidate_vertices(const struct lod_candidate *candidate)

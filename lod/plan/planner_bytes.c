@@ -1,6 +1,5 @@
 /* Answers without bytes that nobody misses; answers within bytes: a price at which the answer has no more
- * than may be sent; and answers at higher prices, coarser ones on the way to it. Longer than
- * 600 lines: each of them searches prices with the same few functions. */
+ * than may be sent; and answers at higher prices, coarser ones on the way to it. */
 #include "lod/plan/allocation.h"
 
 #include <math.h>
@@ -39,7 +38,6 @@ enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
 
 struct fitted {
 	double size, lambda, octave; /* size: bytes; octave: of the price, not a number before the first answer */
-	double near, lowest;         /* until then: a price that nearly fits, and vertices at the lowest lambda there */
 	struct lod_mix mix;
 	bool first;                  /* tells what is beside: kinds share bytes in the next answer */
 	double wrong;                /* pixels that it leaves */
@@ -64,15 +62,12 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	struct lod_allocation *m = s->allocation;
 	double low = lod_lambda_at(s->last), high = s->index == LOD_LAMBDA_COUNT ? low
 		: fmax(low, lod_lambda_at(s->index));
-	bool again = !isnan(fit->octave), both = !again && fit->lowest > (double)budget;
-	double least = INFINITY, used = 1, near = again ? fit->octave : fit->near, top = high, lowest = fit->lowest;
+	const bool again = !isnan(fit->octave);
+	double least = INFINITY, used = 1, top = high;
 	fit->lambda = again ? fit->lambda : low;
-	if (!both) {
-		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ near, false }, &fit->octave);
-		lowest = m->cost.vertices;
-		both = !again && lowest > (double)budget;
-		near = fit->octave;
-	}
+	lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false }, &fit->octave);
+	const bool both = !again && m->cost.vertices > (double)budget;
+	double near = fit->octave;
 	/* a lambda with more vertices, about as many times as the budget has */
 	for (int i = 0; both && i <= LOD_PRICE_LAMBDAS && !(i && used >= (double)budget)
 			&& !(i > 1 && lod_planner_over(m->p, 3)); i++) {
@@ -158,20 +153,6 @@ static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct 
 	return code;
 }
 
-/* The prediction, which depends on the bytes that plants usually get, whatever the answer is. */
-static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod_price_point *point,
-	struct eco_error *error)
-{
-	struct lod_planner *p = s->allocation->p;
-	const struct lod_price_bounds bounds = { lod_lambda_at(s->last), lod_lambda_at(s->index),
-		(double)p->input->request->vertices };
-	enum eco_code code = lod_price_curve(s->allocation, &bounds,
-		LOD_CURVE_SHARE * (double)p->input->request->bytes, point, error);
-	if (!code && lod_expected_worse(&point->prediction, &p->prediction))
-		p->prediction = point->prediction;
-	return code;
-}
-
 /* Records and the plan itself, which are not priced, are learnt from the answers tried. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget, struct fitted *now,
 	struct fitted *best, struct eco_error *error)
@@ -211,10 +192,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 static enum eco_code fit_bytes(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
-	struct lod_price_point point;
 	enum eco_code code = lod_prices_make(m, NULL, 0, error);
-	if (!code)
-		code = predict_bytes(s, &point, error);
 	if (code)
 		return code;
 	size_t ladders = lod_prices_ladders(m), plants = m->p->scene->plant_count;
@@ -222,8 +200,7 @@ static enum eco_code fit_bytes(const struct lod_lambda_search *s, uint64_t budge
 	uint32_t *limits = lod_arena_try(&a, 2 * ladders, sizeof *limits);
 	bool *off = lod_arena_try(&a, 2 * plants, 1);
 	uint8_t *levels = lod_arena_try(&a, 2 * plants, 1);
-	struct fitted now = { .lambda = lod_lambda_at(s->last), .octave = NAN, .near = point.octave,
-		.lowest = point.lowest, .mix = { limits, off, levels, false } }, best = now;
+	struct fitted now = { .lambda = lod_lambda_at(s->last), .octave = NAN, .mix = { limits, off, levels, false } }, best = now;
 	best.mix.limits += ladders;
 	best.mix.off += plants;
 	best.mix.levels += plants;
@@ -381,8 +358,6 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	enum eco_code code = lod_search_fill(s, lambda, budget, error);
 	if (!code && !p->vertices)       /* what fits in the mean may not fit */
 		return ECO_OK;
-	if (!code)
-		code = lod_allocation_predict(s->allocation, &p->prediction, error);
 	struct eco_plan *plan = &coarser->plans[coarser->count];
 	*plan = (struct eco_plan){ 0 };
 	coarser->count += !code;

@@ -12,11 +12,7 @@
  *   tiles and for those of the next lambda
  * - where the answer has too many bytes, find a price for them and fill once more (lod/plan/price_search.h)
  *
- * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
- * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
- * predicted picture is interpolated likewise, by its Q (lod/plan/price_search.h). So a larger budget never
- * predicts a worse picture.
- * Longer than 600 lines: these steps are one search, with one state. */
+ * The prediction is that of the entries: what the screen expects of the positions that the fill has left. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
@@ -75,32 +71,16 @@ static void find_range(struct lod_lambda_search *s)
 		s->last++;
 }
 
-static double within(double value, double least, double most)
+/* Relaxes at a lambda. Vertices are clamped between those of the lambdas before and after it. */
+static enum eco_code evaluate(const struct lod_lambda_search *s, int at, const struct lod_evaluation *before,
+	const struct lod_evaluation *after, struct lod_evaluation *result, struct eco_error *error)
 {
-	return value < least ? least : value > most ? most : value;
-}
-
-/* Relaxes at a lambda, and predicts its picture if asked. Results are clamped between those of the lambdas
- * before and after it. */
-static enum eco_code evaluate(struct lod_lambda_search *s, int at, const struct lod_evaluation *before,
-	const struct lod_evaluation *after, bool predicts, struct lod_evaluation *result,
-	struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	enum eco_code code = ECO_OK;
-	*result = (struct lod_evaluation){ .at = at, .prediction = before->prediction };
-	code = lod_planner_check(m->p, error);
+	enum eco_code code = lod_planner_check(s->allocation->p, error);
 	if (code)
 		return code;
-	lod_allocation_relax(m, lod_lambda_at(index_of(s, at)));
-	result->outcome.vertices = within(m->cost.vertices, before->outcome.vertices,
-		after->outcome.vertices);
-	result->outcome.wrong = within(m->cost.alike + m->cost.open, after->outcome.wrong,
-		before->outcome.wrong);
-	if (predicts)
-		code = lod_allocation_predict(m, &result->prediction, error);
-	lod_expected_clamp(&result->prediction, &before->prediction, &after->prediction);
-	return code;
+	lod_allocation_relax(s->allocation, lod_lambda_at(index_of(s, at)));
+	*result = (struct lod_evaluation){ at, fmin(fmax(s->allocation->cost.vertices, before->vertices), after->vertices) };
+	return ECO_OK;
 }
 
 /* The lambda to evaluate next, the middle. The highest lambda is only a bound, so as long as nothing is
@@ -109,79 +89,28 @@ static int next_to_evaluate(const struct lod_lambda_search *s, const struct lod_
 	const struct lod_evaluation *next)
 {
 	int width = next->at - here->at;
-	bool bound = !(here->outcome.vertices > 0) && next->at <= s->last;
+	bool bound = !(here->vertices > 0) && next->at <= s->last;
 	return here->at + (bound ? 3 * width / 4 : width / 2);
 }
 
-/* Nothing is chosen at the highest lambda: all that any picture expects to be covered is missed. */
-static struct lod_evaluation evaluate_nothing(const struct lod_lambda_search *s,
-	const struct eco_prediction *any)
-{
-	return (struct lod_evaluation){ s->first - 1, { 0, s->allocation->tile_choices[0].weight_px },
-		{ .fn = any->tp + any->fn } };
-}
-
-/* Both ends of the grid. With everything drawn a plant shows all of its organs, where from far away its
- * splats may be less wrong: no end of the grid expects a worse picture than the last lambda above 0. */
-static enum eco_code find_ends(struct lod_lambda_search *s, struct lod_evaluation *here,
-	struct lod_evaluation *next, struct eco_error *error)
-{
-	const struct lod_evaluation everything = { .outcome = { INFINITY, 0 } }, unknown = {
-		.outcome.wrong = s->allocation->tile_choices[0].weight_px, .prediction = LOD_EXPECTED_WORST };
-	struct lod_evaluation last;
-	enum eco_code code = evaluate(s, s->last, &unknown, &everything, true, &last, error);
-	*here = evaluate_nothing(s, &last.prediction);
-	if (lod_expected_worse(&last.prediction, &here->prediction))
-		last.prediction = here->prediction;
-	if (!code)
-		code = evaluate(s, s->last + 1, here, &everything, true, next, error);
-	next->outcome.wrong = fmin(next->outcome.wrong, last.outcome.wrong);
-	if (!code && lod_expected_worse(&next->prediction, &last.prediction))
-		next->prediction = last.prediction;
-	return code;
-}
-
-/* Bisects the grid from nothing to everything. A result depends on the view and on the lambdas evaluated
- * around it, not on the budget. Most lambdas are never evaluated, among them those of much smaller budgets,
- * which take the longest. */
+/* Bisects the grid from nothing to everything. Most lambdas are never evaluated, among them those of much smaller
+ * budgets, which take the longest. */
 static enum eco_code search_grid(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
-	struct lod_evaluation here, next, middle;
+	struct lod_evaluation here = { 0, 0 }, next = { 0, INFINITY }, middle;
 	find_range(s);
-	enum eco_code code = find_ends(s, &here, &next, error);
-	s->from = here;
-	s->to = next;
-	if (next.outcome.vertices <= (double)budget)
-		s->from = here = next;
+	here.at = s->first - 1;
+	enum eco_code code = evaluate(s, s->last + 1, &here, &next, &next, error);
+	if (next.vertices <= (double)budget)
+		here = next;
 	while (!code && next.at - here.at > 1) {
-		bool wide = next.at - here.at > LOD_LAMBDAS_PER_PREDICTION;
-		code = evaluate(s, next_to_evaluate(s, &here, &next), &here, &next, wide, &middle, error);
-		*(middle.outcome.vertices <= (double)budget ? &here : &next) = middle;
-		if (wide) {
-			s->from = here;
-			s->to = next;
-		}
+		code = evaluate(s, next_to_evaluate(s, &here, &next), &here, &next, &middle, error);
+		*(middle.vertices <= (double)budget ? &here : &next) = middle;
 	}
 	s->index = index_of(s, here.at);
-	s->here = here.outcome;
-	s->next = next.outcome;
+	s->here = here.vertices;
+	s->next = next.vertices;
 	return code;
-}
-
-/* ---- The prediction ---- */
-
-/* Sets the prediction for the budget, unless that of a level before expects a better picture. */
-static void predict(const struct lod_lambda_search *s, uint64_t budget)
-{
-	double room = s->next.vertices - s->here.vertices,
-		part = room > 0 ? ((double)budget - s->here.vertices) / room : 0;
-	double wrong = s->here.wrong + (part > 1 ? 1 : part) * (s->next.wrong - s->here.wrong);
-	room = s->from.outcome.wrong - s->to.outcome.wrong;
-	part = room > 0 ? (s->from.outcome.wrong - wrong) / room : 1;
-	part = part < 0 ? 0 : part > 1 ? 1 : part;
-	struct eco_prediction prediction = lod_expected_between(&s->from.prediction, &s->to.prediction, part);
-	struct eco_prediction *best = &s->allocation->p->prediction;
-	*best = lod_expected_worse(&prediction, best) ? *best : prediction;
 }
 
 /* ---- Gates and tiles of a lambda ---- */
@@ -218,7 +147,7 @@ static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget, d
 {
 	double high = lod_lambda_at(s->index), low = lod_lambda_at(index_after(s, s->index));
 	double enough = (double)budget;
-	double unused = enough - s->here.vertices, under = unused, over = s->next.vertices - enough;
+	double unused = enough - s->here, under = unused, over = s->next - enough;
 	int side = 0;
 	for (int i = 0; i < LOD_LAMBDA_TRIES && low > 0 && unused > enough * LOD_LAMBDA_SLACK && !is_enough(s); i++) {
 		double part = under / (under + over);
@@ -262,6 +191,8 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 		code = lod_fill_finish(&fill, budget, error);
 	if (!code)
 		lod_explain_tiles(&fill);
+	if (!code)
+		code = lod_fill_predict(&fill, &m->p->prediction, error);
 	m->p->cheapest = fill.cheapest;
 	m->p->wrong = fill.wrong + closed_wrong(m) + (m->price > 0 && !m->spares ? lod_prices_lost(m) : 0);
 	m->p->fill_lambda = fill.lambda;
@@ -307,24 +238,13 @@ static bool hides_plants(const struct lod_allocation *m)
 	return hidden_px > LOD_HIDDEN_MOST * m->tile_choices[0].weight_px;
 }
 
-/* Finds the lambda of one level, and what is predicted. A level predicts only if the budget holds everything
- * at the levels before it, or any budget leaves these: so the best picture predicted by any level gets no
- * worse with the budget. */
-static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planner *p, bool *predicts,
-	struct eco_error *error)
+/* Finds the lambda of one level. */
+static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
 {
-	uint64_t budget = p->input->request->vertices;
 	lod_allocation_free(s->allocation);
 	enum eco_code code = lod_planner_check(p, error);
 	code = code ? code : lod_allocation_make(s->allocation, p, error);
-	if (!code)
-		code = search_grid(s, budget, error);
-	if (code)
-		return code;
-	if (*predicts)
-		predict(s, budget);
-	*predicts = *predicts && (s->index == LOD_LAMBDA_COUNT || hides_plants(s->allocation));
-	return ECO_OK;
+	return code ? code : search_grid(s, p->input->request->vertices, error);
 }
 
 /* Entries at one level, within both budgets. */
@@ -529,13 +449,13 @@ static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner
 {
 	const bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED, everything = is_everything(p);
 	int level = everything ? LOD_FINER_TIMES : 0;
-	bool predicts = true, opened = true;
+	bool opened = true;
 	enum eco_code code = open_possible(p, &level, error);
 	while (!code && opened) {
 		bool may = !everything && !complete(p) && level < LOD_FINER_TIMES,
 			finer = may && is_affordable(p, LOD_FINER_WORK);
 		p->level = (uint32_t)(level - LOD_COARSEST);
-		code = search_level(s, p, &predicts, error);
+		code = search_level(s, p, error);
 		opened = false;
 		p->hidden = !code && may && hides_plants(s->allocation);
 		if (!code && (p->hidden ? is_affordable(p, LOD_FINER_WORK)
@@ -558,7 +478,6 @@ enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
 	if (!s)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a search");
 	begin_screen(p);
-	p->prediction = (struct eco_prediction)LOD_EXPECTED_WORST;
 	return plan_levels(s, p, error);
 }
 

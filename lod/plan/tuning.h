@@ -100,15 +100,11 @@
 #define LOD_PRICE_HIGHEST 30.0  /* ... or so much */
 #define LOD_PRICE_SLACK 0.03  /* share of the bytes that may be left */
 #define LOD_PRICE_NEAR 0.25  /* the same from a price that nearly fits */
-#define LOD_PRICE_USUAL -1.0  /* octave of the first price tried */
+#define LOD_PRICE_USUAL -1.0  /* octave of the first price tried; the next is one further, then twice as far */
 #define LOD_PRICE_LITTLE -12.0  /* octaves: at lower prices hardly anything is left out */
-#define LOD_PRICE_STEP_FIRST 2.0  /* octaves to the next price tried, then twice as far */
 #define LOD_PRICE_STEP 0.1  /* octaves to which a price is searched */
 #define LOD_PRICE_CLOSE 0.45  /* octaves: nearer than that bytes come at once, and are no line */
 #define LOD_PRICE_SEARCHES 5  /* of a search, whatever work is done: the highest price draws nothing */
-#define LOD_GRID_HIGHEST 12.0  /* octaves: nothing is worth so much a byte; the next is 1 lower */
-#define LOD_GRID_MIDDLE 0.25  /* of the highest lambda */
-#define LOD_GRID_COUNT 24  /* below the last everything is worth its bytes */
 
 /* ---- Kinds that share bytes ---- */
 #define LOD_KIND_BINS 256  /* of the bytes that kinds share */
@@ -147,7 +143,6 @@
 
 /* ---- Search for lambda, and levels of detail ---- */
 #define LOD_LAMBDA_HIGHEST 34  /* octaves: more pixels than a picture can have */
-#define LOD_LAMBDAS_PER_PREDICTION 4  /* grid lambdas between two predicted pictures, at most */
 #define LOD_LAMBDA_TRIES 8  /* of the search between two grid lambdas, ... */
 #define LOD_LAMBDA_SLACK 0.001  /* ... which ends when no more than this share of the budget is unused */
 #define LOD_LAMBDA_UNUSED 0.01  /* a larger share asks for other tiles and gates, of few plants in view */
@@ -180,8 +175,7 @@
 #define LOD_PRICE_LAMBDAS 3  /* tried below that one, where vertices bind as well */
 /* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
  * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
-#define LOD_BYTES_WORK 5
-#define LOD_CURVE_SHARE 0.8  /* of an answer's bytes, that plants usually get */
+#define LOD_BYTES_WORK 6
 #define LOD_FEW_FALL 4  /* vertices of one try over those of the next, where hardly any fit */
 #define LOD_SIZE_MARGIN 0.002  /* of the bytes, since what is beside differs from one answer to the next */
 #define LOD_SIZE_TRIES 5  /* answers whose bytes are counted */
