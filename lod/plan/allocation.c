@@ -512,8 +512,8 @@ void lod_allocation_relax(struct lod_allocation *m, double lambda)
 	if (limits)
 		lod_prices_lift(m);
 	relax_all(m);
-	for (int round = 0; limits && round < m->rounds; round++) {
-		lod_prices_limit(m, round == 0, round + 1 == m->rounds);
+	for (int round = 0; limits && round < LOD_PRICE_ROUNDS; round++) {
+		lod_prices_limit(m, round == 0, round + 1 == LOD_PRICE_ROUNDS);
 		relax_all(m);
 	}
 	if (m->price > 0)

@@ -191,8 +191,6 @@ struct lod_allocation {
 	bool has_whole;              /* some plants in view have a ladder that shows the whole plant */
 	double lambda;
 	double price;                /* wrong pixels that a byte must save; 0: bytes do not count */
-	bool spares;                 /* the price is for lists alone: levels of textures and impostors stay */
-	int rounds;                  /* of limits at each lambda and price: LOD_PRICE_ROUNDS, or fewer */
 	bool limited;                /* limits stay as they are, whatever the price */
 	/* what the last relaxation was made for; lambda not a number: something has changed since.
 	 * limits: the price that limits were made at */
@@ -268,7 +266,6 @@ struct lod_lambda_search {
 	int index;                           /* the last lambda whose vertices fit the budget */
 	double here, next;                   /* vertices there, and at the next lambda */
 	double lambda;                       /* of the answer */
-	double price;                        /* of a byte in the answer where bytes do not bind; 0: none */
 	bool exact;                          /* few plants: each fill solves the knapsack */
 };
 
@@ -281,8 +278,6 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 
 /* Finds the bytes of the answer that carries the entries: p->bytes. */
 enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error);
-/* Entries with fewer bytes in place of the answer's, if hardly less is right: s->price, p->bytes. */
-enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
 /* Entries whose answer has at most the bytes asked for, and the prediction. */
 enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
 /* After the answer: hands coarser ones to input->coarser. Entries are those of the last of them then. */

@@ -554,8 +554,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	const struct eco_scene *scene = p->scene;
 	uint32_t slots = p->visible.slot_count, nodes = p->visible.node_count;
 	uint64_t gains = p->gains;
-	*m = (struct lod_allocation){ .p = p, .relaxed.lambda = NAN, .tiles.lambda = NAN,
-		.rounds = LOD_PRICE_ROUNDS };
+	*m = (struct lod_allocation){ .p = p, .relaxed.lambda = NAN, .tiles.lambda = NAN };
 	m->slot_choices = lod_arena_try(&m->memory, slots, sizeof *m->slot_choices);
 	m->scratch = lod_arena_try(&m->memory, slots, sizeof *m->scratch);
 	m->counts = lod_arena_try(&m->memory, slots, sizeof *m->counts);

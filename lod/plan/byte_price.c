@@ -345,8 +345,7 @@ void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
 	struct lod_prices *prices = m->prices;
 	lod_prices_work(m);
 	lod_uses_sum_drawn(m);
-	if (!m->spares)
-		limit_levels(m);
+	limit_levels(m);
 	if (!first)
 		judge_organs(m);
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {

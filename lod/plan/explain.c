@@ -63,7 +63,7 @@ static bool beyond_lambda(const struct lod_fill *fill, const struct lod_candidat
 	const struct lod_hull_point *at = lod_candidate_point(candidate);
 	double last = candidate->step
 		? lod_hull_slope(candidate->hull, candidate->step) * candidate->weight_px : INFINITY;
-	return candidate->between || candidate->low != at->vertices
+	return candidate->low != at->vertices
 		|| (candidate->ahead && candidate->high != at[1].vertices)
 		|| last * LOD_HULL_BLUR < fill->lambda * (1 - ROUNDING);
 }
@@ -91,8 +91,7 @@ void lod_explain_begin(struct lod_explanation *explanation, uint64_t work_max)
 
 static struct lod_reason reason_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
-	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead,
-		.between = candidate->between };
+	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead };
 	reason.expected_px = candidate->ladder_choice == ECO_NONE
 		? fill->allocation->tile_choices[candidate->node].pixels
 		: fill->allocation->slot_choices[choice_of(fill, candidate)->slot].seen;

@@ -48,7 +48,7 @@ struct lod_reason {
 	                              * the budget. GROUND: error in pixels */
 	double expected_px;          /* that a plant, or the summary, is expected to show */
 	double share;                /* WHOLE: of the slot's plants beyond the gate, that draw it */
-	uint64_t ahead, between;     /* plants that draw more than the others of the slot */
+	uint64_t ahead;              /* plants that draw more than the others of the slot */
 };
 
 struct lod_explained {

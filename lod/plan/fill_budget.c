@@ -109,7 +109,7 @@ void lod_fill_free(struct lod_fill *fill)
 
 void lod_candidate_reach(struct lod_candidate *candidate, uint64_t vertices)
 {
-	candidate->ahead = candidate->between = 0;
+	candidate->ahead = 0;
 	while (!lod_candidate_ended(candidate) && lod_candidate_point(candidate)[1].vertices <= vertices)
 		candidate->step++;
 	candidate->low = vertices;
@@ -150,9 +150,8 @@ void lod_fill_at(struct lod_fill *fill, double lambda)
 static double part_of(const struct lod_candidate *c)
 {
 	const struct lod_hull_point *a = lod_candidate_point(c);
-	double plants = (double)c->count, low = (double)(c->low - a->vertices), more = (double)c->ahead * (double)(c->high - c->low)
-		+ (c->between ? (double)c->between * (double)(c->middle - c->low) : 0);
-	return lod_candidate_ended(c) ? 0 : (low + more / plants) / (double)(a[1].vertices - a->vertices);
+	double more = (double)c->ahead / (double)c->count * (double)(c->high - c->low);
+	return lod_candidate_ended(c) ? 0 : ((double)(c->low - a->vertices) + more) / (double)(a[1].vertices - a->vertices);
 }
 
 static double candidate_wrong(const struct lod_candidate *candidate)
@@ -359,21 +358,6 @@ static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candida
 	return spent;
 }
 
-/* `left` is less than a step of one plant: one goes part of the way, the others stay. `left` differs from
- * picture to picture, and the difference must not be visible. */
-static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
-{
-	uint64_t plants = candidate->between ? 0 : share_next(fill, candidate, candidate->ahead)
-		- candidate->ahead;
-	uint64_t to = plants ? lod_way_floor(way_of(fill, candidate), candidate->low + left / plants) : 0;
-	if (to <= candidate->low || !(lod_fill_error(fill, candidate, to) < lod_fill_error(fill, candidate,
-			candidate->low)))
-		return 0;
-	candidate->middle = to;
-	candidate->between = plants;
-	return plants * (to - candidate->low);
-}
-
 static uint64_t fill_summary(struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t points = left < candidate->high - candidate->low ? left : candidate->high - candidate->low;
@@ -386,8 +370,7 @@ static uint64_t fill_candidate(struct lod_fill *fill, struct lod_candidate *cand
 {
 	if (candidate->ladder_choice == ECO_NONE)
 		return fill_summary(candidate, left);
-	uint64_t spent = fill_plants(fill, candidate, left);
-	return spent ? spent : fill_one_part(fill, candidate, left);
+	return fill_plants(fill, candidate, left);
 }
 
 /* Greedy fill: gives the rest of the budget to candidates in falling order of slope. Sets vertices. False
@@ -439,8 +422,7 @@ static uint64_t cheapest_step(struct lod_fill *fill)
 			continue;
 		uint64_t cost = 1;
 		if (c->ladder_choice != ECO_NONE)
-			cost = c->between ? c->between * (c->high - c->middle)
-				: (share_next(fill, c, c->ahead) - c->ahead) * (c->high - c->low);
+			cost = (share_next(fill, c, c->ahead) - c->ahead) * (c->high - c->low);
 		cheapest = cost < cheapest ? cost : cheapest;
 	}
 	return cheapest;
@@ -555,12 +537,6 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 				entry.more = candidate->high;
 				entry.share = share_end(fill, candidate, candidate->ahead);
 			}
-			if (candidate->between) {
-				uint64_t end = candidate->ahead + candidate->between;
-				entry.middle = candidate->middle;
-				entry.between = end < candidate->count ? share_end(fill, candidate, end)
-					: entry.end;
-			}
 		}
 		if (p->input->explanation)
 			entry.reason = lod_explain_candidate(fill, candidate);
@@ -574,16 +550,12 @@ double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate
 {
 	const struct lod_hull_point *a = lod_candidate_point(candidate);
 	bool at_steps = lod_candidate_ended(candidate)
-		|| (!candidate->between && candidate->low == a->vertices
-		&& (!candidate->ahead || candidate->high == a[1].vertices));
+		|| (candidate->low == a->vertices && (!candidate->ahead || candidate->high == a[1].vertices));
 	if (candidate->ladder_choice == ECO_NONE || at_steps)
 		return candidate_wrong(candidate);
 	double now = lod_fill_error(fill, candidate, candidate->low), wrong = now, each = 1 / (double)candidate->count;
 	if (candidate->ahead)
 		wrong += each * (double)candidate->ahead * (lod_fill_error(fill, candidate, candidate->high) - now);
-	if (candidate->between)
-		wrong += each * (double)candidate->between
-			* (lod_fill_error(fill, candidate, candidate->middle) - now);
 	return candidate->seen * wrong;
 }
 

@@ -1,7 +1,6 @@
 /* Uses a budget to the last vertex that gains, with tiles and gates fixed. First come the hull points of a lambda
  * that fits: the dual solution. The rest of the budget goes to further steps in falling order of slope (greedy fill,
- * as in the linear relaxation of the knapsack), down to steps of single plants. All take whole steps but the last,
- * which goes part of the way: the rest differs from picture to picture and must not change more than one plant.
+ * as in the linear relaxation of the knapsack), down to steps of single plants.
  *
  *   lod_allocation_fix(&allocation);                      tiles, gates, counts
  *   lod_fill_make(&fill, &allocation, &error);            the candidates
@@ -26,8 +25,6 @@ struct lod_candidate {               /* a ladder choice for the plants of its sl
 	uint32_t step;               /* the last hull point that all plants have reached */
 	uint64_t low;                /* vertices of each plant, ... */
 	uint64_t high, ahead;        /* ... but `ahead` plants of the smallest hashes have `high` */
-	uint64_t middle, between;    /* and the next `between` plants, on the way there, have `middle`; 0:
-	                              * none */
 };
 
 struct lod_fill {

@@ -1,5 +1,4 @@
-/* Answers without bytes that nobody misses; answers within bytes: a price at which the answer has no more
- * than may be sent; and answers at higher prices, coarser ones on the way to it. */
+/* Answers within bytes: a price at which the answer has no more than may be sent; and answers at higher prices, coarser ones on the way to it. */
 #include "lod/plan/allocation.h"
 
 #include <math.h>
@@ -316,38 +315,6 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	return code;
 }
 
-/* ---- Bytes that nobody misses ---- */
-
-enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	struct lod_planner *p = m->p;
-	const uint64_t bytes = p->bytes, cheapest = p->cheapest;
-	const double wrong = p->wrong, pixels = m->tile_choices[0].pixels, price = LOD_SPARE_WORTH * pixels,
-		lambda = LOD_SPARE_LAMBDA * (p->fill_lambda > 0 ? p->fill_lambda : s->lambda);
-	if (!(s->lambda > 0) || lambda > LOD_SPARE_VERTEX * price)   /* at a lambda of 0 everything is drawn */
-		return ECO_OK;
-	enum eco_code code = lod_prices_make(m, NULL, 0, error);
-	m->spares = true;
-	if (!code) {
-		lod_price_relax(m, lambda, 2 * lod_octaves(price), NULL);
-		code = lod_search_fill(s, lambda, budget, error);
-	}
-	if (!code)
-		code = lod_bytes_size(p, error);
-	m->spares = false;
-	p->cheapest = cheapest;
-	s->price = p->bytes < bytes && p->wrong - wrong <= fmax(LOD_SPARE_WRONG * wrong, LOD_SPARE_PIXELS * pixels) ? price : 0;
-	if (code || s->price > 0)
-		return code;
-	lod_prices_lift(m);
-	m->price = 0;
-	free(p->texture_levels);
-	p->texture_levels = NULL;
-	p->bytes = bytes;
-	return lod_search_fill(s, s->lambda, budget, error);
-}
-
 /* ---- Coarser answers ---- */
 
 static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda, uint64_t budget,
@@ -386,10 +353,9 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	struct lod_allocation *m = s->allocation;
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
 	const double lowest = lod_lambda_at(s->last);
-	double octave = s->price > 0 ? 2 * lod_octaves(s->price) : LOD_PRICE_LOWEST, lambda = fmax(s->lambda, lowest),
+	double octave = LOD_PRICE_LOWEST, lambda = fmax(s->lambda, lowest),
 		before = lod_price_relax(m, lambda, octave, NULL), step = LOD_SWEEP_STEP;
 	enum eco_code code = ECO_OK;
-	m->rounds = LOD_SWEEP_ROUNDS;
 	octave = fmax(octave, LOD_SWEEP_FIRST);
 	while (!code && coarser->count < coarser->most && before > (double)coarser->least && octave < LOD_PRICE_HIGHEST) {
 		const bool late = lod_planner_over(m->p, 3);

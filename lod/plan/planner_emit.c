@@ -273,7 +273,7 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
 		if (p->visible.nodes[n].state == LOD_OPEN)
 			groups += p->scene->tiles[p->visible.nodes[n].tile].group_count;
-	plan->cuts = malloc((3 * LOD_LADDER_CUTS_MAX * (size_t)p->entry_count + 1) * sizeof *plan->cuts);
+	plan->cuts = malloc((2 * LOD_LADDER_CUTS_MAX * (size_t)p->entry_count + 1) * sizeof *plan->cuts);
 	plan->runs = malloc((groups + 1) * sizeof *plan->runs);
 	plan->gates = malloc((p->scene->plant_count + 1) * sizeof *plan->gates);
 	plan->placements = malloc(p->visible.placement_count * sizeof *plan->placements);
@@ -293,14 +293,10 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 			add_summary_cut(p, entry, placement_in_plan, part_px, plan);
 			continue;
 		}
-		uint32_t from = entry->share ? entry->share : entry->first, between = entry->between
-			? entry->between : from;
-		uint64_t ahead = entry->reason.ahead, on_the_way = entry->reason.between;
+		uint32_t from = entry->share ? entry->share : entry->first;
+		uint64_t ahead = entry->reason.ahead;
 		add_cuts(p, entry, &(struct part){ entry->more, ahead, entry->first, from }, plan);
-		if (entry->between)
-			add_cuts(p, entry, &(struct part){ entry->middle, on_the_way, from, between }, plan);
-		add_cuts(p, entry, &(struct part){ entry->vertices, entry->count - ahead - on_the_way,
-			between, entry->end }, plan);
+		add_cuts(p, entry, &(struct part){ entry->vertices, entry->count - ahead, from, entry->end }, plan);
 	}
 	free(placement_in_plan);
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)

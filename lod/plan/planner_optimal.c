@@ -194,7 +194,7 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 	if (!code)
 		code = lod_fill_predict(&fill, &m->p->prediction, error);
 	m->p->cheapest = fill.cheapest;
-	m->p->wrong = fill.wrong + closed_wrong(m) + (m->price > 0 && !m->spares ? lod_prices_lost(m) : 0);
+	m->p->wrong = fill.wrong + closed_wrong(m) + (m->price > 0 ? lod_prices_lost(m) : 0);
 	m->p->fill_lambda = fill.lambda;
 	lod_fill_free(&fill);
 	return code;
@@ -251,7 +251,6 @@ static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planne
 static enum eco_code fill_level(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
 {
 	uint64_t budget = p->input->request->vertices;
-	s->price = 0;
 	free(p->texture_levels);
 	p->texture_levels = NULL;
 	s->exact = s->allocation->few_plants && !is_enough(s);
@@ -259,8 +258,6 @@ static enum eco_code fill_level(struct lod_lambda_search *s, struct lod_planner 
 	s->exact = s->exact && (!p->work_most || p->work < p->work_most / LOD_EXACT_PART);
 	if (!code && p->input->sent)
 		code = lod_bytes_size(p, error);
-	if (!code && p->input->sent && p->bytes / LOD_SPARE_REACH <= p->input->request->bytes && !is_enough(s))
-		code = lod_bytes_spare(s, budget, error);
 	if (!code && p->bytes > p->input->request->bytes)
 		code = lod_bytes_fit(s, budget, error);
 	return code;

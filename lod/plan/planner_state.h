@@ -22,8 +22,6 @@ struct lod_entry {                   /* what is drawn of one ladder for all plan
 	uint32_t first, end;         /* plants with a hash from `first` on and below `end` */
 	uint64_t more;               /* per plant with a hash below `share`, instead of `vertices` */
 	uint32_t share;
-	uint64_t middle;             /* per plant with a hash from `share` on and below `between` */
-	uint32_t between;            /* 0: none */
 	double wanted;               /* points or lines to show of the whole region, cells included; of a
 	                              * summary: points are sized as if so many were drawn */
 	double pixels;               /* that one plant's organ is expected to cover */

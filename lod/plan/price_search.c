@@ -30,8 +30,6 @@ double lod_price_relax(struct lod_allocation *m, double lambda, double octave, c
 		lod_prices_levels(m);
 		m->relaxed.lambda = NAN;
 	}
-	if (m->spares)
-		return lod_prices_bytes(m);
 	m->p->image_price = m->price;
 	return lod_prices_bytes(m) + lod_image_bytes(&m->p->image, m->p->scene, m->p->input->holdings, m->price);
 }

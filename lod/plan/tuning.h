@@ -91,8 +91,7 @@
 				* from what their vertices cost */
 
 /* ---- Limits of bytes ---- */
-#define LOD_PRICE_ROUNDS 3  /* of limits at each lambda and price: with two more bytes predict more often a
-				* worse picture */
+#define LOD_PRICE_ROUNDS 2  /* of limits at each lambda and price */
 #define LOD_GROUND_LEAST 0.1  /* share of the ground that shows, at least */
 
 /* ---- Prices, log2 ---- */
@@ -154,7 +153,6 @@
 #define LOD_COARSEST -12  /* level: the last that is tried */
 #define LOD_EXACT_PART 8  /* answers within bytes solve the knapsack of few plants, too, if the plan for the
 				* vertices took less than this part of the work */
-#define LOD_SPARE_REACH 2  /* answers of so many times the bytes may fit without what nobody misses */
 #define LOD_PLACES_MOST 100000u  /* plants that one level walks over */
 #define LOD_CELLS_WORK 64  /* of a plan, for each cell of a plant, where all are drawn */
 #define LOD_PLACES_WALKS 4  /* as large as may be, that the work allows */
@@ -180,12 +178,6 @@
 #define LOD_SIZE_MARGIN 0.002  /* of the bytes, since what is beside differs from one answer to the next */
 #define LOD_SIZE_TRIES 5  /* answers whose bytes are counted */
 #define LOD_TIMES_COARSER 4.0  /* their bytes count chunks of coarser answers that the answer lacks */
-#define LOD_SPARE_WORTH 1e-8  /* without a budget a byte of a plant's lists must set this share of the plants'
-				* pixels right: 100 kB a thousandth */
-#define LOD_SPARE_WRONG 0.005  /* missed is no more than this share of what is wrong before, ... */
-#define LOD_SPARE_PIXELS 0.0002  /* ... or of the plants' pixels */
-#define LOD_SPARE_VERTEX 8.0  /* bytes that a vertex is worth, at most: else lists that save vertices go */
-#define LOD_SPARE_LAMBDA 0.8  /* times that of the answer before: with fewer lists a vertex saves less */
 #define LOD_SWEEP_FIRST -10.0  /* octaves: at lower prices hardly anything is left out */
 #define LOD_SWEEP_STEP 0.375  /* octaves of the price to the next one tried, at least ... */
 #define LOD_SWEEP_STEP_MOST 3.0  /* ... and at most */
@@ -194,7 +186,6 @@
 #define LOD_SWEEP_LATE_RATIO 2.5  /* ... so many times fewer bytes */
 #define LOD_SWEEP_LAMBDA 0.25  /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
 #define LOD_SWEEP_VERTICES 0.5  /* ... where no more than this part of the budget is used */
-#define LOD_SWEEP_ROUNDS 2  /* of limits: with three steps are no better */
 
 /* ---- Vertices for a rule that knows no bytes ---- */
 #define LOD_IMAGE_PART 4u  /* of an answer's bytes: 1 / so many */

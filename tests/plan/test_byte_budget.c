@@ -292,7 +292,7 @@ UNIT_TEST(a_tile_draws_its_plants_or_its_summary_where_bytes_have_a_price)
 	assert_true(open > 50 && closed > 50 && both > 5);
 }
 
-/* ---- Bytes that nobody misses, and coarser answers ---- */
+/* ---- Coarser answers ---- */
 
 #define MOST 12
 
@@ -319,47 +319,28 @@ static uint32_t check_coarser(const struct eco_scene *scene, const struct eco_re
 	return coarser.count;
 }
 
-/* Without a budget of bytes too: beside a plan for which none count. */
-UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared_and_coarser_answers_need_few_others)
+/* Without a budget of bytes: the plan is one for which none count. */
+UNIT_TEST(coarser_answers_need_few_chunks_that_the_answer_lacks)
 {
-	uint64_t all = 0, sent = 0, sum = 0, waste = 0;
-	uint32_t fewer = 0, many = 0;
+	uint64_t sum = 0, waste = 0;
+	uint32_t many = 0;
 	for (uint64_t seed = 1; seed <= SCENES; seed++) {
 		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 40 + seed % 5);
 		const struct eco_scene *scene = &pack->pack.scene;
-		for (int v = 0; v < VIEWS; v++) {
+		for (int v = 0; v < 2; v++) {
 			const struct eco_request request = { .view = random_view(&pack->r),
 				.bytes = ECO_BYTES_UNBOUNDED,
 				.vertices = UINT64_C(1) << (v ? 14 + random_below(&pack->r, 8)
 				: 6 + random_below(&pack->r, 14)) };
-			struct eco_plan free_plan, plan;
-			struct lod_planner_stats free_stats = plan_make(&free_plan,
-				(struct lod_planner_input){ .scene = scene, .request = &request });
-			struct lod_planner_stats stats = plan_it(&plan, scene, &request.view, request.vertices,
-				ECO_BYTES_UNBOUNDED, NULL);
-			uint64_t before = plan_bytes(scene, &free_plan, NULL), after = plan_bytes(scene, &plan, NULL);
-			assert_true(after <= before);
-			if (after < before)
-				assert_true(stats.wrong <= fmax(1.0051 * free_stats.wrong,
-					free_stats.wrong + 0.0002 * 1e6));
-			else
-				assert_same(&plan, &free_plan);
-			if (v < 2)
-				many += check_coarser(scene, &request, &plan, &sum, &waste) > 2;
-			fewer += after < before;
-			all += before;
-			sent += after;
-			eco_plan_free(&free_plan);
+			struct eco_plan plan;
+			plan_make(&plan, (struct lod_planner_input){ .scene = scene, .request = &request });
+			many += check_coarser(scene, &request, &plan, &sum, &waste) > 2;
 			eco_plan_free(&plan);
 		}
 		random_pack_free(pack);
 	}
-	print_message("%u of %u plans send fewer bytes; all %.3f of those\n", fewer, SCENES * VIEWS,
-		(double)sent / (double)all);
 	print_message("%u have more than 2 coarser answers; %.3f of their bytes the answer does not use\n",
-		many,
-		(double)waste / (double)sum);
-	assert_true(fewer > 5);
+		many, (double)waste / (double)sum);
 	assert_true(many > SCENES / 4 && waste * 2 < sum);
 }
 
