@@ -96,10 +96,11 @@ SUPPORT_ROOM := tests/support tests/support/serve
 # methods of the papers that no program has: what measurements compare with
 BASELINE_ROOM := tests/bench/baseline
 VIEW_ROOMS := client-min client-min/draw client-min/load
+PLAN_ROOMS := lod/plan lod/seen
 # both ends for programs of others: libecostream
 LIBRARY_ROOM := client-min/library
 LIBRARY_ROOMS := $(LIBRARY_ROOM) server/library
-ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server server/request server/publish $(VIEW_ROOMS) $(LIBRARY_ROOMS) $(PACK_ROOM) $(SUPPORT_ROOM)
+ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod $(PLAN_ROOMS) server server/request server/publish $(VIEW_ROOMS) $(LIBRARY_ROOMS) $(PACK_ROOM) $(SUPPORT_ROOM)
 
 # Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/base/module.h): NAME_*.c of any room make ecoNAME.so.
 MODULE_NAMES := assimp cairo gdal image proj
@@ -122,9 +123,9 @@ group = -Wl,--start-group $(1) -Wl,--end-group
 LIB_DRACO := $(B)/obj/draco_shim.a
 LIB_ECO := $(call archive,$(ECO_ROOMS))
 LIB_BUILD := $(call archive,$(BUILD_ROOMS) lod)
-LIB_SERVER := $(call archive,server server/request lod/plan $(CORE_ROOMS))
+LIB_SERVER := $(call archive,server server/request $(PLAN_ROOMS) $(CORE_ROOMS))
 LIB_VIEW := $(call archive,$(VIEW_ROOMS) lod/raster $(CORE_ROOMS))
-LIB_ALL := $(call archive,server/library $(LIBRARY_ROOM) $(VIEW_ROOMS) server/publish server server/request lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
+LIB_ALL := $(call archive,server/library $(LIBRARY_ROOM) $(VIEW_ROOMS) server/publish server server/request $(PLAN_ROOMS) $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
 
 PROGRAMS := $(B)/ecopack $(B)/ecoserve $(B)/ecoview $(B)/ecoload
 TEST_SOURCES := $(wildcard tests/*/test_*.c)
@@ -167,7 +168,7 @@ $(MODULES): $(B)/eco%.so: $(LIB_ECO)
 	$(Q)$(LINK_CXX) -shared -o $@ $(filter %.o,$^) $(call group,$(LIB_ECO)) \
 		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) $(LIBS_MODULE_$*) -ljpeg -lpng $(LIBS_CORE)
 
-PACK_LIBS := $(call archive,$(PACK_ROOM) server/publish server server/request) $(LIB_BUILD) $(call archive,lod/plan) $(LIB_ECO) $(LIB_DRACO)
+PACK_LIBS := $(call archive,$(PACK_ROOM) server/publish server server/request) $(LIB_BUILD) $(call archive,$(PLAN_ROOMS)) $(LIB_ECO) $(LIB_DRACO)
 $(B)/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(PACK_LIBS) | $(MODULES)
 	$(call say,ld,$@)
 	$(Q)$(LINK_C) -o $@ $< $(call group,$(PACK_LIBS)) $(LINK) $(LIBS_IMPORT) $(LIBS_PUBLISH) $(LIBS_DRACO) $(LIBS_CORE)
@@ -184,7 +185,7 @@ VERSION := $(shell sed -n 's/^#define ECO_VERSION "\(.*\)"/\1/p' ecofiles/base/v
 # raised whenever a program that uses the library has to be compiled anew
 SOVERSION := 0
 LIBRARY := $(B)/libecostream.so.$(SOVERSION)
-LIBRARY_PARTS := $(call archive,$(VIEW_ROOMS) server server/request lod/raster lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
+LIBRARY_PARTS := $(call archive,$(VIEW_ROOMS) server server/request lod/raster $(PLAN_ROOMS) $(CORE_ROOMS)) $(LIB_DRACO)
 $(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(foreach room,$(LIBRARY_ROOMS),$(call sources,$(room)))) $(LIBRARY_PARTS)
 	$(call say,ld,$@)
 	$(Q)$(LINK_C) -shared -o $@ -Wl,-soname,$(@F) -Wl,--version-script,$< $(filter %.o,$^) $(call group,$(LIBRARY_PARTS)) \
@@ -278,14 +279,14 @@ $(filter-out %/plans,$(BENCHES)): $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_
 	@mkdir -p $(@D)
 	$(Q)$(LINK_C) -o $@ $(filter %.o,$^) $(LINK_TEST)
 # As little as it takes: `make determinism` builds it three times.
-PLANS_LIBS := $(call archive,lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
+PLANS_LIBS := $(call archive,$(PLAN_ROOMS) $(CORE_ROOMS)) $(LIB_DRACO)
 $(B)/bench/plans: $(B)/obj/tests/bench/plans.o $(PLANS_LIBS)
 	$(call say,ld,$@)
 	@mkdir -p $(@D)
 	$(Q)$(LINK_C) -o $@ $< $(call group,$(PLANS_LIBS)) $(LINK) $(LIBS_DRACO) $(LIBS_CORE)
 
 # lod/ without any optimisation, in programs that must give the same: tests/ecopack/test_determinism.sh.
-O0 := $(patsubst %.c,$(B)/o0/%.o,$(foreach room,lod lod/plan $(BUILD_ROOMS),$(call sources,$(room))))
+O0 := $(patsubst %.c,$(B)/o0/%.o,$(foreach room,lod $(PLAN_ROOMS) $(BUILD_ROOMS),$(call sources,$(room))))
 $(B)/o0/%.o: %.c
 	$(call say,cc,$<)
 	@mkdir -p $(@D)

@@ -8,7 +8,7 @@ git ls-files -- '*.c' '*.h' '*.cpp' '*.glsl' '*.mjs' '*.py' '*.sh' | while read 
 done | awk "$(cat tests/rooms.awk)"'
 	BEGIN {
 		split("base=ecofiles/base, format, scene|format=ecofiles/base, format, scene|import=ecofiles/import|" \
-			"ecopack=ecofiles/ecopack, generate|build=lod|plan=lod/plan|server=server|client=client-min", pairs, "|")
+			"ecopack=ecofiles/ecopack, generate|build=lod|plan=lod/plan, seen|seen=lod/plan, seen|server=server|client=client-min", pairs, "|")
 		for (i in pairs) { split(pairs[i], pair, "="); of[pair[1]] = pair[2] }
 	}
 	{

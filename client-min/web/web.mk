@@ -46,11 +46,11 @@ WEB_OBJECTS := $(WEB_SOURCES:%.c=$(W)/obj/%.o) $(W)/obj/ecofiles/format/chunk/dr
 
 # the planner of published scenes: server/publish/README.md
 PLANNER_SOURCES := $(wildcard server/publish/web/*.c) server/publish/index.c $(wildcard server/stream*.c) server/describe.c \
-	$(patsubst %,server/request/%.c,json query target) $(wildcard lod/plan/*.c lod/*.c) $(WEB_BASE:%=ecofiles/base/%.c) \
+	$(patsubst %,server/request/%.c,json query target) $(wildcard lod/plan/*.c lod/seen/*.c lod/*.c) $(WEB_BASE:%=ecofiles/base/%.c) \
 	$(patsubst %,ecofiles/format/%.c,$(filter-out chunk/model model,$(WEB_FORMAT)) inventory legend)
 PLANNER_OBJECTS := $(PLANNER_SOURCES:%.c=$(W)/obj/%.o)
 # small, as it is fetched beside a first picture; uint64_t is no long there
-$(W)/obj/server/%.o $(W)/obj/lod/plan/%.o: WEB_FLAGS += -Oz -DNDEBUG -Wno-format -Wno-missing-field-initializers \
+$(W)/obj/server/%.o $(W)/obj/lod/plan/%.o $(W)/obj/lod/seen/%.o: WEB_FLAGS += -Oz -DNDEBUG -Wno-format -Wno-missing-field-initializers \
 	-Wno-unused-parameter -Wno-unused-variable -Wno-unused-but-set-variable
 
 # every function of web_client.h, of planner.h

@@ -34,7 +34,7 @@
 #include "ecofiles/format/impostor.h"
 #include "lod/arena.h"
 #include "lod/plan/planner_state.h"
-#include "lod/plan/summary_hull.h"
+#include "lod/seen/summary_hull.h"
 
 enum lod_when {
 	LOD_ALWAYS,

@@ -7,7 +7,7 @@
 #include "ecofiles/format/wire_body.h"
 #include "lod/ground_choice.h"
 #include "lod/plan/planner.h"
-#include "lod/plan/visibility.h"
+#include "lod/seen/visibility.h"
 
 #define NODES_MAX 16384u
 #define PRICE_LEAST 1e-9

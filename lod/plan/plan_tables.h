@@ -12,8 +12,8 @@
 #ifndef LOD_PLAN_TABLES_H
 #define LOD_PLAN_TABLES_H
 
-#include "lod/plan/visibility.h"
-#include "lod/plan/hull.h"
+#include "lod/seen/visibility.h"
+#include "lod/seen/hull.h"
 #include "lod/plan/planner.h"
 
 struct lod_plan_tables_ladder {

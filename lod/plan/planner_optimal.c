@@ -1,7 +1,7 @@
 /* The default rule: the least expected error within budgets of vertices and of bytes (planner_bytes.c).
  *
  * The expected error of what is drawn comes from a ladder's measured curve or a summary's computed one, times
- * the pixels seen. Pixels seen are found once, before any budget (lod/plan/visibility.h). So the objective is
+ * the pixels seen. Pixels seen are found once, before any budget (lod/seen/visibility.h). So the objective is
  * a sum, and at a lambda each of its terms is minimised by itself (lod/plan/allocation.h). The steps:
  *
  * - on a fixed grid of lambdas, bisect for the one that uses the budget; between it and its neighbour, search

@@ -5,7 +5,7 @@
 
 #include <assert.h>
 
-#include "lod/plan/tuning.h"
+#include "lod/seen/tuning.h"
 #include "ecofiles/format/wire_body.h"
 #include "lod/plan/explain.h"
 #include "lod/plan/image_choice.h"

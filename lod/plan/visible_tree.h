@@ -13,7 +13,7 @@
 #define LOD_VISIBLE_TREE_H
 
 #include "ecofiles/format/plan.h"
-#include "lod/plan/visibility.h"
+#include "lod/seen/visibility.h"
 #include "lod/eye.h"
 
 struct lod_tally {                   /* plants of one tile in one slot */

@@ -42,7 +42,7 @@ layers || complain "finds fault with what is allowed: $(cat "$DIR/said")"
 source ecofiles/base/angle16.c ecofiles/format/list.h
 source server/answer.c lod/build/order/order.h ecofiles/scene/scene.h
 source client-min/view_store.c server/daemon.h
-source lod/plan/hull.c lod/build/grid.h
+source lod/seen/hull.c lod/build/grid.h
 source lod/build/tile.c lod/plan/planner.h
 source server/stream.c lod/plan/planner_state.h
 source ecofiles/import/places/rows/rows.c ecofiles/import/model/gltf_parse_inside.h
@@ -56,7 +56,7 @@ names ecofiles/base/angle16 ecofiles/format/list.h "$may_not ecofiles/base may n
 names server/answer lod/build/order/order.h "$may_not server may not include"
 names server/answer ecofiles/scene/scene.h "$may_not server may not include"
 names client-min/view_store server/daemon.h "$may_not client-min may not include"
-names lod/plan/hull lod/build/grid.h "$may_not lod/plan may not include"
+names lod/seen/hull lod/build/grid.h "$may_not lod/seen may not include"
 names lod/build/tile lod/plan/planner.h "$may_not lod/build may not include"
 names server/stream lod/plan/planner_state.h "is private to lod/plan"
 names ecofiles/import/places/rows/rows ecofiles/import/model/gltf_parse_inside.h "is private to ecofiles/import/model"

@@ -1,5 +1,5 @@
 /* Pixels that plants show, by their distance: what the planner expects before it spends a budget
- * (lod/plan/visibility.h) beside what full detail shows, by the owners of its pixels. At eye level, and in the
+ * (lod/seen/visibility.h) beside what full detail shows, by the owners of its pixels. At eye level, and in the
  * crown of the plant that shows most of there. */
 #include <math.h>
 #include <stdlib.h>

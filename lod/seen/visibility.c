@@ -1,6 +1,6 @@
-/* Visibilities on the coarse screen: see lod/plan/visibility.h. Longer than 600 lines: cells of outlines serve light and
+/* Visibilities on the coarse screen: see lod/seen/visibility.h. Longer than 600 lines: cells of outlines serve light and
  * prediction, and no other file sees them. */
-#include "lod/plan/visibility.h"
+#include "lod/seen/visibility.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lod/plan/visibility.h"
+#include "lod/seen/visibility.h"
 #include "tests/support/unit_test.h"
 
 static const struct lod_proxy_shape tree = { .across = 2, .up = 5, .area = 60, .leaf_area = 60, .crown_across = 2,

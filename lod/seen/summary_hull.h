@@ -13,13 +13,13 @@
  *   lod_summary_hull_complete(&summary)           at every lambda
  *
  * Errors are over the tile's weight_px, and lambda is divided by it. A pixel that a splat covers belongs to
- * the wrong plant (lod/plan/visibility.h), so the error before like plants is LOD_OWNER_WEIGHT for covered pixels,
+ * the wrong plant (lod/seen/visibility.h), so the error before like plants is LOD_OWNER_WEIGHT for covered pixels,
  * times `pixels`, and 1 for missed ones. */
 #ifndef LOD_SUMMARY_HULL_H
 #define LOD_SUMMARY_HULL_H
 
 #include "ecofiles/format/pack.h"
-#include "lod/plan/hull.h"
+#include "lod/seen/hull.h"
 
 /* A summary as seen from a place. All lengths and areas are in pixels. */
 struct lod_summary_view {

@@ -19,9 +19,9 @@
 #ifndef LOD_HULL_H
 #define LOD_HULL_H
 
-#include "lod/plan/tuning.h"
+#include "lod/seen/tuning.h"
 #include "lod/ladder.h"
-#include "lod/plan/visibility.h"
+#include "lod/seen/visibility.h"
 
 #define LOD_HULL_POINTS_MAX 97u  /* one of them is appended by lod_hull_complete */
 #define LOD_OPEN_LEAST LOD_OWNER_WEIGHT  /* of hull.open, whose greatest value is 1 */

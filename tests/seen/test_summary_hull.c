@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "ecofiles/base/random.h"
-#include "lod/plan/summary_hull.h"
+#include "lod/seen/summary_hull.h"
 #include "tests/support/unit_test.h"
 
 #define VIEWS 4000u

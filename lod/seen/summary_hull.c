@@ -1,10 +1,10 @@
-/* Branch and bound over the samples of a summary: see lod/plan/summary_hull.h. */
-#include "lod/plan/summary_hull.h"
+/* Branch and bound over the samples of a summary: see lod/seen/summary_hull.h. */
+#include "lod/seen/summary_hull.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "lod/plan/visibility.h"
+#include "lod/seen/visibility.h"
 
 /* ---- Errors of a summary ---- */
 
@@ -240,7 +240,7 @@ void lod_summary_hull_lambda_range(const struct lod_summary_hull *summary, doubl
 
 /* ---- Splats on the screen ---- */
 
-/* Box filters by sums of rows and columns (lod/plan/visibility.h). */
+/* Box filters by sums of rows and columns (lod/seen/visibility.h). */
 
 #define SIZES 16                 /* from a cell on */
 #define SIZES_PER_OCTAVE 2

@@ -1,5 +1,5 @@
-/* Outlines of ellipsoids: see lod/plan/outline.h. */
-#include "lod/plan/outline.h"
+/* Outlines of ellipsoids: see lod/seen/outline.h. */
+#include "lod/seen/outline.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Outlines of ellipsoids against rays that meet them or do not, one by one. */
 #include <math.h>
 
-#include "lod/plan/outline.h"
+#include "lod/seen/outline.h"
 #include "tests/support/unit_test.h"
 
 #define CASES 1000

@@ -34,8 +34,8 @@
 #ifndef LOD_VISIBILITY_H
 #define LOD_VISIBILITY_H
 
-#include "lod/plan/tuning.h"
-#include "lod/plan/outline.h"
+#include "lod/seen/tuning.h"
+#include "lod/seen/outline.h"
 #include <stdint.h>
 
 struct lod_runs { uint32_t first; uint16_t row, end; };      /* an outline's cells in rows [row, end) */
@@ -119,7 +119,7 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 struct lod_wrong { double fp, fn; };
 
 /* Splats of a summary that stand for a visibility, in the mean: squares of `side` pixels. They lie on its
- * crown by chance and reach beyond it (lod/plan/visibility.c). */
+ * crown by chance and reach beyond it (lod/seen/visibility.c). */
 struct lod_splats { double count, side; };
 
 /* How a visibility is drawn: by `splats` where there are any, else with an error. */

@@ -1,5 +1,5 @@
-/* Sampling, reducing and reading of hulls: see lod/plan/hull.h. */
-#include "lod/plan/hull.h"
+/* Sampling, reducing and reading of hulls: see lod/seen/hull.h. */
+#include "lod/seen/hull.h"
 
 #include <math.h>
 
