@@ -66,7 +66,7 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 	return 1 - fine_share(m, gain, LOD_TIE_STEP * (fabs(gain + spent) + fabs(spent)));
 }
 
-/* What far plants cost of which some draw organs, at cost[0] each, and others are shown whole. */
+/* Sets the mean cost of far plants: some draw organs, at cost[0] each, and others are shown whole. */
 static void blend_whole(const struct lod_allocation *m, struct lod_slot_choice *choice)
 {
 	const struct lod_cost organs = choice->cost[0], whole = whole_cost(m, choice->whole);
@@ -105,7 +105,7 @@ static double position_at_lambda(const struct lod_allocation *m, const struct lo
 	return lod_hull_position(&choice->hull, m->lambda / choice->weight_px, choice->position);
 }
 
-/* What a slot comes to at the positions of its choices; [0] by its organs alone. */
+/* Sums what a slot costs at the positions of its choices; [0] by its organs alone. */
 static void sum_slot(const struct lod_allocation *m, struct lod_slot_choice *slot_choice)
 {
 	uint32_t end = slot_choice->ladder_choice_first + slot_choice->ladder_choice_count;
