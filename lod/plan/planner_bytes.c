@@ -62,7 +62,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	double low = lod_lambda_at(s->last), high = s->index == LOD_LAMBDA_COUNT ? low
 		: fmax(low, lod_lambda_at(s->index));
 	const bool again = !isnan(fit->octave);
-	double least = INFINITY, used = 1, top = high;
+	double least = INFINITY, used = 1;
 	fit->lambda = again ? fit->lambda : low;
 	lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false }, &fit->octave);
 	const bool both = !again && m->cost.vertices > (double)budget;
@@ -84,13 +84,11 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 			&fit->octave);
 	double bytes = relax_and_share(m, fit, target);
 	/* where more bytes come, a vertex may have to save more */
-	for (int i = 1; m->cost.vertices > (double)budget && i <= LOD_PRICE_RAISES; i++) {
-		fit->lambda = i < LOD_PRICE_RAISES ? sqrt(fit->lambda * top) : top;
-		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false },
-			&fit->octave);
-		bytes = relax_and_share(m, fit, target);
-	}
-	return bytes;
+	if (m->cost.vertices <= (double)budget)
+		return bytes;
+	fit->lambda = high;
+	lod_price_find(m, high, target, &(struct lod_price_near){ fit->octave, false }, &fit->octave);
+	return relax_and_share(m, fit, target);
 }
 
 static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct fitted *fit, uint64_t budget,

@@ -169,7 +169,6 @@
 
 /* ---- Answers within bytes ---- */
 #define LOD_PRICE_MORE 0.05  /* octaves, at first, by which a price is raised that no longer fits */
-#define LOD_PRICE_RAISES 3  /* of lambda, up to the one that uses the vertices alone */
 #define LOD_PRICE_LAMBDAS 3  /* tried below that one, where vertices bind as well */
 /* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
  * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
