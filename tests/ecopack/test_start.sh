@@ -328,11 +328,11 @@ mkdir "$DIR/tiles" && cp "$DIR/metres.asc" "$DIR/tiles"
 "$PACK" start "$DIR/off.csv" "$DIR/models/stieleiche.obj" "$DIR/tiles" -o "$DIR/tiled" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "tiles: $(cat "$DIR/out")"
 [ "$(jq -c .ground.heights "$DIR/tiled/scene.json")" = '"../tiles/metres.asc"' ] || complain "tiles: $(jq -c .ground "$DIR/tiled/scene.json")"
 sed 's/metres.asc/centimetres.asc/' "$DIR/hill/scene.json" >"$DIR/hill/steep.json"
-"$PACK" make "$DIR/hill/steep.json" -o "$DIR/hill/steep.eco" >"$DIR/out" 2>&1 || complain "steep: $(cat "$DIR/out")"
+"$PACK" make --draft "$DIR/hill/steep.json" -o "$DIR/hill/steep.eco" >"$DIR/out" 2>&1 || complain "steep: $(cat "$DIR/out")"
 grep -q 'one slope in ten rises more than .* are its heights in another unit' "$DIR/out" || complain "steep: $(grep -v building "$DIR/out")"
 grep -q '2 plants or nested scenes stand beyond its border (1 west, 1 north of it, up to 2.. m away)' "$DIR/out" || complain "steep: $(grep -v building "$DIR/out")"
 sed 's/"heights": "..\/metres.asc"/"heights": "..\/centimetres.asc", "unit": "cm"/' "$DIR/hill/scene.json" >"$DIR/hill/stated.json"
-"$PACK" make "$DIR/hill/stated.json" -o "$DIR/hill/stated.eco" >"$DIR/out" 2>&1 || complain "stated: $(cat "$DIR/out")"
+"$PACK" make --draft "$DIR/hill/stated.json" -o "$DIR/hill/stated.eco" >"$DIR/out" 2>&1 || complain "stated: $(cat "$DIR/out")"
 grep -q 'one slope in ten' "$DIR/out" && complain "make doubts a unit that the scene states"
 
 # ---- A picture of the ground: told from heights by its bands; asked about where these do not say ----
@@ -514,7 +514,7 @@ cmp -s "$DIR/kept.json" "$DIR/my/scene.json" || complain "a failure changed the 
 grep -q EPSG "$DIR/out" && complain "--quiet says: $(cat "$DIR/out")"
 
 # ---- What is guessed is a pack, and says what of it can hardly be meant ----
-"$PACK" make "$DIR/my/scene.json" -o "$DIR/my.eco" -q >"$DIR/out" 2>&1 || complain "make: $(cat "$DIR/out")"
+"$PACK" make --draft "$DIR/my/scene.json" -o "$DIR/my.eco" -q >"$DIR/out" 2>&1 || complain "make: $(cat "$DIR/out")"
 "$PACK" info "$DIR/my.eco" --json | jq -e '.instances == 90' >/dev/null || complain "90 rows are $("$PACK" info "$DIR/my.eco" --json | jq .instances) plants"
 model aspen 103
 cat >"$DIR/doubts.json" <<JSON
@@ -522,7 +522,7 @@ cat >"$DIR/doubts.json" <<JSON
  "bonsai oak": {"model": "models/stieleiche.obj", "height_m": 0.5}},
  "instances": [{"plant": "aspen", "at": [0, 0]}, {"plant": "a rock", "at": [5, 5]}, {"plant": "oak", "at": [9, 9], "height_m": 1.1}, {"plant": "bonsai oak", "at": [3, 3]}]}
 JSON
-"$PACK" make "$DIR/doubts.json" -o "$DIR/doubts.eco" >"$DIR/out" 2>&1 || complain "doubts: $(cat "$DIR/out")"
+"$PACK" make --draft "$DIR/doubts.json" -o "$DIR/doubts.eco" >"$DIR/out" 2>&1 || complain "doubts: $(cat "$DIR/out")"
 says() { grep -Eq -- "$1" "$DIR/out" || complain "make says nothing like /$1/: $(grep -v building "$DIR/out" | head -c 900)"; }
 says 'aspen: half of its 1 plants are more than 103 m high, where a broad-leaved tree has 2 to 50 m'
 says 'a rock: by its name it is no plant'
