@@ -617,6 +617,13 @@ rm -rf "$DIR/my"
 "$PACK" start "$DIR/off.csv" "$DIR/metres.asc" -o "$DIR/my" --crs EPSG:25832 --plant vase >"$DIR/out" 2>&1 || complain "a habit: $(cat "$DIR/out")"
 is '[.ground.heights, .plants.vase.library]' '["../metres.asc","vase"]'
 
+# ---- Three palms among trees of no species: the others are no palms ----
+awk 'BEGIN { print "species,x_m,y_m"; for (i = 0; i < 60; i++) printf "%s,%d,%d\n", i % 20 ? "" : "Phoenix canariensis", i % 8 * 5, i * 3 }' >"$DIR/few.csv"
+rm -rf "$DIR/my"
+"$PACK" start "$DIR/few.csv" -o "$DIR/my" >"$DIR/out" 2>&1 || complain "few palms: $(cat "$DIR/out")"
+is '.plants[.instances[0].map | .["*"], .["Phoenix canariensis"]] | [.library, .individual]' '["round",[1,2]]
+["feather palm",null]'
+
 # ---- Dead trees stand as dead ones: the model of one, else the library's; crowns begin where they were measured ----
 awk 'BEGIN { print "species,x_m,y_m,height_m,status,crown base height (m)"
 	for (i = 0; i < 60; i++) printf "Picea abies,%d,%d,%d,%s,%.1f\n", i % 8 * 5, i * 3, 20 + i % 5, i % 6 ? "Alive" : "Dead", 10 + i % 5 / 2 }' >"$DIR/dead.csv"

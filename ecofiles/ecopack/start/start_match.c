@@ -14,6 +14,7 @@
 
 #define COMMON 500u              /* species that a rare one is compared with */
 #define FEWER 20u                /* so many times rarer is a misspelling */
+#define FEW 10u                  /* a share that says nothing of the rows without a species */
 
 /* ---- Scores: same species, genus, form, leaves, size, in this order ---- */
 
@@ -298,11 +299,17 @@ static void choose_fallback(struct start *s)
 		if (eco_form_is_tree(s->models[i].flora.form) && s->models[i].rows > (s->fallback == ECO_NONE ? 0
 				: s->models[s->fallback].rows))
 			s->fallback = i;
-	if (s->fallback == ECO_NONE)
+	/* a dozen palms among 400 trees of no species do not make the others palms */
+	bool few = s->fallback != ECO_NONE && s->models[s->fallback].habit
+		&& s->models[s->fallback].rows * FEW < s->table.rows;
+	if (s->fallback == ECO_NONE || few)
 		s->fallback = start_library_plant(s, &any);
+	for (uint32_t i = 0; i < s->species.count; i++)
+		if (s->matches[i].model == ECO_NONE && s->matches[i].tier != START_LEFT_OUT)
+			s->models[s->fallback].rows += s->species.items[i].rows;
 	snprintf(took, sizeof took, "%.64s", s->models[s->fallback].name);
-	start_guess(s, "all other species", took, "\"*\" in the map", "the tree with most rows; "
-		"rows without a species get it, too");
+	start_guess(s, "all other species", took, "\"*\" in the map", "%s; rows without a species get it, too",
+		few ? "no tree has a tenth of the rows" : "the tree with most rows");
 }
 
 static void one_for_all(struct start *s, uint32_t model, const char *change, const char *why)
