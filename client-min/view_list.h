@@ -50,7 +50,7 @@ struct view_list {                       /* stays where it is until its last chu
 static inline struct lod_tint_wood view_list_wood(const struct view_list *list)
 {
 	static const uint8_t none[3];
-	bool told = list->list.kind != ECO_LIST_GROUND && list->list.wood;
+	bool told = eco_list_is_mixed(&list->list) && list->list.wood;
 	return lod_tint_wood(told ? list->list.wood : 0, told ? list->palette[list->list.palette_count - 1] : none);
 }
 

@@ -108,7 +108,8 @@ static void put_own_ball(const struct lod_bake_input *in, enum shape shape, uint
 		return;
 	}
 	float r = sqrtf(in->area * (g->size ? g->size[i] : 1) / 3.14159265f);
-	put_ball(shape, center, (const float[9]){ r, 0, 0, 0, r, 0, 0, 0, r }, 1, out);
+	put_ball(shape, center, (const float[9]){ r, 0, 0, 0, r, 0, 0, 0, r },
+		g->opacity ? (double)g->opacity[i] : 1, out);
 }
 
 static void own_color(const struct lod_bake_input *in, uint32_t i, uint8_t rgb[3])

@@ -101,7 +101,7 @@ void lod_geometry_lay(struct lod_geometry *geometry, const struct eco_list *list
 	geometry->width = lay(&floats, count, list->kind == ECO_LIST_LINES);
 	geometry->size = lay(&floats, count, (list->attributes & ECO_ATTR_SIZE) != 0);
 	geometry->half = lay(&floats, count, splats ? 9 : 0);
-	geometry->opacity = lay(&floats, count, splats);
+	geometry->opacity = lay(&floats, count, splats || eco_list_opacity(list) < 1);
 	geometry->wood = lay(&floats, count, splats);
 }
 
@@ -109,7 +109,7 @@ size_t lod_geometry_floats(const struct eco_list *list, uint32_t count, bool uv)
 {
 	uint32_t vertices = eco_list_vertices(list), each = 3 * vertices + (uv ? 2 * vertices : 0)
 		+ (list->kind == ECO_LIST_LINES) + ((list->attributes & ECO_ATTR_SIZE) != 0)
-		+ (list->attributes & ECO_ATTR_SPLAT ? 11 : 0);
+		+ (list->attributes & ECO_ATTR_SPLAT ? 11 : eco_list_opacity(list) < 1);
 	return (size_t)each * count;
 }
 
@@ -175,6 +175,8 @@ uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_element
 			if (corners == 1) {
 				put_corner(&(struct target){ list, elements, out, 1 },
 					out->position + 3 * (size_t)written, position, center);
+				if (out->opacity)
+					out->opacity[written] = eco_list_opacity(list);
 				put_splat(&t, written, extra);
 			} else if (corners == 2)
 				put_line(&t, written, position, extra, center);

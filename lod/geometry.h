@@ -13,7 +13,7 @@ struct lod_geometry {
 	float *uv;                   /* 2 a vertex */
 	float *width;                /* of lines */
 	float *size;                 /* eco_size of points with SIZE */
-	float *half, *opacity;       /* of splats: 3 half axes (9), metres; 1 */
+	float *half, *opacity;       /* of splats: 3 half axes (9), metres; of them and points that are not opaque: 1 */
 	float *wood;                 /* of splats: 1, or 0 */
 	int32_t *color;              /* palette index of a primitive, or -1 */
 };

@@ -447,6 +447,7 @@ static void set_scale(const struct view_shader *s, const struct eco_list *list, 
 	bool ball = list->kind == ECO_LIST_POINTS && !(list->attributes & ECO_ATTR_SPLAT);
 	glUniform1f(s->uniform[VIEW_U_SCALE],
 		ball ? (float)lod_ball_radius(list, scale) : sqrtf(scale));
+	glUniform1ui(s->uniform[VIEW_U_COVER], (unsigned)(16 * eco_list_opacity(list)));
 }
 
 static enum eco_code bind_images(struct frame *f, const struct view_list *list)

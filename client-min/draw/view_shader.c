@@ -66,7 +66,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
 	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map", "u_middle", "u_sample",
-	"u_leaf", "u_wood" };
+	"u_leaf", "u_wood", "u_cover" };
 
 static unsigned compile(unsigned program, unsigned type, const char *const *parts, int count)
 {

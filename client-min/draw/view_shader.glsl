@@ -232,6 +232,7 @@ vec3 scatter_offset(uint point, uint part) {
 }
 #endif
 uniform float u_sides[ECO_SIZES];
+uniform uint u_cover;            // sixteenths of a point's disc
 uniform uint u_level;
 uniform vec2 u_half, u_window;  // of the picture and of the viewport, pixels
 uniform int u_corners, u_count; // of an ellipse; of a plant's ellipses
@@ -284,7 +285,7 @@ void main() {
 	axes = mat3(reach * p.scale);
 	for (int k = 0; k < 3; k++) halves[k] = p.row[k].xyz * (k == 1 ? -reach : reach) / p.scale;
 #endif
-	uint opacity = 16u;
+	uint opacity = u_cover;
 #endif
 	bool leafy = false;
 	float grown = 1.0;

@@ -188,7 +188,7 @@ struct ecostream_geometry {
 	const float *position;
 	const float *size;           /* radius of a point, of that ball; width of a line; else NULL */
 	const float *half_axes;      /* of ellipsoids: three vectors, 9 of each; else NULL */
-	const float *opacity;        /* of ellipsoids, in (0, 1]; else NULL */
+	const float *opacity;        /* of ellipsoids, and of points that are not opaque, in (0, 1]; else NULL */
 	const uint8_t *rgb;          /* sRGB, 3 of each; NULL of ground and impostors. White where only a
 	                              * texture has colours: this version does not hand out textures */
 	void *owned;                 /* the library's */

@@ -76,6 +76,7 @@ enum eco_attr {
 };
 #define ECO_UV_ONE 4096
 #define ECO_LOSS_ONE 255
+#define ECO_COVER_ONE 16u
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
@@ -91,8 +92,8 @@ struct eco_list {
 	double grid_step[3];         /* metres; position = origin + integer * step; of the ground's image: a
 	                              * texel of the last level */
 	float unit_area;             /* points and summaries: projected area (m^2, random
-	                              * orientation: area / 2) of one point when all are drawn: it is a ball
-	                              * whose disc has the area unit_area * scale. Splats: the square of
+	                              * orientation: area / 2) of one point when all are drawn, over the share
+	                              * `cover`: it is a ball whose disc has the area unit_area * scale. Splats: the square of
 	                              * their unit of length. Images, outlines: what a texel of
 	                              * the last level covers on the plant, in the mean; 0: not known */
 	uint32_t palette_first, palette_count;
@@ -103,6 +104,8 @@ struct eco_list {
 		/* splats and impostors, where the pack has tints: how much of a colour is wood, whose own
 		 * ends the palette (lod/tint.h); 0: none is */
 		uint32_t wood;
+		/* points of a plant: the share of their discs that is covered, in 1/ECO_COVER_ONE; 0: all */
+		uint32_t cover;
 	};
 	uint32_t primitive_count, element_count;
 	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */
@@ -151,6 +154,19 @@ static inline bool eco_list_has_texels(const struct eco_list *list)
 {
 	return list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE
 		|| list->kind == ECO_LIST_GROUND_IMAGE;
+}
+
+/* Whether its colours mix leaves and wood. */
+static inline bool eco_list_is_mixed(const struct eco_list *list)
+{
+	return list->kind == ECO_LIST_IMPOSTOR || list->attributes & ECO_ATTR_SPLAT;
+}
+
+/* The share of a point's disc that is covered. */
+static inline float eco_list_opacity(const struct eco_list *list)
+{
+	return list->kind == ECO_LIST_POINTS && !eco_list_is_mixed(list) && list->cover
+		? (float)list->cover / (float)ECO_COVER_ONE : 1;
 }
 
 /* Whether all of its elements are wood: connected triangles, or lines that are no form of leaves. */

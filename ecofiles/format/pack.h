@@ -41,7 +41,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define ECO_PACK_VERSION 25u
+#define ECO_PACK_VERSION 26u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 

@@ -90,10 +90,10 @@ const char *eco_list_fault(const struct eco_list *l)
 		return "it has colours but no palette";
 	if (l->kind == ECO_LIST_INSTANCES && l->palette_count > ECO_LIST_TINTS_MAX)
 		return "it has too many tints";
-	bool mixed = l->kind == ECO_LIST_IMPOSTOR || l->attributes & ECO_ATTR_SPLAT;
 	if (l->kind == ECO_LIST_GROUND ? !l->columns || l->primitive_count % l->columns
-			: l->wood && !(mixed && l->palette_count))
-		return "its rows of samples, or its wood, are impossible";
+			: eco_list_is_mixed(l) ? l->wood && !l->palette_count
+			: l->cover >= (l->kind == ECO_LIST_POINTS && form ? ECO_COVER_ONE : 1))
+		return "its rows of samples, its wood or its cover are impossible";
 	if (form != (l->partner != ECO_NONE))
 		return "its partner does not go with its coder";
 	if ((l->kind == ECO_LIST_INSTANCES) != (l->group_count > 0) || l->group_count > l->primitive_count)

@@ -57,7 +57,7 @@
 #include "ecofiles/format/wire_items.h"
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN, ECO_FRAME_END, ECO_FRAME_AHEAD };
-#define ECO_WIRE_VERSION 26u
+#define ECO_WIRE_VERSION 27u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)

@@ -151,14 +151,15 @@ static uint32_t finish_form(struct lod_draft *draft, struct lod_list_draft *list
 }
 
 uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *points,
-	const uint32_t *items, float unit_area)
+	const uint32_t *items, float unit_area, uint32_t cover)
 {
 	if (partner == ECO_NONE)
 		return ECO_NONE;
 	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_POINTS,
 		ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1);
 	uint32_t count = draft->plant->lists[partner].elements.element_count;
-	list->list.unit_area = eco_few_bits(unit_area);
+	list->list.cover = cover;
+	list->list.unit_area = eco_few_bits(unit_area / eco_list_opacity(&list->list));
 	for (uint32_t i = 0; i < count; i++) {
 		int32_t *extra = begin_element(&list->elements, 1);
 		put_corner(&list->elements, points[items[i]].position, NULL);

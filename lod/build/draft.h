@@ -32,10 +32,10 @@ uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *eleme
 
 /* Other forms of the elements of list `partner`, one each, in its order: those of `items`. */
 
-/* Points; their areas are codes for eco_size, times unit_area. */
+/* Points; their areas are codes for eco_size, times unit_area; cover: as of the list. */
 struct lod_point { int32_t position[3]; uint8_t rgb[3], size; };
 uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *points,
-	const uint32_t *items, float unit_area);
+	const uint32_t *items, float unit_area, uint32_t cover);
 
 /* Lines. */
 struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };

@@ -10,6 +10,7 @@
 #include "lod/build/plant_state.h"
 #include "lod/build/order/rank.h"
 #include "lod/raster/texel.h"
+#include "lod/vector.h"
 #include "lod/sort.h"
 #include "lod/build/tone.h"
 
@@ -17,6 +18,8 @@
 #define BLADE_SHARE 0.6          /* of a group's area, from which on it is a group of blades */
 #define COARSE_LEAST 256u        /* elements of the whole-plant list of a plant with cells */
 #define COARSE_DIVISOR 8u
+#define COMPACT 0.8              /* of an ellipse as long and as wide: cut-outs that cover more are as opaque points */
+#define COVER_LEAST 4            /* sixteenths that a point covers of its disc */
 #define LATTICE 24               /* steps a side of the lattice that searches opaque texels */
 /* Simple triangles get a list if elements have at least so many triangles on average. */
 #define SIMPLE_GAIN 1.3
@@ -189,15 +192,15 @@ static uint8_t size_code(double ratio)
 
 /* A triangle's part of the point of its leaf: middle, area (grid steps^2) and colour of what is opaque. Without
  * an opaque texel it has its own middle, no area, and the image's mean colour. */
-struct sample { double at[3], area; uint8_t rgb[3]; };
+struct sample { double at[3], square[3][3], area; uint8_t rgb[3]; };    /* square: mean products of coordinates */
 
-/* Mean barycentric coordinates of opaque points on an even lattice; returns their share, and their last texel
- * in *seen. */
-static double opaque_middle(const struct eco_image *image, const int32_t *uv, double middle[3],
+/* Mean barycentric coordinates of opaque points on an even lattice, and their mean products; returns their share, and their
+ * last texel in *seen. */
+static double opaque_middle(const struct eco_image *image, const int32_t *uv, double middle[3], double products[3][3],
 	const uint8_t **seen)
 {
 	uint32_t hits = 0, all = 0;
-	double sum[3] = { 0, 0, 0 };
+	double sum[3] = { 0, 0, 0 }, pairs[3][3] = { { 0 } };
 	for (int i = 0; i < LATTICE; i++)
 		for (int j = 0; i + j < LATTICE; j++, all++) {
 			double w[3] = { (i + 1 / 3.0) / LATTICE, (j + 1 / 3.0) / LATTICE, 0 }, p[2];
@@ -209,9 +212,13 @@ static double opaque_middle(const struct eco_image *image, const int32_t *uv, do
 				continue;
 			hits++;
 			*seen = texel;
+			for (int k = 0; k < 9; k++)
+				pairs[k / 3][k % 3] += w[k / 3] * w[k % 3];
 			for (int k = 0; k < 3; k++)
 				sum[k] += w[k];
 		}
+	for (int k = 0; k < 9 && hits; k++)
+		products[k / 3][k % 3] = pairs[k / 3][k % 3] / hits;
 	for (int k = 0; k < 3 && hits; k++)
 		middle[k] = sum[k] / hits;
 	return (double)hits / all;
@@ -220,7 +227,8 @@ static double opaque_middle(const struct eco_image *image, const int32_t *uv, do
 static void sample_triangle(const struct lod_mesh *mesh, uint32_t t, struct lod_texels *texels,
 	const uint8_t *tint, struct sample *sample)
 {
-	double middle[3] = { 1 / 3.0, 1 / 3.0, 1 / 3.0 }, found = 1;
+	double middle[3] = { 1 / 3.0, 1 / 3.0, 1 / 3.0 }, found = 1,
+	       products[3][3] = { { 1 / 6.0, 1 / 12.0, 1 / 12.0 }, { 1 / 12.0, 1 / 6.0, 1 / 12.0 }, { 1 / 12.0, 1 / 12.0, 1 / 6.0 } };
 	const uint8_t *seen = NULL;
 	const int32_t *p[3], *uv = mesh->uv + 6 * (size_t)t;
 	struct lod_v3 corner[3];
@@ -234,23 +242,38 @@ static void sample_triangle(const struct lod_mesh *mesh, uint32_t t, struct lod_
 	if (texels) {
 		double share = lod_texels_mean(texels, tint, uv, sample->rgb);
 		if (texels->cutout)
-			found = opaque_middle(texels->image, uv, middle, &seen);
+			found = opaque_middle(texels->image, uv, middle, products, &seen);
 		if (share <= 0 && seen)      /* thinner than the rows that the mean samples */
 			lod_texel_tint(seen, tint, sample->rgb);
 		sample->area *= share > 0 ? share : found;
 	}
 	for (int k = 0; k < 3; k++)
 		sample->at[k] = middle[0] * p[0][k] + middle[1] * p[1][k] + middle[2] * p[2][k];
+	memset(sample->square, 0, sizeof sample->square);
+	for (int k = 0; k < 9; k++)
+		for (int i = 0; i < 9; i++)
+			sample->square[i / 3][i % 3] += products[k / 3][k % 3] * p[k / 3][i / 3] * p[k % 3][i % 3];
+}
+
+/* The area of the ellipse that a plane figure of that middle and those mean products is as wide and as long as. */
+static double ellipse_of(const double at[3], double square[3][3])
+{
+	double minors = 0, c[3][3];
+	for (int k = 0; k < 9; k++)
+		c[k / 3][k % 3] = square[k / 3][k % 3] - at[k / 3] * at[k % 3];
+	for (int k = 0, j = 1; k < 3; k++, j = (k + 1) % 3)
+		minors += c[k][k] * c[j][j] - c[k][j] * c[k][j];
+	return 4 * LOD_PI * sqrt(fmax(minors, 0));
 }
 
 /* `texels`: of the group's image, opaque and cut out, opened when first needed. `mean`: mean area of the
- * group's elements. */
+ * group's elements. Adds what is opaque of it, and its ellipse, to `spread`. */
 static void make_point(struct lod_build *b, uint32_t number, struct lod_texels texels[2], double mean,
-	struct lod_point *point)
+	struct lod_point *point, double spread[2])
 {
 	const struct lod_element *e = &b->elements.items[number];
 	struct lod_light light = { { 0, 0, 0 }, 0 };
-	double at[3] = { 0, 0, 0 };
+	double at[3] = { 0, 0, 0 }, square[3][3] = { { 0 } };
 	for (uint32_t pass = 0; pass < 2 && light.weight <= 0; pass++) /* the second pass ignores opacity */
 		for (uint32_t i = 0; i + 2 < e->corners; i++) {
 			uint32_t t = e->triangle[i];
@@ -265,12 +288,20 @@ static void make_point(struct lod_build *b, uint32_t number, struct lod_texels t
 				image ? material->rgb : b->organs.rgb[t], &sample);
 			double weight = pass ? 1 : sample.area;
 			lod_light_add(&light, sample.rgb, weight);
+			for (int k = 0; k < 9; k++)
+				square[k / 3][k % 3] += weight * sample.square[k / 3][k % 3];
 			for (int k = 0; k < 3; k++)
 				at[k] += weight * sample.at[k];
 		}
 	lod_light_mean(&light, point->rgb);
+	for (int k = 0; k < 9; k++)
+		square[k / 3][k % 3] /= light.weight;
 	for (int k = 0; k < 3; k++)
-		point->position[k] = (int32_t)floor(at[k] / light.weight + 0.5);
+		at[k] /= light.weight;
+	for (int k = 0; k < 3; k++)
+		point->position[k] = (int32_t)floor(at[k] + 0.5);
+	spread[0] += light.weight;
+	spread[1] += fmax(ellipse_of(at, square), light.weight);
 	point->size = size_code(mean > 0 ? b->area[number] / mean : 1);
 }
 
@@ -319,14 +350,17 @@ void lod_leaves_represent(struct lod_build *b)
 		struct lod_group *group = &b->groups[g];
 		struct lod_arena_piece *mark = b->arena.last;
 		struct lod_texels texels[2] = { { 0 }, { 0 } };
+		double spread[2] = { 0, 0 };
 		measure_group(b, group);
 		for (uint32_t i = group->first; i < group->end; i++) {
 			uint32_t number = b->order[i];
 			make_point(b, number, texels, group->area / (group->end - group->first),
-				&b->point[number]);
+				&b->point[number], spread);
 			if (group->blades)
 				make_blade(b, number, &b->blade[number], &b->blade_error[number]);
 		}
+		group->cover = texels[1].image && spread[0] < COMPACT * spread[1]
+			? (uint32_t)fmax(ECO_COVER_ONE * spread[0] / spread[1] + 0.5, COVER_LEAST) : 0;
 		lod_arena_release(&b->arena, mark);
 		level_tones(b, group, seen);
 	}
@@ -379,7 +413,7 @@ static void write_lists(struct lod_build *b, const struct lod_group *group, stru
 	if (group->blades)
 		ladder->lines = lod_draft_blades(&b->draft, ladder->triangles, b->blade, items);
 	ladder->points = lod_draft_points(&b->draft, ladder->triangles, b->point, items,
-		(float)(group->area / 2 / (group->end - group->first)));
+		(float)(group->area / 2 / (group->end - group->first)), group->cover);
 	if (ladder->points != ECO_NONE)
 		b->draft.plant->lists[ladder->points].list.level = level_of(b, items, count);
 	lod_arena_release(&b->arena, mark);

@@ -38,6 +38,7 @@ struct lod_group {
 	uint32_t image, model_image; /* of the plant and of the model, or ECO_NONE */
 	uint32_t first, end;         /* leaves: in build.order */
 	bool blades;                 /* leaves: lines beside points */
+	uint32_t cover;              /* leaves: eco_list.cover of their points */
 	double area;                 /* leaves */
 	float importance;
 };

@@ -59,7 +59,8 @@ static double area_of(const struct part *part, uint32_t i)
 	const float *p = part->geometry.position + 3 * (size_t)part->corners * i;
 	double a[3], b[3];
 	if (part->corners == 1)
-		return part->list->unit_area * (part->geometry.size ? (double)part->geometry.size[i] : 1);
+		return part->list->unit_area * eco_list_opacity(part->list)
+			* (part->geometry.size ? (double)part->geometry.size[i] : 1);
 	for (int k = 0; k < 3; k++) {
 		a[k] = p[3 + k] - p[k];
 		b[k] = part->corners == 3 ? p[6 + k] - p[k] : 0;

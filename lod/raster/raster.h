@@ -70,7 +70,7 @@ struct lod_raster_batch {
 	const float *width;          /* lines: full width in object units, one each */
 	float area;                  /* balls: area of the disc, object units^2 */
 	const float *size;           /* balls: factors of `area`, one each, or NULL: all 1 */
-	const float *half, *opacity; /* splats: three half axes (9), and 1, each; NULL: balls, opaque */
+	const float *half, *opacity; /* splats: three half axes (9), and 1, each; NULL: balls; opaque */
 	float leaf;                  /* splats, balls: width of the leaves on them, object units; 0: smooth */
 	const float *wood;           /* splats: 1 has none all the same, one each; or NULL */
 	uint32_t item;               /* number of the first primitive; those after it count on */

@@ -49,6 +49,34 @@ static const struct lod_list_draft *leaves_of(const struct lod_plant *p, const s
 	return NULL;
 }
 
+static const struct eco_list *points_of_cards(bool punched)
+{
+	soup_tree(&soup, 60, 0, true);
+	struct eco_image *image = &soup.image[0];
+	for (uint32_t i = 0; punched && i < image->width * image->height; i++)
+		if ((i % image->width / 4 + i / image->width / 4) % 2)
+			image->rgba[4 * (size_t)i + 3] = 0;
+	struct lod_plant_options options = ordered(LOD_ORDER_COMBINED, 0);
+	build(&plant, &options);
+	for (uint32_t i = 0; i < plant.list_count; i++)
+		if (plant.lists[i].list.kind == ECO_LIST_POINTS && plant.lists[i].list.coder == ECO_CODER_FORM)
+			return &plant.lists[i].list;
+	fail_msg("no points");
+	return NULL;
+}
+
+/* A disc with holes is as wide as one without, and half of it is covered. */
+UNIT_TEST(points_of_cut_outs_cover_what_these_cover)
+{
+	const struct eco_list disc = *points_of_cards(false);
+	finish();
+	const struct eco_list *holes = points_of_cards(true);
+	assert_int_equal(disc.cover, 0);
+	assert_true(holes->cover >= 7 && holes->cover <= 9);
+	assert_true(fabsf(holes->unit_area / disc.unit_area - 1) < 0.12f);
+	finish();
+}
+
 /* Each leaf of a greedy order has a code, and its simpler form the same. */
 static void check_greedy(const struct lod_list_draft *leaves, const struct lod_list_draft *simple)
 {
