@@ -20,6 +20,7 @@
 #define STRAW 0xb8a070u    /* herbs in winter */
 #define SLENDER_LEAST 0.02 /* width of a crown as a share of its height */
 #define SLENDER_MOST 20.0
+#define SHRUB_MOST_M 4.0     /* usual height of habits that shrubs may have: a juniper */
 
 const char *const eco_season_names[ECO_SEASON_COUNT + 1] = { "summer", "autumn", "winter", "spring", NULL };
 
@@ -41,28 +42,37 @@ double eco_library_height(const char *name)
 	return find_habit(name, &number, &habit) ? habit.height_m : 0;
 }
 
-/* The row of a genus, else of a form, else the first. */
-static const struct looks_row *look_of(const char *genus, enum eco_form form)
+/* The row of a species, else of its genus, else of a form, else the first. */
+static const struct looks_row *look_of(const struct eco_flora *flora, enum eco_form form)
 {
-	const char *const names[] = { genus ? genus : "", eco_form_names[form] };
-	for (size_t k = 0; k < 2; k++)
+	char species[ECO_WORDS_BYTES] = "";
+	if (flora)
+		snprintf(species, sizeof species, "%s %s", flora->genus ? flora->genus : "", flora->epithet);
+	const char *const names[] = { species, flora && flora->genus ? flora->genus : "", eco_form_names[form] };
+	for (size_t k = 0; k < 3; k++)
 		for (size_t i = 0; i < COUNT(looks_rows); i++)
 			if (strcmp(looks_rows[i].taxon, names[k]) == 0)
 				return &looks_rows[i];
 	return looks_rows;
 }
 
-/* A genus grows as its row says, but for columns, weeping trees and shrubs of genera that mostly do not. */
+const char *eco_library_taxon_of(const struct eco_flora *flora)
+{
+	const struct looks_row *row = look_of(flora, ECO_FORM_UNKNOWN);
+	return strchr(row->taxon, ' ') && flora->genus ? row->taxon : flora->genus ? flora->genus : "";
+}
+
+/* Plants grow as their row says, but for columns, weeping trees and shrubs of genera that mostly do not. */
 const char *eco_library_habit_of(const struct eco_flora *flora)
 {
 	struct eco_habit habit;
 	size_t number;
 	enum eco_form form = flora->form < ECO_FORM_NOTHING ? flora->form : ECO_FORM_UNKNOWN;
-	const struct looks_row *row = look_of(flora->genus, form);
+	const struct looks_row *row = look_of(flora, form);
 	find_habit(row->habit, &number, &habit);
 	bool other = form == ECO_FORM_COLUMN || form == ECO_FORM_WEEPING || form == ECO_FORM_SHRUB;
 	if (other && habit.like != form &&
-		(form != ECO_FORM_SHRUB || eco_form_is_tree(habit.like)) &&
+		(form != ECO_FORM_SHRUB || (eco_form_is_tree(habit.like) && habit.height_m > SHRUB_MOST_M)) &&
 		!(form == ECO_FORM_COLUMN && habit.like == ECO_FORM_CONIFER))
 		find_habit(look_of(NULL, form)->habit, &number, &habit);
 	return habit.name;
@@ -108,7 +118,7 @@ static void set_season(struct gen_plant_look *look, const struct looks_row *row,
 static struct gen_plant_look make_look(const struct eco_library_plant *plant, const struct eco_habit *habit)
 {
 	struct eco_flora flora = eco_flora_of(plant->genus, NULL);
-	const struct looks_row *row = look_of(flora.genus, habit->like);
+	const struct looks_row *row = look_of(&flora, habit->like);
 	bool woody = habit->like != ECO_FORM_HERB && habit->like != ECO_FORM_GRASS;
 	enum eco_leaf leaf = flora.genus                                          ? flora.leaf
 		: habit->like == ECO_FORM_CONIFER || habit->like == ECO_FORM_PALM ? ECO_LEAF_EVERGREEN

@@ -33,7 +33,7 @@ struct eco_library_plant {
 	/* height; mean width of the crown, 0: usual for the habit */
 	double height_m, crown_m;
 	double base; /* lower end of the crown as a share of the height; 0: by the habit and the crown's width; to BASE_MOST */
-	char genus[48]; /* any name with a genus; "": a plant of the habit's form */
+	char genus[48]; /* any name with a genus, of which a species may differ; "": a plant of the habit's form */
 	enum eco_season season;
 	uint32_t individual; /* from 1; 0: 1 */
 };
@@ -49,7 +49,9 @@ struct eco_habit {
 bool eco_library_habit(size_t i, struct eco_habit *habit);
 /* The usual height of that habit; 0: there is none of that name. */
 double eco_library_height(const char *habit);
-/* The habit of a plant of that genus or form; always one of the table. */
+/* The species if it looks otherwise than its genus (looks.tsv), else the genus; "": it is not known. */
+const char *eco_library_taxon_of(const struct eco_flora *flora);
+/* The habit of a plant of that species, genus or form; always one of the table. */
 const char *eco_library_habit_of(const struct eco_flora *flora);
 
 /* ECO_BAD_INPUT: no such habit (the error names all), a size that no plant has, an individual that is none. */

@@ -137,6 +137,9 @@ UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
 	assert_null(spelt("Pirus alba").genus);           /* Pinus has no such species, nor has Pyrus */
 	assert_string_equal(spelt("Pinus sp.").genus, "pinus");
 	assert_string_equal(spelt("Handroathus vellosoi").genus, "handroanthus");
+	assert_string_equal(spelt("Chrysaldocarpus lutescens").genus, "chrysalidocarpus");
+	assert_string_equal(spelt("Querqus").genus, "quercus");
+	assert_string_equal(spelt("Tabebuja rosea").genus, "tabebuia");
 	assert_null(spelt("morta").genus);                /* nearly a Polish mulberry */
 }
 

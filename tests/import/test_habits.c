@@ -394,11 +394,19 @@ UNIT_TEST(a_genus_has_its_habit)
 	static const char *const cases[][2] = { { "Zelkova serrata", "vase" }, { "Picea abies", "spruce" },
 		{ "Pinus sylvestris", "pine young" }, { "Quercus robur 'Fastigiata'", "columnar" },
 		{ "Washingtonia filifera", "fan palm" }, { "Phyllostachys", "bamboo" },
-		{ "Cupressus sempervirens", "cypress" }, { "Salix babylonica", "weeping" }, { "Salix alba", "spreading" },
-		{ "Calluna vulgaris", "heath" }, { "tree", "round" }, { "xyz", "round" } };
+		{ "Cupressus sempervirens", "cypress" }, { "Salix babylonica", "weeping" }, { "Salix alba", "oval" },
+		{ "Calluna vulgaris", "heath" },
+		{ "Corylus colurna", "conical" }, { "Corylus avellana", "round shrub" },
+		{ "Polyalthia longifolia var. pendula", "columnar" }, { "Betula nana", "round shrub" },
+		{ "Prunus laurocerasus", "round shrub" }, { "Cornus mas", "multi-stemmed" }, { "Pinus pinea", "umbrella" },
+		{ "Juniperus sabina", "juniper" }, { "Quercus ilex", "round" }, { "Populus nigra 'Italica'", "columnar" },
+		{ "tree", "round" }, { "xyz", "round" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_flora flora = eco_flora_of(cases[i][0], NULL);
 		assert_string_equal(eco_library_habit_of(&flora), cases[i][1]);
+		const char *taxon = eco_library_taxon_of(&flora);
+		assert_int_equal(strncmp(taxon, flora.genus ? flora.genus : "", strlen(taxon) ? strcspn(taxon, " ") : 1), 0);
+		assert_true(!strchr(taxon, ' ') || strcmp(strchr(taxon, ' ') + 1, flora.epithet) == 0);
 	}
 }
 

@@ -1,4 +1,4 @@
-/* Plants of the library, where the table has plants without a model: a plant for each genus, in as many sizes as its
+/* Plants of the library, where the table has plants without a model: a plant for each genus or species that differs, in as many sizes as its
  * rows need. Sizes are about two times apart, so that leaves are drawn at .7 to 1.4 of the size they were grown in. */
 #include "ecofiles/ecopack/start/start.h"
 
@@ -11,7 +11,7 @@
 #include "ecofiles/base/text.h"
 #include "ecofiles/generate/library.h"
 
-#define GENERA_MOST 40u          /* with plants of their own; rarer ones share those of their habit */
+#define GENERA_MOST 40u          /* and species with plants of their own; rarer ones share those of their genus or habit */
 #define GROWN_MOST 72u           /* plants to be built: a second each for a draft */
 #define SIZES_MOST 58u           /* of these without second individuals */
 #define FEW 0.03                 /* a size for fewer of a plant's rows is not worth a model */
@@ -47,7 +47,7 @@ uint32_t start_library_add(struct start *s, const char *name)
 uint32_t start_library_plant(struct start *s, const struct eco_flora *flora)
 {
 	struct eco_flora plant = *flora;
-	uint32_t i = add_plant(s, eco_library_habit_of(flora), flora->genus ? flora->genus : "",
+	uint32_t i = add_plant(s, eco_library_habit_of(flora), eco_library_taxon_of(flora),
 		flora->form != ECO_FORM_UNKNOWN ? flora->form : ECO_FORM_BROAD);
 	if (plant.height_m > s->models[i].flora.height_m)
 		s->models[i].flora.height_m = plant.height_m;
@@ -77,13 +77,15 @@ void start_library_merge(struct start *s)
 		}
 		if (count <= GENERA_MOST)
 			break;
-		hand_over(s, least, add_plant(s, s->models[least].habit, "", s->models[least].flora.form));
+		const struct start_model *m = &s->models[least]; /* a species is handed to its genus first */
+		const char *wider = strchr(m->genus, ' ') ? eco_flora_of(m->genus, NULL).genus : "";
+		hand_over(s, least, add_plant(s, m->habit, wider, m->flora.form));
 		merged++;
 	}
 	char took[80];
-	snprintf(took, sizeof took, "%u rare genera share plants of their habits", merged);
+	snprintf(took, sizeof took, "%u rare species and genera share plants of their genera and habits", merged);
 	if (merged > 0)
-		start_guess(s, "library", took, "\"plants\" and \"map\" in the scene", "%u genera have plants of their own", GENERA_MOST);
+		start_guess(s, "library", took, "\"plants\" and \"map\" in the scene", "%u have plants of their own", GENERA_MOST);
 }
 
 /* ---- Which sizes ---- */

@@ -525,8 +525,6 @@ static bool is_binomial(const struct name *n)
 		&& ends_in_one_of(n->word[1], "a us um is i ii ae ens ans oides or ior");
 }
 
-static unsigned most_wrong(const char *word) { return letters(word) >= 8 ? 2 : 1; }
-
 static bool has_epithet_like(const char *genus, const char *word)
 {
 	char epithet[ECO_WORD_BYTES];
@@ -543,31 +541,26 @@ static void take_misspelt(struct eco_flora *flora, const char *taxon, const char
 	snprintf(flora->misspelt, sizeof flora->misspelt, "%s", word);
 }
 
-/* Whether a long word is so near a genus that its epithet need not be known: "Handroathus". */
-static bool is_surely(const char *genus, const char *word)
-{
-	size_t length = letters(word);
-	return length >= 8 && strncmp(genus, word, 3) == 0 && eco_words_distance(genus, word, 2) <= (length >= 10 ? 2 : 1);
-}
-
-/* Only the first word of a Latin name may be a genus; one of few letters only if it has such an epithet: "Tabebuja
- * rosea" is no rose. */
+/* The genus that a word differs from by a letter, from nine letters on by two: one that has an epithet like the second
+ * word, else, of words of six letters, the only one. Only the first word of a Latin name may be a genus. */
 static bool find_misspelt_latin(const struct name *n, struct eco_flora *flora)
 {
-	bool binomial = is_binomial(n);
-	for (size_t i = 0; letters(n->word[0]) >= 5 && i < COUNT(genera_rows); i++) {
+	const char *found = NULL, *word = n->word[0];
+	unsigned most = letters(word) >= 9 ? 2 : 1, count = 0;
+	bool own = false;
+	for (size_t i = 0; letters(word) >= 5 && i < COUNT(genera_rows) && !own; i++) {
 		const char *genus = genera_rows[i].genus;
-		unsigned most = most_wrong(n->word[0]);
-		if (eco_words_distance(genus, n->word[0], most) > most)
+		if (eco_words_distance(genus, word, most) > most)
 			continue;
-		bool own = n->count > 1 && has_epithet_like(genus, n->word[1]);
-		if (!own && (binomial || n->count > 1) && !is_surely(genus, n->word[0]))
-			continue;
-		take_misspelt(flora, genus, n->word[0], genus);
-		snprintf(flora->epithet, sizeof flora->epithet, "%.31s", own ? n->word[1] : "");
-		return true;
+		own = n->count > 1 && has_epithet_like(genus, n->word[1]);
+		found = genus;
+		count++;
 	}
-	return false;
+	if (!found || (!own && (count > 1 || letters(word) < 6)))
+		return false;
+	take_misspelt(flora, found, word, found);
+	snprintf(flora->epithet, sizeof flora->epithet, "%.31s", own ? n->word[1] : "");
+	return true;
 }
 
 /* A word of six letters that is nearly one name and the name of no other plant, or one of five with two swapped. */
@@ -667,8 +660,9 @@ bool eco_flora_is_no_plant(const char *text, bool whole)
 	return is && !whole;
 }
 
-/* Takes the form, leaves and height by which a species or a cultivar differs. Returns whether the row of an epithet says a form. */
-static bool grow(struct eco_flora *flora, const char *words)
+/* Takes the form, leaves and height by which a species or a cultivar differs. Returns whether a row says a form: 1 of an
+ * epithet, 2 and more of a cultivar; else 0. */
+static int grow(struct eco_flora *flora, const char *words)
 {
 	int best = -1;
 	size_t row = 0;
@@ -684,14 +678,14 @@ static bool grow(struct eco_flora *flora, const char *words)
 		row = i;
 	}
 	if (best < 0)
-		return false;
+		return 0;
 	if (growth_rows[row].form[0] != '-')
 		flora->form = form_named(growth_rows[row].form);
 	if (growth_rows[row].leaf[0] != '-')
 		flora->leaf = leaf_named(growth_rows[row].leaf);
 	if (growth_rows[row].height_m > 0)
 		flora->height_m = growth_rows[row].height_m;
-	return best > 0 && growth_rows[row].form[0] != '-';
+	return growth_rows[row].form[0] != '-' ? best : 0;
 }
 
 static bool find_known(const char *name, const struct name *n, const struct eco_flora_hint *hint, struct eco_flora *flora)
@@ -719,9 +713,9 @@ struct eco_flora eco_flora_of(const char *name, const struct eco_flora_hint *hin
 			find_misspelt_latin(&n, &flora);
 		known = flora.genus;
 	}
-	bool said = known && grow(&flora, n.words);
+	int said = known ? grow(&flora, n.words) : 0;
 	if (known && form != ECO_FORM_NOTHING)       /* Betula pendula does not weep, its 'Youngii' does */
-		form = form_by_word(n.words, true, said ? flora.epithet : "");
+		form = said > 1 ? ECO_FORM_UNKNOWN : form_by_word(n.words, true, said ? flora.epithet : "");
 	if (form != ECO_FORM_UNKNOWN)
 		flora.form = form;
 	if (flora.leaf == ECO_LEAF_UNKNOWN)
