@@ -85,7 +85,7 @@ static void place_piece(const struct gen_foliage *f, struct gen_v3 at, struct ge
 	struct gen_v3 face, double light)
 {
 	double size = gen_random_in(f->random, 0.82, 1.16);
-	bool flower = gen_random_unit(f->random) < f->flowers, spray = f->spray.leaves > 0;
+	bool flower = gen_random_unit(f->random) < f->flowers && at.z >= f->flowers_from, spray = f->spray.leaves > 0;
 	if (spray)                                   /* turned anyhow, it stays above the ground */
 		at.z = fmax(at.z, f->lowest + 0.5 * f->width);
 	along = gen_unit(along);

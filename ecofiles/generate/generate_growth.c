@@ -21,6 +21,7 @@
 #define SHOOTS_MOST 2400.0 /* of a plant, and boughs, twigs that it may have beside */
 #define LEAF_MOST 0.2      /* of leaves, as a share of the plant's height and width */
 #define WALL_DEPTH 0.16    /* of a plant on a wall, as a share of its width */
+#define YOUNG 0.5          /* of the usual height: smaller plants have neither heads, nor arms where stems are leaves */
 #define ROWS 4u            /* of a field, in one plant */
 
 enum plan { PLAN_ROUND, PLAN_BOX, PLAN_WALL, PLAN_ROWS };
@@ -346,13 +347,13 @@ static void draw_head(struct grower *g, const struct branch *stem)
 	static const char *const kinds[] = { "none", "flower", "plume", "ear", NULL };
 	double length = g->h->head_part * g->height * gen_random_in(g->random, 0.85, 1.15);
 	struct gen_v3 at = stem->at[stem->count - 1], way = gen_unit(gen_sub(at, stem->at[stem->count - 2]));
-	unsigned kind = one_of(g->h->head, kinds);
+	unsigned kind = g->height < YOUNG * g->h->height_m ? 0 : one_of(g->h->head, kinds);
 	if (kind == 1 && g->foliage.flowers > 0)
 		draw_flower(g, at, way, length);
 	for (uint32_t k = 0; kind == 2 && k < 14; k++) {
 		struct gen_leaf leaf = { .at = gen_mad(at, way, -0.3 * length * (k % 4) / 4), .length = 0.8 * length,
 			.width = 0.1 * length, .shape = GEN_LEAF_RHOMB };
-		leaf.along = gen_mad(way, gen_random_way(g->random), 0.45);
+		leaf.along = gen_mad(way, gen_random_way(g->random), 0.25);
 		leaf.face = gen_random_way(g->random);
 		gen_leaf(g->mesh, (uint8_t)(g->foliage.flower + gen_foliage_shade(&g->foliage, 0.5)), &leaf);
 	}
@@ -415,7 +416,7 @@ static void grow_stem(struct grower *g, uint32_t i, uint32_t count)
 		return;
 	}
 	if (g->boughs < 0.5)
-		end_branch(g, &b, 3, 0.08);
+		end_branch(g, &b, is_blunt(h) ? 9 : 3, 0.08);
 	else {
 		draw_branch(g, &b, radius > 0.12 ? 12 : radius > 0.03 ? 7 : many && radius < 0.006 ? 3 : 5);
 		bear(g, &b, 0.9);
@@ -437,7 +438,9 @@ static void count_branches(struct grower *g)
 	g->boughs = h->boughs * (h->twigs > 0 ? root : 1);
 	g->twigs = h->twigs * (h->shoots > 0 ? root : root * root);
 	g->shoots = h->shoots * root * root;
-	if (h->boughs > 0)
+	if (is_blunt(h) && g->height < YOUNG * h->height_m)
+		g->boughs = 0;
+	else if (h->boughs > 0)
 		g->boughs = fmax(g->boughs, h->twigs > 0 ? fmin(h->boughs, 6) : h->boughs);
 	if (h->twigs > 0)
 		g->twigs = fmax(g->twigs, 2);
@@ -547,6 +550,7 @@ bool eco_library_habit(size_t i, struct eco_habit *habit)
 		.height_m = h->height_m,
 		.least_m = h->least_m,
 		.most_m = h->most_m,
+		.young_m = h->young_m,
 		.crown = h->crown,
 		.widest_m = h->widest_m,
 		.grown = strcmp(h->grown, "-") != 0 ? h->grown : NULL };
@@ -558,7 +562,7 @@ bool eco_library_habit(size_t i, struct eco_habit *habit)
 static struct habits_row raised(const struct habits_row *row, const struct eco_library_plant *plant)
 {
 	struct habits_row h = *row;
-	double wide = plant->crown_m / fmin(h.crown * plant->height_m, h.widest_m), left;
+	double wide = plant->crown_m / fmin(h.young_m + h.crown * plant->height_m, h.widest_m), left;
 	h.trunk *= sqrt(gen_clamp(wide, 0.3, 1.5));
 	h.base = plant->base > 0 ? plant->base : h.base + (1 - h.base) * h.clear * fmax(1 - wide, 0);
 	left = (1 - h.base) / (1 - row->base);
@@ -587,6 +591,7 @@ void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], str
 	g.foliage = (struct gen_foliage){ .mesh = mesh,
 		.random = &random,
 		.lowest = 0.004 * g.height,
+		.flowers_from = strcmp(h->like, "herb") == 0 ? 0.6 * g.height : 0,
 		.arrangement = (enum gen_arrangement)one_of(h->leaf, arrangements) };
 	g.lowest = g.height * (h->hang > 0 ? 0.05 : fmax(0.85 * fmin(h->base, h->foot), 0.012));
 	gen_foliage_plan(&g.foliage, look, area * h->lai, LEAF_MOST * fmin(plant->height_m, plant->crown_m),

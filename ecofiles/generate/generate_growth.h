@@ -35,6 +35,7 @@ struct gen_foliage {
 	enum gen_leaf_shape outline;
 	double length, width; /* of a piece, metres */
 	double angle_deg, droop, flowers;
+	double flowers_from;  /* height of the lowest, metres */
 	uint32_t pieces;      /* of a leaf */
 	struct gen_spray spray; /* that a piece is; spray.leaves 0: a leaf or leaflet */
 	uint32_t count;       /* leaves or sprays wanted; also of a tree in winter, whose shoots bear none */

@@ -35,6 +35,24 @@ static bool find_habit(const char *name, size_t *number, struct eco_habit *habit
 	return false;
 }
 
+/* The habit that a plant of this one has at a height, older or younger. */
+static void find_age(double height_m, size_t *number, struct eco_habit *habit)
+{
+	struct eco_habit other;
+	while (habit->grown && height_m > habit->most_m)
+		find_habit(habit->grown, number, habit);
+	for (size_t i = 0; height_m < habit->least_m && eco_library_habit(i, &other); i++)
+		if (other.grown && strcmp(other.grown, habit->name) == 0) {
+			*number = i;
+			*habit = other;
+		}
+}
+
+double eco_library_crown(const struct eco_habit *habit, double height_m)
+{
+	return fmin(habit->young_m + habit->crown * height_m, habit->widest_m);
+}
+
 double eco_library_height(const char *name)
 {
 	struct eco_habit habit;
@@ -143,7 +161,7 @@ enum eco_code eco_library_check(const struct eco_library_plant *plant, struct ec
 {
 	struct eco_habit habit;
 	size_t number;
-	char known[352] = "";         /* what fits a message with its place */
+	char known[480] = "";         /* what fits a message with its place */
 	if (!find_habit(plant->habit, &number, &habit)) {
 		for (size_t i = 0; eco_library_habit(i, &habit); i++)
 			eco_phrase_add(known, sizeof known, habit.name);
@@ -258,10 +276,9 @@ enum eco_code eco_library_make(struct eco_model *model, const struct eco_library
 	if (code)
 		return code;
 	find_habit(plant->habit, &number, &habit);
-	while (habit.grown && plant->height_m > habit.most_m)
-		find_habit(habit.grown, &number, &habit);
+	find_age(plant->height_m, &number, &habit);
 	if (sized.crown_m == 0)
-		sized.crown_m = fmin(habit.crown * sized.height_m, habit.widest_m);
+		sized.crown_m = eco_library_crown(&habit, sized.height_m);
 	struct gen_plant_look look = make_look(plant, &habit);
 	gen_habit_grow(&mesh, organ, sprays, number, &sized, &look, seed_of(plant));
 	*model = (struct eco_model){ .scale = 1,

@@ -42,11 +42,13 @@ struct eco_habit {
 	const char *name;
 	enum eco_form like;
 	double height_m, least_m, most_m; /* usual, least and greatest height */
-	double crown, widest_m;           /* usual width as a share of the height, up to so much */
+	double young_m, crown, widest_m;  /* usual width: of a seedling, and a share of the height, up to so much */
 	const char *grown;                /* the habit that is grown above most_m; NULL: the same */
 };
 /* The habit number i; false: there are no more. */
 bool eco_library_habit(size_t i, struct eco_habit *habit);
+/* The usual width of such a plant's crown. */
+double eco_library_crown(const struct eco_habit *habit, double height_m);
 /* The usual height of that habit; 0: there is none of that name. */
 double eco_library_height(const char *habit);
 /* The species if it looks otherwise than its genus (looks.tsv), else the genus; "": it is not known. */

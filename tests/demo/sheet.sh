@@ -11,7 +11,7 @@ mkdir -p "$OUT"
 
 # a line a plant: habit, genus, height, crown, base, ranges
 awk -F '\t' -v only="${HABITS:-.*}" '
-	function crown(h) { return h * $c["crown"] < $c["widest_m"] ? h * $c["crown"] : $c["widest_m"] }
+	function crown(h,  w) { w = $c["young_m"] + h * $c["crown"]; return w < $c["widest_m"] ? w : $c["widest_m"] }
 	/^#/ { next }
 	!named[FILENAME]++ { split("", c); for (i = 1; i <= NF; i++) c[$i] = i; next }
 	FILENAME ~ /genera[.]tsv$/ { known[$1] = 1; next }
