@@ -284,6 +284,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 		eco_progress_note("frame %u: no picture fits in --bytes, nothing is drawn; allow more", f->frame);
 	} else {
 		f->predicted_q = eco_predicted_q(&view_store_plan(v->store)->prediction);
+		f->predicted_m16 = view_store_plan(v->store)->m16;
 	}
 	step(v, f->frame, "draw");
 	code = draw(v, v->store, eye, &v->picture, error);

@@ -19,7 +19,7 @@ struct view_frame {
 	uint64_t budget_bytes;                   /* ECO_BYTES_UNBOUNDED: null */
 	struct view_fetch_result fetched;        /* all answers that the frame took */
 	struct view_measures measures;
-	double ceiling, predicted_q, decode_ms, draw_ms, reference_ms;
+	double ceiling, predicted_q, predicted_m16, decode_ms, draw_ms, reference_ms;
 	double truth_cpu_ms;                     /* processor time of drawing the truth; NaN: there is none */
 	/* picture errors of 64 samples of the cuts, and of full detail at the picture's own samples */
 	double bias, floor;

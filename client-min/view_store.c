@@ -450,7 +450,7 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 	if (!code) {
 		eco_plan_free(&store->plan);
 		store->plan = counts ? (struct eco_plan){ .vertices = plan->vertices,
-			.prediction = plan->prediction } : *plan;
+			.prediction = plan->prediction, .m16 = plan->m16 } : *plan;
 		if (!counts)
 			*plan = (struct eco_plan){ 0 };
 	}

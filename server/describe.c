@@ -404,8 +404,8 @@ void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
 	srv_json_add(json, "chunks:%lu chunk_bytes:%lu named_bytes:%lu vertices:%lu visible_plants:%lu plan_bytes:%lu",
 		stream->chunk_count, stream->chunk_bytes, stream->named_bytes, plan->vertices,
 		plan->visible_plants, eco_wire_plan_bytes(plan));
-	srv_json_add(json, "sample_distance_rad:%g prediction:{tp_px:%g fp_px:%g fn_px:%g q:%g}",
-		plan->sample_distance, prediction->tp, prediction->fp, prediction->fn, eco_predicted_q(prediction));
+	srv_json_add(json, "sample_distance_rad:%g prediction:{tp_px:%g fp_px:%g fn_px:%g q:%g m16:%g}",
+		plan->sample_distance, prediction->tp, prediction->fp, prediction->fn, eco_predicted_q(prediction), plan->m16);
 	describe_ground(json, scene, last);
 	describe_steps(json, stream);
 	describe_tables(json, scene, plan);

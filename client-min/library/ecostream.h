@@ -108,6 +108,7 @@ struct ecostream_counts {
 	uint64_t chunks;             /* in the stream */
 	uint32_t cuts;               /* ranges of lists that are drawn */
 	double expected_q;           /* 1 less the picture's distance from Precision and Recall of 1 */
+	double expected_m16;         /* mean CIELAB distance, to full detail, of mean colors of 16 x 16 pixels */
 };
 void ecostream_answer_counts(const struct ecostream_answer *answer, struct ecostream_counts *counts);
 

@@ -194,8 +194,8 @@ export class EcoStream {
 		return before === 0;
 	}
 
-	/** Figures of what is drawn: vertices, plants, predicted_q, roles, models, bytes, memory_bytes and
-	 * others. */
+	/** Figures of what is drawn: vertices, plants, predicted_q, predicted_m16, roles, models, bytes,
+	 * memory_bytes and others. */
 	facts() {
 		return JSON.parse(this.text(this.module._web_facts(this.web)));
 	}

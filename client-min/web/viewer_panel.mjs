@@ -119,6 +119,7 @@ export function showFacts(facts) {
 		[t('Vertices'), number(facts.vertices)],
 		[t('Plants in view'), tiles ? t('{}, more as points', number(facts.plants)) : number(facts.plants)],
 		[t('Predicted Q'), facts.predicted_q ? fixed(facts.predicted_q, 3) : '–'],
+		[t('Predicted m16'), facts.predicted_q ? fixed(facts.predicted_m16, 2) : '–'],
 		[t('Bytes so far'), number(facts.bytes)],
 		[t('Decoded'), `${fixed(facts.memory_bytes / 2 ** 20, 1)} MiB`],
 	];

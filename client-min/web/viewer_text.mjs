@@ -123,6 +123,7 @@ const german = {
 	'Plants in view': 'Pflanzen im Bild',
 	'{}, more as points': '{}, weitere als Punkte',
 	'Predicted Q': 'Vorhergesagtes Q',
+	'Predicted m16': 'Vorhergesagtes m16',
 	'Bytes so far': 'Bytes bisher',
 	'Decoded': 'Entpackt',
 	'Only points that stand for many plants': 'Nur Punkte, die für viele Pflanzen stehen',

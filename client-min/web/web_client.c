@@ -22,7 +22,7 @@ struct web {
 	/* what is drawn; it outlives the plan that it is of, until something of it may have gone */
 	struct view_selection selection, casters;        /* casters: empty unless shadows are asked for */
 	uint64_t evictions;                      /* of the store when it was made */
-	double predicted_q;
+	double predicted_q, predicted_m16;
 	struct view_gl *gl;
 	struct view_picture picture;             /* that was drawn last, once somebody has asked */
 	bool read;
@@ -241,6 +241,7 @@ int web_select(struct web *web)
 	web_light_forget(&web->light);
 	web->evictions = view_store_stats(web->store).evictions;
 	web->predicted_q = eco_predicted_q(&plan->prediction);
+	web->predicted_m16 = plan->m16;
 	view_select_free(&web->casters);
 	return 0;
 }
@@ -481,7 +482,8 @@ const char *web_facts(struct web *web)
 		(unsigned long long)web->selection.vertices,
 		(unsigned long long)web->selection.visible_plants);
 	if (web->predicted_q == web->predicted_q)
-		eco_write_format(&web->text, "\"predicted_q\":%.4f,", web->predicted_q);
+		eco_write_format(&web->text, "\"predicted_q\":%.4f,\"predicted_m16\":%.3f,", web->predicted_q,
+			web->predicted_m16);
 	say_roles(web);
 	say_models(web);
 	eco_write_format(&web->text,

@@ -105,7 +105,7 @@ static enum eco_code check_head(const struct eco_plan *plan, struct eco_error *e
 		return BAD("the plan has %llu vertices", (unsigned long long)plan->vertices);
 	if (!isfinite(plan->sample_distance) || plan->sample_distance < 0)
 		return BAD("the plan's sample distance is not a finite number from 0 on");
-	if (!isfinite(p->tp) || !isfinite(p->fp) || !isfinite(p->fn))
+	if (!isfinite(p->tp) || !isfinite(p->fp) || !isfinite(p->fn) || !isfinite(plan->m16))
 		return BAD("the plan's prediction is not finite");
 	if (plan->placement_count > ECO_PLAN_ITEMS_MAX || plan->run_count > ECO_PLAN_ITEMS_MAX ||
 		plan->gate_count > ECO_PLAN_ITEMS_MAX || plan->cut_count > ECO_PLAN_ITEMS_MAX)

@@ -108,6 +108,21 @@ static double code_pixels(struct coder *c, double value)
 	return (double)sixteenths / 16;
 }
 
+#define M16_MAX 1000.0
+
+double eco_wire_m16_round(double m16)
+{
+	return floor(fmin(fmax(m16, 0), M16_MAX) * 1000 + 0.5) / 1000;
+}
+
+static double code_m16(struct coder *c, double value)
+{
+	c->bad |= c->w && !(value >= 0 && value <= M16_MAX);
+	uint64_t thousandths = code_number(c, c->bad ? 0 : (uint64_t)floor(value * 1000 + 0.5));
+	c->bad |= thousandths > (uint64_t)(1000 * M16_MAX);
+	return (double)thousandths / 1000;
+}
+
 /* ---- Items ---- */
 
 #define MILLIMETRES_MAX INT64_C(1000000000000000)        /* 1e12 m, see eco_view_check */
@@ -260,6 +275,7 @@ static void code_head(struct coder *c, struct eco_plan *plan)
 	plan->prediction.tp = code_pixels(c, plan->prediction.tp);
 	plan->prediction.fp = code_pixels(c, plan->prediction.fp);
 	plan->prediction.fn = code_pixels(c, plan->prediction.fn);
+	plan->m16 = code_m16(c, plan->m16);
 	for (int i = 0; i < 4; i++)
 		*counts[i] = code_u32(c, *counts[i]);
 }

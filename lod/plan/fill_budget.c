@@ -510,10 +510,13 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 		find_densities(fill, drawn, all);
 	p->vertices = fill->vertices;
 	p->entry_count = 0;
+	fill->wrong = 0;
 	for (uint32_t i = 0; !code && i < fill->candidate_count; i++) {
 		const struct lod_candidate *candidate = &fill->candidates[i];
 		struct lod_entry entry = { .slot = ECO_NONE, .ladder = candidate->node,
-			.count = candidate->count, .vertices = candidate->low, .impostor = ECO_NONE };
+			.count = candidate->count, .vertices = candidate->low, .impostor = ECO_NONE,
+			.wrong = lod_fill_wrong_of(fill, candidate) };
+		fill->wrong += entry.wrong;
 		if (candidate->ladder_choice == ECO_NONE) {
 			const struct lod_node *node = &p->visible.nodes[candidate->node];
 			entry.full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
@@ -529,6 +532,7 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 				? m->slot_choices[o->slot].unoccluded / m->slot_choices[o->slot].seen : 1);
 			entry.ladder = o->ladder;
 			entry.impostor = o->hull.impostor;
+			entry.size = (uint32_t)(o->hull.size + 0.5);
 			entry.full = lod_planner_way(p, o->ladder)->full;
 			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
 			find_hashes(p, o, &entry);
@@ -559,24 +563,12 @@ double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate
 	return candidate->seen * wrong;
 }
 
-/* The rest of the budget, and what is wrong then. False without memory. */
-static bool finish_rest(struct lod_fill *fill, uint64_t budget)
-{
-	if (!fill_rest(fill, budget))
-		return false;
-	fill->wrong = 0;
-	lod_planner_work(fill->allocation->p, LOD_WORK_CHOICE * (uint64_t)fill->candidate_count);
-	for (uint32_t i = 0; i < fill->candidate_count; i++)
-		fill->wrong += lod_fill_wrong_of(fill, &fill->candidates[i]);
-	return true;
-}
-
 enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, struct eco_error *error)
 {
 	struct lod_planner *p = fill->allocation->p;
-	lod_planner_work(p, p->screen.count + LOD_WORK_CHOICE * (uint64_t)fill->candidate_count
+	lod_planner_work(p, p->screen.count + 2 * LOD_WORK_CHOICE * (uint64_t)fill->candidate_count
 		+ LOD_WORK_TALLY * fill->allocation->tallies);
-	if (!collect_hashes(fill) || !finish_rest(fill, budget))
+	if (!collect_hashes(fill) || !fill_rest(fill, budget))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
 			fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);

@@ -267,8 +267,24 @@ static struct eco_prediction rounded(const struct eco_prediction *exact)
 	return (struct eco_prediction){ eco_wire_pixels_round(exact->tp), fp, wrong - fp };
 }
 
+/* The part of the objective that differences of colors are: all but those of contrast. */
+static double color_of(const struct lod_planner *p)
+{
+	double sum = p->wrong;
+	for (uint32_t i = 0; i < p->entry_count; i++) {
+		const struct lod_entry *entry = &p->entries[i];
+		if (entry->slot == ECO_NONE || !(entry->wrong > 0))
+			continue;
+		struct eco_seen seen = lod_planner_curve(p, entry, entry->vertices).seen;
+		double all = lod_seen_worth(&seen, entry->size);
+		sum -= all > 0 ? entry->wrong * (1 - ECO_SEEN_UNIT * LOD_SEEN_COLOR * seen.color[entry->size][1] / all) : 0;
+	}
+	return sum;
+}
+
 enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
 {
+	const struct eco_view *view = &p->input->request->view;
 	uint32_t groups = 0;
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
 		if (p->visible.nodes[n].state == LOD_OPEN)
@@ -309,6 +325,7 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 		return code;
 	merge_bands(p, plan);
 	plan->prediction = rounded(&p->prediction);
+	plan->m16 = eco_wire_m16_round(color_of(p) / (LOD_SEEN_COLOR * view->width * view->height));
 	plan->visible_plants = p->visible.plants;
 	plan->sample_distance = p->sample_distance;
 	return ECO_OK;

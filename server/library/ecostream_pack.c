@@ -114,7 +114,7 @@ void ecostream_answer_counts(const struct ecostream_answer *answer, struct ecost
 		return;
 	const struct eco_plan *plan = &stream->steps[stream->step_count - 1].plan;
 	*counts = (struct ecostream_counts){ stream->body_bytes, plan->vertices, plan->visible_plants,
-		stream->chunk_count, plan->cut_count, eco_predicted_q(&plan->prediction) };
+		stream->chunk_count, plan->cut_count, eco_predicted_q(&plan->prediction), plan->m16 };
 }
 
 enum ecostream_code ecostream_encode(const struct ecostream_answer *answer, ecostream_write *write,

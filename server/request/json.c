@@ -156,7 +156,7 @@ static const char *add_value(struct srv_json *json, const char *at, va_list *val
 static size_t word_bytes(const char *text)
 {
 	size_t size = 0;
-	while ((text[size] >= 'a' && text[size] <= 'z') || text[size] == '_')
+	while ((text[size] >= 'a' && text[size] <= 'z') || text[size] == '_' || (size && text[size] >= '0' && text[size] <= '9'))
 		size++;
 	return size;
 }

@@ -52,7 +52,7 @@ UNIT_TEST(report_has_every_figure)
 		"memory_bytes", "evicted_chunks",
 		"refetched_bytes", "precision", "recall",
 		"q", "skill", "owner_q", "soft_q", "ceiling", "picture_error", "m16", "s16", "s16_abs",
-		"bias_error", "floor_error", "shimmer", "pop", "truth_cpu_ms", "predicted_q", "plan_ms",
+		"bias_error", "floor_error", "shimmer", "pop", "truth_cpu_ms", "predicted_q", "predicted_m16", "plan_ms",
 		"first_byte_ms", "stream_ms", "decode_ms",
 		"draw_ms", "shadow_ms", "shadow_texels_per_pixel", "reference_ms",
 		"reference_coarse" };

@@ -47,15 +47,15 @@ UNIT_TEST(order_of_a_plan_does_not_change_its_bytes)
 /* No reader has to believe a count, nor a field that is said in vain: a plan has one encoding. */
 UNIT_TEST(counts_beyond_the_bytes_and_vain_fields_are_refused)
 {
-	/* no vertices, no pixels; a placement, no run, no gate, cuts; the placement; then the cut, or none */
+	/* no vertices, no pixels, no m16; a placement, no run, no gate, cuts; the placement; then the cut, or none */
 	static const struct { uint8_t bytes[16], size; bool good; } rows[] = {
-		{ { 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0 }, 13, true },      /* [0,1) of list 0 */
-		{ { 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 4, 2 }, 14, true },   /* [0,2) */
-		{ { 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 4, 0 }, 14, false },  /* its end differs by 0 */
-		{ { 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0 }, 14, false },  /* a byte behind it */
-		{ { 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0x80, 16 }, 14, false },      /* a field too many */
-		{ { 0, 0, 0, 0, 1, 0, 0, 1, 8, 0, 0, 0, 0, 0 }, 14, false },  /* the turn is said to be 0 */
-		{ { 0, 0, 0, 0, 1, 0, 0, 0xFF, 0xFF, 0x3F, 0, 0, 0, 0 }, 14, false } };
+		{ { 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0 }, 14, true },      /* [0,1) of list 0 */
+		{ { 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 4, 2 }, 15, true },   /* [0,2) */
+		{ { 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 4, 0 }, 15, false },  /* its end differs by 0 */
+		{ { 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0 }, 15, false },  /* a byte behind it */
+		{ { 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0x80, 16 }, 15, false },      /* a field too many */
+		{ { 0, 0, 0, 0, 0, 1, 0, 0, 1, 8, 0, 0, 0, 0, 0 }, 15, false },  /* the turn is said to be 0 */
+		{ { 0, 0, 0, 0, 0, 1, 0, 0, 0xFF, 0xFF, 0x3F, 0, 0, 0, 0 }, 15, false } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_reader reader = { .bytes = rows[i].bytes, .size = rows[i].size };
 		struct eco_plan plan;
@@ -117,7 +117,7 @@ static struct eco_plan small_plan(void)
 
 UNIT_TEST(plans_that_break_a_rule_are_not_written)
 {
-	for (int fault = 0; fault <= 20; fault++) {
+	for (int fault = 0; fault <= 21; fault++) {
 		FREED(eco_plan) plan = small_plan();
 		FREED(eco_writer) w = { 0 };
 		switch (fault) {
@@ -140,12 +140,14 @@ UNIT_TEST(plans_that_break_a_rule_are_not_written)
 		case 16: plan.runs[3].left = ECO_SHARE_ONE; break;
 		case 17: plan.prediction.tp = -1; break;
 		case 18: plan.prediction.fp = 1e17; break;
-		case 19:
+		case 19: plan.m16 = 1001; break;
+		case 20:
+			plan.m16 = eco_wire_m16_round(1e9);
 			plan.prediction.tp = eco_wire_pixels_round(-1);
 			plan.prediction.fp = eco_wire_pixels_round(1e17);
 			break;
 		}
 		eco_wire_write_plan(&w, &plan);
-		assert_int_equal(w.failed, fault < 19);      /* the last two are sound */
+		assert_int_equal(w.failed, fault < 20);      /* the last two are sound */
 	}
 }

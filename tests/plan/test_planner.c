@@ -140,7 +140,7 @@ UNIT_TEST(never_above_the_budget_and_counted_as_drawn)
  * few plans of few vertices. */
 UNIT_TEST(more_budget_is_hardly_ever_predicted_to_be_worse)
 {
-	uint32_t plans = 0, worse = 0;
+	uint32_t plans = 0, worse = 0, shown = 0;
 	for (uint64_t seed = 1; seed <= 60; seed++) {
 		random_scene_splats(&scene, 700 + seed, seed % 3 ? 0 : 5);
 		struct eco_request request = random_request(&scene);
@@ -148,9 +148,12 @@ UNIT_TEST(more_budget_is_hardly_ever_predicted_to_be_worse)
 		for (request.vertices = 0; request.vertices < 400000;
 				request.vertices += 1 + request.vertices / 3) {
 			struct eco_plan plan;
-			plan_it(&plan, &request);
+			struct lod_planner_stats stats = plan_it(&plan, &request);
 			const struct eco_prediction *p = &plan.prediction;
-			double q = eco_predicted_q(p);
+			double q = eco_predicted_q(p), pixels = (double)request.view.width * request.view.height;
+			/* differences of colors are a part of the objective */
+			assert_true(plan.m16 * LOD_SEEN_COLOR * pixels <= stats.wrong + 0.001 * pixels);
+			shown += plan.m16 > 0 && plan.m16 * LOD_SEEN_COLOR * pixels < 0.99 * stats.wrong;
 			/* pixels are sixteenths */
 			worse += q < last - 0.25 / fmax(0.5, p->tp + fmin(p->fp, p->fn));
 			plans++;
@@ -160,6 +163,7 @@ UNIT_TEST(more_budget_is_hardly_ever_predicted_to_be_worse)
 	}
 	print_message("          %u of %u plans predict a lower Q than one of fewer vertices\n", worse, plans);
 	assert_true(100 * worse <= plans);
+	assert_true(shown > 100);
 }
 
 static void add_crowd(double x, uint32_t count)

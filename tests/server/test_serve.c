@@ -43,7 +43,8 @@ UNIT_TEST(a_plan_tells_what_the_stream_sends)
 		stream = http_get(port, BASE "/stream?" VIEW_BY("50000"));
 	char timing[128];
 	json_t *json = json_of(&plan), *ground = json_object_get(json, "ground"),
-		*q = json_object_get(json_object_get(json, "prediction"), "q");
+		*q = json_object_get(json_object_get(json, "prediction"), "q"),
+		*m16 = json_object_get(json_object_get(json, "prediction"), "m16");
 	assert_true(plan.status == 200 && stream.status == 200);
 	assert_int_equal(count_in(json, "bytes"), stream.size);
 	assert_in_range(count_in(json, "vertices"), 2000, 50000);        /* the summary, if nothing else */
@@ -52,6 +53,7 @@ UNIT_TEST(a_plan_tells_what_the_stream_sends)
 	assert_true(count_in(ground, "tiles") == 1 && json_number_value(json_object_get(ground, "ground_px")) == 1);
 	assert_true(json_is_null(json_object_get(json, "budget_bytes")));
 	assert_true(json_is_number(q) && json_number_value(q) <= 1);
+	assert_true(json_number_value(m16) > 0 && json_number_value(m16) < 20);
 	json_decref(json);
 	assert_true(http_header(&plan, "Server-Timing", timing, sizeof timing)
 		&& strncmp(timing, "plan;dur=", 9) == 0);

@@ -113,6 +113,7 @@ void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 {
 	assert_true(a->vertices == b->vertices);
 	assert_memory_equal(&a->prediction, &b->prediction, sizeof a->prediction);
+	assert_true(a->m16 == b->m16);
 	assert_true(a->placement_count == b->placement_count && a->run_count == b->run_count);
 	assert_true(a->gate_count == b->gate_count && a->cut_count == b->cut_count);
 	for (uint32_t i = 0; i < a->placement_count; i++) {
@@ -151,7 +152,8 @@ static void wire_random_prune(struct eco_plan *plan)
 
 struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t lists, uint32_t plants)
 {
-	struct eco_plan plan = { .vertices = wire_random_bits(r) >> 1, .prediction = { 33333.3125, 12, 0 } };
+	struct eco_plan plan = { .vertices = wire_random_bits(r) >> 1, .prediction = { 33333.3125, 12, 0 },
+		.m16 = wire_random_below(r, 9000) / 1000.0 };
 	plan.vertices >>= wire_random_below(r, 63);
 	plan.placement_count = 1 + wire_random_below(r, most);
 	plan.run_count = wire_random_below(r, most + 1);

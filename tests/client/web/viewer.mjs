@@ -150,6 +150,7 @@ async function showsItsFigures() {
 	const legend = await ask("document.querySelectorAll('#roles li').length");
 	expect(legend === drawn.length, `${drawn.length} representations, ${legend} in the legend`);
 	expect(facts.predicted_q > 0 && facts.predicted_q <= 1, `Q is ${facts.predicted_q}`);
+	expect(facts.predicted_m16 > 0 && facts.predicted_m16 < 20, `m16 is ${facts.predicted_m16}`);
 	await ask("document.getElementById('explain').click()");
 	await browser.until("document.querySelectorAll('#why .why').length > 0");
 	const spent = await ask("[...document.querySelectorAll('#spent li')].map((li) => li.textContent)");
