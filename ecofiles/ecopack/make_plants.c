@@ -40,6 +40,7 @@ static bool same_plant(const struct make_plant *plant, const struct eco_source_p
 	const struct eco_source_plant *s = plant->source;
 	return strcmp(plant->path, path) == 0 && plant->importance == importance
 		&& s->height_m == source->height_m && s->unit_m == source->unit_m && s->up == source->up && s->keep_origin == source->keep_origin
+		&& memcmp(s->foot, source->foot, sizeof s->foot) == 0
 		&& s->grade == source->grade && s->object == source->object
 		&& memcmp(s->importance, source->importance, sizeof source->importance) == 0
 		&& same_rules(s, source);
@@ -229,6 +230,7 @@ static enum eco_code import_model(struct make_plant *plant, struct eco_model *mo
 		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models,
 		.path_count = plant->source->model_count, .height_m = plant->source->height_m,
 		.unit_m = plant->source->unit_m, .up = plant->source->up, .keep_origin = plant->source->keep_origin,
+		.origin = { plant->source->foot[0], plant->source->foot[1], plant->source->foot[2] },
 		.object = plant->source->object, .rules = plant->source->parts,
 		.rule_count = plant->source->part_count, .warn = warn, .ctx = plant }, error);
 }

@@ -44,7 +44,8 @@ struct eco_source_plant {
 	double height_m;                     /* height to which the model is scaled; 0: by its unit */
 	double unit_m;                       /* metres per unit of the files; 0: theirs, else guessed */
 	enum eco_up up;
-	bool keep_origin;                    /* the file's zero is the plant's foot */
+	bool keep_origin;                    /* no foot is looked for: it is the point `foot` of the file, Z up */
+	double foot[3];
 	bool grade;                          /* foliage is darkened to what leaves reflect */
 	bool object;                         /* no plant, such as a building (ecofiles/format/model.h) */
 	struct eco_part_rule *parts; uint32_t part_count;    /* owned by the first variant, shared by all */

@@ -9,6 +9,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 
+#define FOOT_MOST 1e10       /* of a file's numbers: millimetres of a map */
 #define PLANTS_MAX 65536u
 #define VARIANTS_MAX 256u
 #define FILES_MAX 64u
@@ -141,12 +142,17 @@ static bool parse_flag(const struct eco_json *at, const char *key, const char *s
 }
 
 /* Buildings and groups stand where they were drawn. */
-static void parse_foot(const struct eco_json *at, bool *keep)
+static void parse_foot(const struct eco_json *at, struct eco_source_plant *plant)
 {
 	static const char *const feet[] = { "found", "origin", NULL };
 	unsigned foot = 0;
-	eco_scene_choice(at, "foot", feet, "\"found\" (where the stems stand) or \"origin\" (the file's zero)", &foot);
-	*keep = foot == 1;
+	if (json_is_array(eco_json_member(at, "foot").value)) {
+		eco_scene_need(eco_json_numbers(at, "foot", 3, 3, -FOOT_MOST, FOOT_MOST, plant->foot));
+		foot = 1;
+	} else
+		eco_scene_choice(at, "foot", feet, "\"found\" (where the stems stand), \"origin\" (the file's zero) or a point [x, y, z]",
+			&foot);
+	plant->keep_origin = foot == 1;
 }
 
 static void parse_importance(const struct eco_source *source, const struct eco_json *at,
@@ -275,7 +281,7 @@ static void parse_plant(struct eco_source *source, const struct eco_json *at)
 	parse_up(at, &plant->up);
 	plant->grade = parse_flag(at, "grade", "foliage is darkened to what leaves reflect");
 	plant->object = parse_flag(at, "object", "it is no plant, such as a building");
-	parse_foot(at, &plant->keep_origin);
+	parse_foot(at, plant);
 	parse_importance(source, at, plant);
 	parse_rules(source, at, plant);
 	parse_variants(source, at, plant);

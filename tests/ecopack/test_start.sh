@@ -433,7 +433,8 @@ rm -rf "$DIR/my"; table='any order'
 is '[.ground.heights, .instances[0].from, .plants.rock.model]' '["../metres.asc","../table.csv","../models/rock.obj"]'
 rm -rf "$DIR/my"
 order 'TREES, .*/models, is a folder' "$DIR/models" "$DIR/models"
-order 'MODELS, .*/table.csv, a table: .*the other a folder or a model .\.glb' "$DIR/table.csv" "$DIR/table.csv"
+{ cat "$DIR/table.csv"; echo oak,1,1; } >"$DIR/table2.csv"
+order 'MODELS, .*/table2.csv, a table: .*the other a folder or a model .\.glb' "$DIR/table.csv" "$DIR/table2.csv"
 printf 'glTF' >"$DIR/forest.glb"
 order 'forest.glb, is a model' "$DIR/forest.glb" "$DIR/models"
 
@@ -498,6 +499,25 @@ is '.instances[4] | [.only, .spacing_m, (.mix | length)]' '[{"natural":["tree_ro
 rm -rf "$DIR/my"; table='extract first'
 "$PACK" start "$DIR/town.osm" "$DIR/trees.csv" -o "$DIR/my" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "$table: $(cat "$DIR/out")"
 is '[.instances[0].from, (.instances | length)]' '["../trees.csv",5]'
+# a copy is one file
+cp "$DIR/town.osm" "$DIR/copy.osm"; rm -rf "$DIR/my"; table='copies'
+"$PACK" start "$DIR/town.osm" "$DIR/copy.osm" "$DIR/trees.csv" -o "$DIR/my" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "$table: $(cat "$DIR/out")"
+grep -q 'copy.osm: left out, as .*/town.osm has the same bytes' "$DIR/out" || complain "$table: $(cat "$DIR/out")"
+is '.instances | length' 5
+# models of buildings, by their shape or names: at the scene's origin, in map coordinates where these say
+house() { awk -v x="$1" -v y="$2" -v z="$3" -v up="$4" 'BEGIN {
+	split("-10 -5 0 10 -5 0 10 5 0 -10 5 0 -10 -5 6 10 -5 6 10 5 6 -10 5 6 -10 0 9 10 0 9", p, " ")
+	for (i = 0; i < 10; i++) { a = p[3*i+1] + x; b = p[3*i+2] + y; c = p[3*i+3] + z; printf "v %.2f %.2f %.2f\n", a, up == "z" ? b : c, up == "z" ? c : -b }
+	print "f 1 2 6 5\nf 2 3 7 10 6\nf 3 4 8 7\nf 4 1 5 9 8\nf 5 6 10 9\nf 7 8 9 10" }'; }
+house 691640.5 5334720.25 512 z >"$DIR/map.obj"; house 0 0 0 y >"$DIR/own.obj"; house 200000 5334720 0 z >"$DIR/far.obj"
+mkdir -p "$DIR/houses" && cp "$DIR/own.obj" "$DIR/houses/a.obj" && house 30 0 0 z >"$DIR/houses/b.obj"
+start 0 'building .*/map.obj .*walls and floors; its numbers are the map.s.*z points up.*building .*/own.obj .*its zero stands at' trees.csv \
+	"$DIR/map.obj" "$DIR/own.obj" "$DIR/houses" --crs EPSG:25832
+is '.plants | [.map.object, .map.up, .map.foot, .own.foot, .own.up, .a.object, .b.up]' '[true,"z",[691640,5334720,512],null,null,true,"z"]'
+is '.plants.stieleiche.object' null
+is '[(.instances[1].at[0] + .origin[0]), .instances[2].at, (.instances | length)]' '[691640,[0,0],5]'
+"$PACK" map "$DIR/my/scene.json" -o "$DIR/map.png" >"$DIR/out" 2>&1 && grep -q '34 plants' "$DIR/out" || complain "objects: $(cat "$DIR/out")"
+start 1 'far.obj: a building, as .* it lies 200 km from the trees.*in which CRS is it' trees.csv "$DIR/far.obj" --crs EPSG:25832
 # a preview beside folders of models is no terrain
 mkdir -p "$DIR/sorts/oak" && cp "$DIR/models/stieleiche.obj" "$DIR/sorts/oak" && : >"$DIR/sorts/preview.jpg"
 "$PACK" start "$DIR/trees.csv" "$DIR/sorts" -o "$DIR/sorted" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "sorts: $(cat "$DIR/out")"

@@ -90,6 +90,7 @@ static void start_free(struct start *s)
 	json_decref(s->buildings);
 	json_decref(s->draws);
 	json_decref(s->scatters);
+	json_decref(s->objects);
 }
 
 /* ---- The folder ---- */
@@ -119,10 +120,43 @@ static struct start_options asked;
 static bool made;                        /* the folder */
 static struct { struct eco_inputs inputs; struct start_options options; char folder[4096]; } given;
 
+/* Whether two files have the same bytes: a copy would be drawn and planted twice. */
+static bool same_bytes(const char *a, const char *b)
+{
+	struct stat one, other;
+	bool same = stat(a, &one) == 0 && stat(b, &other) == 0 && S_ISREG(one.st_mode) && S_ISREG(other.st_mode) &&
+		one.st_size == other.st_size;
+	FILE *files[2] = { same ? fopen(a, "rb") : NULL, same ? fopen(b, "rb") : NULL };
+	char blocks[2][4096];
+	for (size_t size = 1; size && (same = same && files[0] && files[1]);) {
+		size = fread(blocks[0], 1, sizeof *blocks, files[0]);
+		same = fread(blocks[1], 1, sizeof *blocks, files[1]) == size && memcmp(blocks[0], blocks[1], size) == 0;
+	}
+	for (int i = 0; i < 2; i++)
+		if (files[i])
+			fclose(files[i]);
+	return same;
+}
+
+static void drop_copies(struct eco_inputs *inputs)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0, k; i < inputs->count; i++) {
+		for (k = 0; k < kept && !same_bytes(inputs->names[k], inputs->names[i]); k++)
+			;
+		if (k < kept)
+			start_say("  %s: left out, as %s has the same bytes\n", inputs->names[i], inputs->names[k]);
+		else
+			inputs->names[kept++] = inputs->names[i];
+	}
+	inputs->count = kept;
+}
+
 static void read_options(struct start *s, struct start_options *o)
 {
 	*o = given.options;
-	given.inputs.count = start_buildings(s, given.inputs.names, given.inputs.count);
+	drop_copies(&given.inputs);
+	given.inputs.count = start_objects(s, given.inputs.names, start_buildings(s, given.inputs.names, given.inputs.count));
 	uint32_t rasters = start_check_order(given.inputs.names, given.inputs.count) ? 2 : 1;
 	o->table = given.inputs.names[0];
 	o->models = rasters > 1 ? given.inputs.names[1] : NULL;
@@ -181,6 +215,7 @@ static void run_steps(void *start)
 	if (code)
 		start_told_raster(s, code);
 	start_image_crs(s);
+	start_objects_place(s);
 	if (asked.models)
 		start_models_find(s);
 	start_match_species(s);
@@ -208,7 +243,7 @@ static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the table", 0, ECO_OPTION_INPUTS, "TREES [MODELS] [RASTER...] [LAND...]", &given.inputs,
+	{ "the table", 0, ECO_OPTION_INPUTS, "TREES [MODELS] [RASTER...] [LAND...] [BUILDINGS...]", &given.inputs,
 		.high = 1026, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
 		.help = "the folder for scene.json, map.png and camera.json, which appear together or not "
@@ -253,10 +288,10 @@ static const struct eco_option options[] = {
 		.help = "decimal sign: . or ," }, { 0 } };
 
 const struct main_command main_command_start = { { "ecopack start",
-	"TREES [MODELS] [RASTER...] [LAND...] -o DIR [--force] "
+	"TREES [MODELS] [RASTER...] [LAND...] [BUILDINGS...] -o DIR [--force] "
 	"[--crs CRS] [--x COLUMN --y COLUMN] [--height-unit U] ...",
 	"Makes a scene from an inventory of plants, a folder of models, optional rasters (terrain, "
-	"picture of the ground) and what lies around (buildings, roads, land use, an extract of OpenStreetMap), in any order. The "
+	"picture of the ground) and what lies around (footprints or models of buildings, roads, land use, an extract of OpenStreetMap), in any order. The "
 	"library grows what the models lack, or all plants if there are none. It finds columns, units, CRS, origin, a model for each "
 	"species and a camera, and prints each guess with its reason and the option that changes it.",
 	options, main_common,

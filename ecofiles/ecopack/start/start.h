@@ -2,6 +2,7 @@
  *
  *   start_buildings(...)          footprints among the arguments                      start_buildings.c
  *                                 roads, land use, extracts of OpenStreetMap        start_land.c
+ *   start_objects(...)            models of buildings                               start_objects.c
  *   start_check_order(...)        which other argument is which
  *   start_rasters(&start)         terrain and picture                                 start_look.c
  *   start_look(&start)            the table: columns, units, CRS                      start_look.c
@@ -106,6 +107,7 @@ struct start {
 	json_t *other;                       /* the scene of --same-place-as; NULL: none */
 	/* entries of files of footprints, of what is drawn and of woods; "crs": null: the table's */
 	json_t *buildings, *draws, *scatters;
+	json_t *objects;                     /* models of buildings: path, why, box, and once they are placed foot and at */
 	struct start_guess *guesses; uint32_t guess_count, guess_capacity;
 	char *scene;                         /* the text */
 };
@@ -124,6 +126,11 @@ bool start_land(struct start *s, const char *path, double least);
 bool start_is_osm(const char *path);
 bool start_osm(struct start *s, const char *path, bool as_table);
 void start_land_plants(struct start *s);     /* of woods, once the table's species have theirs */
+/* Takes models of buildings, and folders of these alone, out of the arguments, whose number is returned. They get their places
+ * after those of the trees are known. */
+uint32_t start_objects(struct start *s, char **names, uint32_t count);
+void start_objects_place(struct start *s);
+void start_objects_add(const struct start *s, json_t *plants, json_t *instances);
 /* Adds the entries of land and buildings. */
 void start_land_add(const struct start *s, json_t *ground, json_t *instances);
 bool start_is_table(const char *path);       /* by its ending, if it is there */

@@ -12,15 +12,17 @@
 #include "ecofiles/import/land/drawing.h"
 #include "ecofiles/import/land/footprints.h"
 #include "ecofiles/import/model/import_file.h"
+#include "ecofiles/import/places/crs.h"
 
 #define WOOD_PLANTS 100000.0 /* that woods of one kind have at most */
 #define SMALLEST 0.5         /* of the plants of a wood, as a share of the tallest */
 
 /* One kind of plants in one column: "natural" is "wood". */
-struct wood { uint32_t class, column; json_t *values; struct eco_areas areas; double low_y, high_y; bool degrees; };
+struct wood { uint32_t class, column; json_t *values; struct eco_areas areas; double low_y, high_y; };
 struct look {
 	uint64_t features, all_lines, areas, lines, buildings;   /* areas, lines: of a class that is drawn */
 	struct wood *woods; uint32_t wood_count, wood_capacity;
+	char *crs;                                       /* of the file; NULL: the trees' is to be taken */
 };
 
 static bool keep(void *wood, double xy[2], struct eco_error *error)
@@ -29,7 +31,6 @@ static bool keep(void *wood, double xy[2], struct eco_error *error)
 	(void)error;
 	w->low_y = fmin(w->low_y, xy[1]);
 	w->high_y = fmax(w->high_y, xy[1]);
-	w->degrees = w->degrees && fabs(xy[0]) <= 360 && fabs(xy[1]) <= 90;
 	return true;
 }
 
@@ -42,7 +43,7 @@ static void add_wood(struct look *look, uint32_t class, uint32_t column, const s
 	if (i == look->wood_count) {
 		eco_grow(&look->woods, &look->wood_capacity, i, sizeof *look->woods);
 		look->woods[look->wood_count++] = (struct wood){ class, column, json_object(), .low_y = INFINITY,
-			.high_y = -INFINITY, .degrees = true };
+			.high_y = -INFINITY };
 	}
 	struct wood *w = &look->woods[i];
 	json_object_set_new(w->values, rows->fields[column], json_true());
@@ -67,9 +68,9 @@ static void look_at_row(struct look *look, const struct eco_rows *rows, const st
 		add_wood(look, class, column, rows);
 }
 
-/* An error: it cannot be read so. *no_crs: the trees' is to be taken. */
+/* An error: it cannot be read so. */
 static void look_at(struct look *look, const char *path, const char *layer, char ***columns, uint32_t *column_count,
-	bool *no_crs, struct eco_error *error)
+	struct eco_error *error)
 {
 	struct eco_rows *rows = NULL;
 	struct eco_land_reader reader;
@@ -83,7 +84,7 @@ static void look_at(struct look *look, const char *path, const char *layer, char
 	while (building < rows->column_count && strcmp(rows->columns[building], "building") != 0)
 		building++;
 	eco_land_reader_open(&reader, rows->columns, rows->column_count);
-	*no_crs = !rows->crs;
+	look->crs = rows->crs ? eco_copy_text(rows->crs) : NULL;
 	while (!rows->next(rows, &more, error) && more)
 		if (rows->place.kind == ECO_PLACE_AREA && rows->place.wkb_bytes > 4)
 			look_at_row(look, rows, &reader, building);
@@ -97,17 +98,19 @@ static void look_at(struct look *look, const char *path, const char *layer, char
 
 /* ---- Woods ---- */
 
-static double hectares(struct wood *w)
+/* In the units of the file. */
+static double surface(struct wood *w)
 {
-	double sum = 0, metre = w->degrees ? 111195 : 1, turn = w->degrees ? (w->low_y + w->high_y) / 2 * M_PI / 180 : 0;
+	double sum = 0;
 	if (eco_areas_index(&w->areas, 0, NULL))
 		return 0;
 	for (uint32_t i = 0; i < w->areas.count; i++)
 		sum += w->areas.items[i].size_m2;
-	return sum * metre * metre * cos(turn) / 10000;
+	return sum;
 }
 
-/* The plants wait for start_land_plants, as they are no models for the table's species. */
+/* The plants wait for start_land_plants, as they are no models for the table's species, and so does their spacing, as a file
+ * without a CRS has the trees'. */
 static void take_wood(struct start *s, const struct look *look, uint32_t index, char **columns, json_t *entry)
 {
 	struct wood *w = &look->woods[index];
@@ -115,12 +118,9 @@ static void take_wood(struct start *s, const struct look *look, uint32_t index, 
 	json_t *values = json_array(), *skip = json_object();
 	const char *value;
 	json_t *set;
-	char took[150], count[32];
-	double spacing;
 	eco_land_class(w->class, &row);
 	json_object_foreach(w->values, value, set)
 		json_array_append_new(values, json_string(value));
-	spacing = row.line ? row.spacing_m : fmax(row.spacing_m, sqrt(hectares(w) * 10000 / WOOD_PLANTS));
 	json_object_set_new(entry, "only", json_pack("{s:o}", columns[w->column], values));
 	for (uint32_t i = 0; i < index; i++) {   /* what an earlier column has told is done */
 		if (look->woods[i].class != w->class)
@@ -133,14 +133,23 @@ static void take_wood(struct start *s, const struct look *look, uint32_t index, 
 	if (json_object_size(skip))
 		json_object_set(entry, "skip", skip);
 	json_decref(skip);
-	json_object_set_new(entry, "plants", json_string(row.plants));
-	json_object_set_new(entry, "line", json_boolean(row.line));
-	json_object_set_new(entry, "spacing", json_real(round(spacing * 10) / 10));
+	json_object_set_new(entry, "wood", json_pack("{s:i, s:I, s:f, s:f, s:s, s:s*}", "class", (int)w->class, "count",
+		(json_int_t)w->areas.count, "surface", surface(w), "latitude", (w->low_y + w->high_y) / 2, "column", columns[w->column],
+		"crs", look->crs));
 	json_array_append_new(s->scatters, entry);
-	snprintf(took, sizeof took, "%s %s%s, a plant every %.3g m: %.60s", eco_phrase_count(w->areas.count, count), row.name,
-		w->areas.count == 1 ? "" : "s", spacing, row.plants);
-	start_guess(s, row.line ? "tree rows" : "woods", took, "\"scatter\" in the scene", "\"%.60s\" of %.80s says so; nobody counted them",
-		columns[w->column], json_string_value(json_object_get(entry, "scatter")));
+}
+
+/* Metres; without a CRS of the scene all numbers are. */
+static double spacing_of(const struct start *s, const json_t *wood, const struct eco_land_class *row)
+{
+	const char *own = json_string_value(json_object_get(wood, "crs")), *crs = own ? own : s->place.crs;
+	double surface = json_real_value(json_object_get(wood, "surface")), at[2] = { 0,
+		json_real_value(json_object_get(wood, "latitude")) };
+	struct eco_crs_facts facts;
+	struct eco_error none = { .code = ECO_OK };
+	if (*s->place.scene_crs && *crs && !eco_crs_look(crs, at, &facts, &none) && facts.geographic)
+		surface *= ECO_DEGREE_M * eco_degree_m(at[1]);
+	return row->line ? row->spacing_m : round(fmax(row->spacing_m, sqrt(surface / WOOD_PLANTS)) * 10) / 10;
 }
 
 /* ---- Files ---- */
@@ -174,8 +183,7 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 	char **columns = NULL, areas[32], lines[32];
 	uint32_t count = 0;
 	struct eco_error own = { .code = ECO_OK };
-	bool no_crs = false;
-	look_at(&look, path, layer, &columns, &count, &no_crs, &own);
+	look_at(&look, path, layer, &columns, &count, &own);
 	bool taken = !own.code;
 	uint64_t drawn = look.areas + look.lines;
 	uint32_t told = layer || !taken ? ECO_NONE : eco_land_class_told(eco_path_last(path), 2 * look.all_lines > look.features);
@@ -184,13 +192,13 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 	if (taken && !known) {
 		struct eco_land_class class;
 		eco_land_class(told, &class);
-		json_t *entry = file_json("from", path, layer, no_crs);
+		json_t *entry = file_json("from", path, layer, !look.crs);
 		json_object_set_new(entry, "class", json_string(class.name));
 		json_array_append_new(s->draws, entry);
 		start_guess(s, "ground", path, "\"class\" of \"draw\" in the scene", "no column says what its features are; by its name "
 			"%s", class.name);
 	} else if (taken && drawn) {
-		json_t *entry = file_json("from", path, layer, no_crs);
+		json_t *entry = file_json("from", path, layer, !look.crs);
 		for (uint32_t i = 0; i < count; i++)
 			if (look.lines && strcmp(columns[i], "width") == 0)
 				json_object_set_new(entry, "width_m", json_string("width"));
@@ -200,7 +208,7 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 			layer ? layer : "its");
 	}
 	for (uint32_t i = 0; i < look.wood_count && known; i++)
-		take_wood(s, &look, i, columns, file_json("scatter", path, layer, no_crs));
+		take_wood(s, &look, i, columns, file_json("scatter", path, layer, !look.crs));
 	if (layer && !own.code && look.buildings)
 		take_buildings(s, path, &look);
 	for (uint32_t i = 0; i < look.wood_count; i++) {
@@ -211,6 +219,7 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 		free(columns[i]);
 	free(columns);
 	free(look.woods);
+	free(look.crs);
 	if (layer && own.code)
 		eco_stop(own.code, "%s", own.text);
 	return taken || (layer && look.buildings);
@@ -282,12 +291,19 @@ void start_land_plants(struct start *s)
 	size_t i;
 	json_t *entry;
 	json_array_foreach(s->scatters, i, entry) {
-		json_t *mix = json_object();
-		bool line = json_is_true(json_object_get(entry, "line"));
-		double all = 0, tallest = 0, share, spacing = json_real_value(json_object_get(entry, "spacing"));
-		char genus[40];
+		json_t *mix = json_object(), *wood = json_object_get(entry, "wood");
+		struct eco_land_class row;
+		eco_land_class((uint32_t)json_integer_value(json_object_get(wood, "class")), &row);
+		const uint64_t features = (uint64_t)json_integer_value(json_object_get(wood, "count"));
+		const bool line = row.line;
+		double all = 0, tallest = 0, share, spacing = spacing_of(s, wood, &row);
+		char genus[40], took[150], count[32];
+		snprintf(took, sizeof took, "%s %s%s, a plant every %.3g m: %.60s", eco_phrase_count(features, count), row.name,
+			features == 1 ? "" : "s", spacing, row.plants);
+		start_guess(s, line ? "tree rows" : "woods", took, "\"scatter\" in the scene", "\"%.60s\" of %.80s says so; nobody "
+			"counted them", json_string_value(json_object_get(wood, "column")), json_string_value(json_object_get(entry, "scatter")));
 		for (int pass = 0; pass < 2; pass++) {
-			const char *at = json_string_value(json_object_get(entry, "plants"));
+			const char *at = row.plants;
 			for (int used; sscanf(at, "%39[^:]:%lf%n", genus, &share, &used) == 2; at += used + (at[used] == ' ')) {
 				struct eco_flora flora = eco_flora_of(genus, NULL);
 				if (pass == 0) {
@@ -306,9 +322,7 @@ void start_land_plants(struct start *s)
 		if (tallest > 0)
 			json_object_set_new(entry, "height_m", json_pack("{s:f, s:f}", "min", round(SMALLEST * 7 * tallest) / 10, "max",
 				round(7 * tallest) / 10));
-		json_object_del(entry, "plants");
-		json_object_del(entry, "line");
-		json_object_del(entry, "spacing");
+		json_object_del(entry, "wood");
 	}
 }
 

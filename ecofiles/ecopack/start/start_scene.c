@@ -383,11 +383,13 @@ void start_scene_text(struct start *s)
 	else
 		json_object_set_new(scene, "origin", json_pack("[f,f]", s->place.origin[0], s->place.origin[1]));
 	json_t *instances = json_pack("[o]", entry_json(s)), *ground = ground_json(s);
+	json_t *plants = plants_json(s);
 	start_land_add(s, ground, instances);
+	start_objects_add(s, plants, instances);
 	if (json_object_size(ground))
 		json_object_set(scene, "ground", ground);
 	json_decref(ground);
-	json_object_set_new(scene, "plants", plants_json(s));
+	json_object_set_new(scene, "plants", plants);
 	json_object_set_new(scene, "instances", instances);
 	free(s->scene);
 	s->scene = json_dumps(scene, JSON_INDENT(2) | JSON_REAL_PRECISION(12));

@@ -168,7 +168,7 @@ static bool take(void *ctx, uint32_t index, const struct eco_rows *rows, const c
 		if (surface != ECO_NONE)
 			set_color(&item, surface);
 		if (!(item.width_m > 0))
-			return false;
+			return file->thin++, false;
 	}
 	file->areas.near_m = fmax(file->areas.near_m, 0.01 + (double)item.width_m / 2);
 	eco_grow(&file->items, &file->capacity, index, sizeof *file->items);
@@ -181,7 +181,7 @@ static enum eco_code read_file(struct drawn_file *file, const struct eco_frame *
 	const struct eco_draw_spec *spec = file->spec;
 	struct reading r = { .file = file };
 	const char *width = spec->width;
-	file->report.refused = "points, or of no class that is drawn";
+	file->report.refused = "points, of no class that is drawn, or lines without a width";
 	enum eco_code code = eco_areas_read(&file->areas,
 		&(struct eco_areas_request){ .path = spec->path, .layer = spec->layer, .crs = spec->crs, .filters = spec->filters,
 			.filter_count = spec->filter_count, .columns = &width, .column_count = 1, .take = take, .ctx = &r,
@@ -351,6 +351,11 @@ void eco_drawing_report(const struct eco_drawing *d, void (*say)(void *ctx, cons
 		if (file->odd.count) {
 			snprintf(line, sizeof line, "  %s widths are none between 0 and %g m (first: \"%s\"): the class's counts",
 				eco_phrase_count(file->odd.count, count), ECO_DRAWN_WIDE_M, file->odd.example);
+			say(ctx, line);
+		}
+		if (file->thin) {
+			snprintf(line, sizeof line, "  %s of them are lines of a class of areas, which has no width: say \"width_m\", or a "
+				"class of lines, such as \"class\": \"river\"", eco_phrase_count(file->thin, count));
 			say(ctx, line);
 		}
 		if (file->unknown && !file->areas.count)

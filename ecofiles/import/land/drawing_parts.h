@@ -10,7 +10,7 @@ struct drawn_file {
 	struct eco_areas areas;
 	struct drawn *items; uint32_t capacity;  /* per area */
 	struct eco_areas_report report;
-	uint64_t unknown;            /* features of no class that is known */
+	uint64_t unknown, thin;      /* features of no class that is known; lines without a width */
 	struct { uint64_t count; char example[40]; } odd;        /* texts of widths that are none */
 };
 struct drawn_order { uint32_t file, area; };

@@ -27,7 +27,8 @@ struct eco_model_options {
 	double height_m;         /* height to scale to; 0: by the unit */
 	double unit_m;           /* metres per unit of the files; 0: the format's, else guessed */
 	enum eco_up up;
-	bool keep_origin;        /* the file's zero stays, on the ground: no foot is looked for */
+	bool keep_origin;        /* no foot is looked for: this point stands on the ground, of the file, in its units, Z up */
+	double origin[3];
 	/* No plant (model.h): its file's axes and units, or the format's usual ones, are believed, its zero stays, and all parts
 	 * that no rule leaves out */
 	bool object;

@@ -282,7 +282,7 @@ static enum eco_code stand(struct stance *s, struct model_clean *c)
 	find_foot(s);
 	find_ground(s, c->frame);
 	for (int k = 0; k < 3 && (c->options->keep_origin || c->options->object); k++)
-		s->foot[k] = -c->frame->base[k];
+		s->foot[k] = c->options->origin[k] - c->frame->base[k];
 	enum eco_code code = find_scale(c, s->high - s->foot[2]);
 	if (code)
 		return code;
