@@ -120,7 +120,7 @@ UNIT_TEST(odd_features_are_told_and_others_drawn)
 {
 	struct eco_drawing *d = drawn("odd.json", BOW "," WIDE "," POINT "," STRANGE, (struct eco_draw_spec){ .width = (char *)"width" });
 	import_says("water 1, path 1");
-	import_says("2 features left out: points, or of no class that is drawn");
+	import_says("2 features left out: points, of no class that is drawn, or lines without a width");
 	import_says("1 widths are none between 0 and 100 m (first: \"4000\")");
 	paint(d, 64);
 	assert_int_equal(at(38, 10)[3], 255);        /* both triangles of the bow, not between them */
@@ -136,6 +136,46 @@ UNIT_TEST(odd_features_are_told_and_others_drawn)
 	eco_drawing_close(d);
 	d = drawn("class.json", STRANGE, (struct eco_draw_spec){ .class = (char *)"street" });
 	import_says("street 1");
+	eco_drawing_close(d);
+}
+
+UNIT_TEST(corners_around_a_square_are_kept)
+{
+	struct eco_drawing *d = drawn("around.json", FEATURE("\"natural\":\"water\"", "Polygon",
+		"[[[-20,40],[-20,-10],[-10,-20],[40,-20],[200,-20],[200,200],[-20,200],[-20,40]]]"), (struct eco_draw_spec){ .line = 1 });
+	paint(d, 0);
+	assert_int_equal(at(2, 2)[3], 255);
+	eco_drawing_close(d);
+	d = drawn("thin.json", ROAD, (struct eco_draw_spec){ .class = (char *)"water" });
+	import_says("1 of them are lines of a class of areas, which has no width");
+	eco_drawing_close(d);
+}
+
+#define COAST(at) FEATURE("\"natural\":\"coastline\"", "LineString", at)
+/* Whether the texel at a place of the square is sea. */
+static bool sea_at(double x, double y) { return at(x, y)[3] == 255 && at(x, y)[2] > at(x, y)[0]; }
+
+UNIT_TEST(the_sea_lies_to_the_right_of_coastlines)
+{
+	/* in two parts, in any order; an island */
+	struct eco_drawing *d = drawn("coast.json", COAST("[[32,32],[32,64]]") "," COAST("[[40,0],[32,32]]") ","
+		COAST("[[50,20],[60,20],[60,30],[50,30],[50,20]]"), (struct eco_draw_spec){ .line = 1 });
+	import_says("coastline 3");
+	import_says("drawn: sea 1");
+	paint(d, 0);
+	assert_true(!sea_at(20, 10) && !sea_at(20, 60) && sea_at(50, 10) && sea_at(50, 60) && !sea_at(55, 25));
+	eco_drawing_close(d);
+	d = drawn("island.json", COAST("[[20,20],[40,20],[40,40],[20,40],[20,20]]"), (struct eco_draw_spec){ .line = 1 });
+	paint(d, 0);
+	assert_true(sea_at(10, 30) && sea_at(50, 30) && !sea_at(30, 30));
+	eco_drawing_close(d);
+	d = drawn("lagoon.json", COAST("[[20,20],[20,40],[40,40],[40,20],[20,20]]"), (struct eco_draw_spec){ .line = 1 });
+	paint(d, 0);
+	assert_true(!sea_at(10, 30) && sea_at(30, 30));
+	eco_drawing_close(d);
+	d = drawn("gap.json", COAST("[[40,0],[32,32]]") "," COAST("[[32,64],[32,33]]"), (struct eco_draw_spec){ .line = 1 });
+	import_says("the sea is not drawn, as its coastlines have gaps");
+	assert_null(eco_drawing_ground(d));
 	eco_drawing_close(d);
 }
 

@@ -15,8 +15,8 @@
 
 #define ALONG 0.02           /* a cosine: one degree beside an axis */
 #define PLANE_LEAST 0.5      /* of a building's surface is upright or level */
-#define SQUARE_LEAST 0.5     /* of its walls' length goes two ways that cross squarely, as those of a block do and of a stem do not ... */
-#define WIDE_M 60.0          /* ... unless it is wider than a crown */
+#define SQUARE_LEAST 0.5     /* of its walls go two ways that cross squarely, as those of a block do, and of a stem do not */
+#define WIDE_M 60.0          /* they need not where it is wider than a crown */
 #define REACH_M 50000.0      /* as far from the trees at most */
 #define ZERO_NEAR 0.05       /* of the height, its foot is from the file's zero */
 
@@ -185,8 +185,8 @@ static void place(struct start *s, json_t *o)
 			"origin: in which CRS is it? Move it to the scene's", path, json_string_value(json_object_get(o, "why")),
 			best.away / 1000);
 	snprintf(took, sizeof took, "%.150s", path);
-	start_guess(s, "building", took, "\"object\" and \"at\" in the scene", "%s; %s%s", json_string_value(json_object_get(o, "why")),
-		best.map ? "its numbers are the map's, its lowest point stands on the ground" : "its zero stands at the scene's origin",
+	start_guess(s, "building", took, "\"object\" and \"at\" in the scene", "%s; %s%s",
+		json_string_value(json_object_get(o, "why")), best.map ? "its numbers are the map's, its lowest point stands on the ground" : "its zero stands at the scene's origin",
 		best.z_up ? "; z points up, as it lies better so" : "");
 	json_object_set_new(o, "z up", json_boolean(best.z_up));
 	if (best.map) {

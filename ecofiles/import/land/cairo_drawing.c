@@ -29,24 +29,26 @@ static unsigned sides(const struct square *s, const double at[2], double beyond_
 }
 
 /* The path of rings or of lines, without most of what lies on one side of the square. A ring needs its corners there, but not
- * those between two others on that side; a line needs none. */
+ * those of a run on one side, from the last corner that counts on; a line needs none. */
 static void path_of(const struct square *s, const struct eco_edge *edges, uint32_t count, bool rings, double beyond_m)
 {
 	bool open = false;
+	unsigned run = 0;                /* sides on which all corners since the last one lie */
 	for (uint32_t i = 0; i < count; i++) {
 		const struct eco_edge *e = &edges[i];
 		bool begins = i == 0 || edges[i - 1].b[0] != e->a[0] || edges[i - 1].b[1] != e->a[1];
 		bool goes_on = i + 1 < count && edges[i + 1].a[0] == e->b[0] && edges[i + 1].a[1] == e->b[1];
-		unsigned away = sides(s, e->a, beyond_m) & sides(s, e->b, beyond_m);
-		if (!rings && away) {
-			open = false;
-			continue;
+		if (begins || !open) {
+			run = sides(s, e->a, beyond_m);
+			if (rings || !(run & sides(s, e->b, beyond_m)))
+				put(s, e->a, true);
 		}
-		if (begins || !open)
-			put(s, e->a, true);
-		open = true;
-		if (!(rings && goes_on && away & sides(s, edges[i + 1].b, beyond_m)))
-			put(s, e->b, false);
+		run &= sides(s, e->b, beyond_m);
+		open = rings || !run;
+		if (!open || (rings && goes_on && run & sides(s, edges[i + 1].b, beyond_m)))
+			continue;
+		put(s, e->b, false);
+		run = sides(s, e->b, beyond_m);
 	}
 }
 

@@ -167,7 +167,7 @@ static bool take(void *ctx, uint32_t index, const struct eco_rows *rows, const c
 		surface = class_of(&r->reader, rows->fields, rows->field_count, "surface", &column);
 		if (surface != ECO_NONE)
 			set_color(&item, surface);
-		if (!(item.width_m > 0))
+		if (!(item.width_m > 0) && item.class != eco_land_class_named("coastline"))
 			return file->thin++, false;
 	}
 	file->areas.near_m = fmax(file->areas.near_m, 0.01 + (double)item.width_m / 2);
@@ -225,6 +225,7 @@ static void gather(struct eco_drawing *d)
 {
 	struct eco_ground_drawing *g = &d->ground;
 	uint64_t total = 0;
+	const uint32_t coast = eco_land_class_named("coastline");
 	*g = (struct eco_ground_drawing){ .texel_m = TEXEL_M, .touches = touches, .paint = paint, .ctx = d,
 		.low = { INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY } };
 	for (uint32_t i = 0; i < d->file_count; i++)
@@ -232,6 +233,8 @@ static void gather(struct eco_drawing *d)
 	d->order = eco_alloc(total + 1, sizeof *d->order);
 	for (uint32_t i = 0; i < d->file_count; i++)
 		for (uint32_t k = 0; k < d->files[i].areas.count; k++) {
+			if (d->files[i].items[k].class == coast)
+				continue;
 			const struct eco_area *area = &d->files[i].areas.items[k];
 			d->order[d->count++] = (struct drawn_order){ i, k };
 			for (int axis = 0; axis < 2; axis++) {
@@ -242,16 +245,35 @@ static void gather(struct eco_drawing *d)
 	qsort_r(d->order, d->count, sizeof *d->order, by_level, d->files);
 }
 
+static enum eco_code add_sea(struct eco_drawing *d, struct eco_error *error)
+{
+	const uint32_t coast = eco_land_class_named("coastline");
+	const struct drawn_file *with = NULL;
+	for (uint32_t i = 0; i < d->file_count; i++)
+		for (uint32_t k = 0; k < d->files[i].areas.count && !with; k++)
+			with = d->files[i].items[k].class == coast ? &d->files[i] : NULL;
+	if (!with)
+		return ECO_OK;
+	struct drawn_file *sea = &d->files[d->file_count++];
+	sea->spec = with->spec;
+	sea->items = eco_alloc(1, sizeof *sea->items);
+	sea->items[0].class = eco_land_class_named("sea");
+	set_color(sea->items, sea->items[0].class);
+	d->has_sea = true;
+	return drawing_sea(sea, d->files, d->file_count - 1, coast, &d->gap, error);
+}
+
 enum eco_code eco_drawing_open(struct eco_drawing **drawing, const struct eco_draw_spec *specs, uint32_t count,
 	const struct eco_frame *frame, struct eco_error *error)
 {
 	struct eco_drawing *d = *drawing = eco_alloc(1, sizeof *d);
 	enum eco_code code = ECO_OK;
-	d->files = eco_alloc(count + 1u, sizeof *d->files);
+	d->files = eco_alloc(count + 2u, sizeof *d->files);
 	for (; d->file_count < count && !code; d->file_count++) {
 		d->files[d->file_count].spec = &specs[d->file_count];
 		code = read_file(&d->files[d->file_count], frame, error);
 	}
+	code = code ? code : add_sea(d, error);
 	if (!code)
 		gather(d);
 	if (code) {
@@ -347,6 +369,9 @@ void eco_drawing_report(const struct eco_drawing *d, void (*say)(void *ctx, cons
 		for (uint32_t k = 0; k < file->report.note_count; k++)
 			say(ctx, file->report.notes[k]);
 		say_classes(file, say, ctx);
+		if (d->has_sea && i + 1 == d->file_count)
+			say(ctx, d->gap ? "  the sea is not drawn, as its coastlines have gaps" : "  the sea lies to the right of coastlines, which go "
+				"on straight where the file ends");
 		eco_areas_report_say(&file->report, say, ctx);
 		if (file->odd.count) {
 			snprintf(line, sizeof line, "  %s widths are none between 0 and %g m (first: \"%s\"): the class's counts",
