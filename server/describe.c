@@ -17,7 +17,7 @@ static const char *const kind_names[] = {
 
 /* by their bits, from the lowest on */
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground", "cells",
-	"summaries", "placements", "splats", "impostors", "ground_image", "widths", "tints" };
+	"summaries", "placements", "splats", "impostors", "ground_image", "widths", "tints", "water" };
 
 static struct eco_id_text pack_id(const struct srv_scene *scene) { return eco_id_text(scene->pack->id.bytes); }
 

@@ -323,15 +323,18 @@ static vec3 plant_pixel(const struct shot *shot, const struct owned *p, size_t p
 		shot->lamp->haze_m, shot->lamp->job->tint == VIEW_TINT_KIND);
 }
 
-static vec3 ground_albedo_at(const struct shot *shot, vec3 n, vec3 to, const double world[3])
+/* *water: the share of water there. */
+static vec3 ground_albedo_at(const struct shot *shot, vec3 n, vec3 to, const double world[3], float *water)
 {
 	const struct view_selection *selection = shot->lamp->job->selection;
 	const double *origin = selection->ground.origin;
 	struct footprint foot = footprint_of(n, to, (float)shot->eye->pixel_rad);
 	struct view_image_color image = view_image_at(&selection->image, &(struct view_image_spot){
 		{ world[0], world[1] }, { (double)foot.x, (double)foot.y }, (double)foot.across });
-	return imaged_albedo((ground_place){ world[0] - origin[0], world[1] - origin[1] }, n.z, length(to),
-		vec3(image.light[0], image.light[1], image.light[2]), image.alpha, image.texel_m);
+	vec3 color = vec3(image.light[0], image.light[1], image.light[2]);
+	*water = view_store_needs(shot->lamp->job->store) & ECO_NEED_WATER ? water_of(color, image.alpha) : 0;
+	return imaged_albedo((ground_place){ world[0] - origin[0], world[1] - origin[1] }, n.z, length(to), color, image.alpha,
+		image.texel_m * (1 - *water));        /* it has no grain */
 }
 
 static vec3 ground_pixel(const struct shot *shot, size_t pixel, vec3 to, const double world[3])
@@ -344,8 +347,12 @@ static vec3 ground_pixel(const struct shot *shot, size_t pixel, vec3 to, const d
 			(const float[3]){ n.x, n.y, n.z }, &texel_m);
 		below[0] = lit < 0 ? below[0] : 1 - lit;
 	}
-	vec3 lit = times(ground_albedo_at(shot, n, to, world),
+	const double *origin = shot->lamp->job->selection->ground.origin;
+	float water;
+	vec3 lit = times(ground_albedo_at(shot, n, to, world, &water),
 		ground_light(shot->lamp->sun, n, below[0], below[1]));
+	if (water > 0)
+		lit = water_color(shot->lamp->sun, (ground_place){ world[0] - origin[0], world[1] - origin[1] }, lit, to, water);
 	return ground_color(shot->lamp->sun, lit, to, shot->lamp->haze_m, shot->lamp->job->tint == VIEW_TINT_KIND);
 }
 

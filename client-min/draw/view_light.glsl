@@ -164,6 +164,28 @@ LIGHT vec3 ground_light(sunlight s, vec3 n, float sun_taken, float sky_taken)
 	return add(scale(s.color, sun), scale(around, 1.0f - 0.6f * sky_taken));
 }
 
+/* ---- Water ---- */
+
+#ifdef WATER
+/* Share of water in a texel of the ground's image: the code in its alpha, which other borders pass, too, and its blue. */
+LIGHT float water_of(vec3 image, float alpha)
+{
+	return within(1.0f - 0.5f * abs(255.0f * alpha - ECO_GROUND_WATER)) * within(30.0f * (image.z - image.x));
+}
+
+/* What small waves show of sky and sun, by the angle of the look (Schlick 1994). */
+LIGHT vec3 water_color(sunlight s, ground_place at, vec3 lit, vec3 to, float water)
+{
+	float distance_m = length(to), wave = 0.05f;
+	vec3 ray = scale(to, 1.0f / max(distance_m, 1e-20f)), n = unit(vec3(wave * octave(at, 1, 5.0f, distance_m)
+		+ wave * octave(at, 2, 1.1f, distance_m), wave * octave(at, 0, 24.0f, distance_m)
+		+ wave * octave(at, 3, 0.23f, distance_m), 1.0f));
+	float flat_look = 1.0f - within(-dot(ray, n)), f2 = flat_look * flat_look;
+	vec3 away = add(ray, scale(n, -2.0f * dot(ray, n)));
+	return blend(lit, background(s, vec3(away.x, away.y, abs(away.z))), water * (0.02f + 0.98f * f2 * f2 * flat_look));
+}
+#endif
+
 /* ---- Colours of pixels ---- */
 
 LIGHT vec3 sky_color(sunlight s, vec3 ray, bool by_kind)

@@ -3,6 +3,7 @@
 #define VIEW_LIGHT_INLINE_H
 
 #include "client-min/draw/view_light.h"
+#include "ecofiles/format/ground_tile.h"
 #include "lod/plant_light.h"
 
 typedef struct { double x, y; } ground_place;    /* on the ground, from its origin */
@@ -11,9 +12,11 @@ typedef struct footprint footprint;
 
 static inline float noise_at(ground_place at, int which, int finer);
 
+#define WATER
 #include "lod/glsl.h"
 #include "client-min/draw/view_light.glsl"
 #include "lod/glsl_end.h"
+#undef WATER
 
 static inline float noise_at(ground_place at, int which, int finer)
 {

@@ -269,7 +269,7 @@ int web_prepare(struct web *web, double width, double height)
 	if (!code)
 		code = view_gl_prepare(web->gl, web->store, &web->error);
 	if (!code)
-		code = web_light_prepare(&web->light, false, false, &web->error);
+		code = web_light_prepare(&web->light, 0, false, &web->error);
 	return (int)code;
 }
 

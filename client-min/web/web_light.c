@@ -14,6 +14,8 @@
 #include "ecofiles/base/array_grow.h"
 
 #define PLANT_TEXELS 3
+#define TEXT(macro) TEXT_OF(macro)
+#define TEXT_OF(value) #value
 #define BLOCK 1024u                      /* texels of the coarsest level of a tile of the ground's image */
 
 static const char light_text[] =
@@ -154,7 +156,7 @@ static void say_metre(char *text, size_t size)
 	snprintf(text + at, size - (size_t)at, ");\n");
 }
 
-enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadows, struct eco_error *error)
+enum eco_code web_light_prepare(struct web_light *light, unsigned image, bool shadows, struct eco_error *error)
 {
 	unsigned *program = &light->programs[image][shadows];
 	char metre[1024];
@@ -168,7 +170,8 @@ enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadow
 		return ECO_UNSUPPORTED;
 	if (!*program) {
 		say_metre(metre, sizeof metre);
-		*program = web_program(light_text, (const char *const[]){ metre, image ? "#define IMAGE\n" : "",
+		*program = web_program(light_text, (const char *const[]){ metre, image == 2 ? "#define IMAGE\n#define WATER\n#define ECO_GROUND_WATER " TEXT(ECO_GROUND_WATER) ".0\n"
+			: image ? "#define IMAGE\n" : "",
 			shadows ? "#define SHADOW\n" VIEW_SHADOW_DEPTH : "", light_text }, 4, "light", error);
 		if (!*program && shadows)
 			light->shadow.refused = true;
@@ -195,7 +198,7 @@ void web_light_free(struct web_light *light)
 	glDeleteTextures(3, textures);
 	glDeleteFramebuffers(1, &light->lit.framebuffer);
 	glDeleteVertexArrays(1, &light->lit.vertex_array);
-	for (int i = 0; i < 4; i++)
+	for (int i = 0; i < 6; i++)
 		glDeleteProgram(light->programs[i / 2][i % 2]);
 	glDeleteProgram(light->present);
 	web_shadow_free(&light->shadow);
@@ -374,7 +377,8 @@ enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const 
 {
 	bool shadows = web_shadow_wanted(&light->shadow, job->selection);
 	uint32_t sample = job->eye->sample;
-	enum eco_code code = web_light_prepare(light, job->selection->image.count > 0, shadows, error);
+	enum eco_code code = web_light_prepare(light, !job->selection->image.count ? 0
+		: view_store_needs(job->store) & ECO_NEED_WATER ? 2 : 1, shadows, error);
 	if (!code && shadows && !sample && !light->shadow.keeps)
 		code = web_shadow_draw(&light->shadow, gl, job, (const uint32_t[2]){ width, height }, error);
 	if (!code)

@@ -50,10 +50,17 @@ image_color tree_texel(tree t, uint of, uint texel) {
 	vec4 c = texelFetch(u_texels, texel_of(t.y, of + texel), 0);
 	return image_color(c.r * c.a, c.g * c.a, c.b * c.a, c.a, 0.0);
 }
+#ifdef WATER
+float water_seen = 0.0;         // where ground_own looked last
+#endif
 vec3 ground_own(vec3 n, vec3 to) {
 	footprint foot = footprint_of(n, to, u_image.w);
 	vec2 at = u_image.xy + to.xy * u_image.z, along = vec2(foot.x, foot.y) * u_image.z;
 	image_color c = image_seen(u_tree, image_pixel(at.x, at.y, along.x, along.y, foot.across * u_image.z));
+#ifdef WATER
+	water_seen = water_of(vec3(c.red, c.green, c.blue), c.alpha);
+	c.texel *= 1.0 - water_seen;    // it has no grain
+#endif
 	return imaged_albedo(to.xy, n.z, length(to), vec3(c.red, c.green, c.blue), c.alpha, c.texel / u_image.z);
 }
 #else
@@ -128,6 +135,9 @@ vec3 ground_pixel(vec3 n, vec3 to, vec2 sunshine) {
 		taken = textureLod(u_shade, at, 0.0).rg;
 	vec3 lit = ground_light(sun(), n, sunshine.x < 0.0 ? taken.x : 1.0 - sunshine.x, taken.y);
 	lit *= ground_own(n, to);
+#ifdef WATER
+	if (water_seen > 0.0) lit = water_color(sun(), to.xy, lit, to, water_seen);
+#endif
 	return ground_color(sun(), lit, to, haze_m(), by_kind());
 }
 vec3 color_of(uvec4 seen, vec3 to) {

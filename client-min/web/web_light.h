@@ -30,7 +30,7 @@ struct web_image {                       /* zero is empty */
 struct web_light {                       /* zero is empty */
 	struct web_lit lit;
 	struct web_mean mean;            /* of its samples, once there are some */
-	unsigned programs[2][2];         /* of an image on the ground, or none, and of shadows, or none */
+	unsigned programs[3][2];         /* of an image on the ground, or none, or one with water; of shadows, or none */
 	unsigned program, present;       /* of them, the one in use; of web_light_present */
 	unsigned shade;
 	struct view_gpu gpu;
@@ -45,9 +45,9 @@ struct web_light {                       /* zero is empty */
 	double low[2], side_m;           /* where `shade` lies: view_light.h; side_m 0: nowhere */
 };
 
-/* Compiles what light needs, with an image on the ground or without, with shadows or without, which drawing
- * else does itself. */
-enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadows, struct eco_error *error);
+/* Compiles what light needs, without an image on the ground, with one, or with one that has water (2); with shadows or without,
+ * which drawing else does itself. */
+enum eco_code web_light_prepare(struct web_light *light, unsigned image, bool shadows, struct eco_error *error);
 /* All of the picture that gl has recorded, of the job's selection. Another sample of it than the first
  * (lod_eye_sample; in turn from 1 on, after web_mean_prepare) takes the shadow map of the first, and the
  * picture becomes the mean of all. */

@@ -16,7 +16,7 @@ enum { KIND_SUMMARIES = ECO_LIST_INVENTORY + 1, KIND_SPLATS, KIND_COUNT };
 static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground",
 	"images", "impostors", "outlines", "ground_images", "inventory", "summaries", "splats" };
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
-	"cells", "summaries", "placements", "splats", "impostors", "ground_image", "widths", "tints" };
+	"cells", "summaries", "placements", "splats", "impostors", "ground_image", "widths", "tints", "water" };
 
 /* units: what bits are told of: primitives, texels of textures, plants of inventories */
 struct kind_total { uint64_t lists, chunks, primitives, units, bytes; };

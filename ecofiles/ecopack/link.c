@@ -141,7 +141,7 @@ static void copy_image(struct link *l)
 		m->scene.ground_image_count = s->ground_image_count;
 	}
 	if (!from)
-		m->scene.needs &= ~(uint32_t)ECO_NEED_GROUND_IMAGE;
+		m->scene.needs &= ~(uint32_t)(ECO_NEED_GROUND_IMAGE | ECO_NEED_WATER);
 }
 
 static void copy_ground(struct link *l)

@@ -475,6 +475,7 @@ void make_image(struct make *m)
 	eco_check(eco_ground_image_close(image.reader, m->error));
 	if (code)
 		eco_stop(code, "%s", missed.text);
+	m->scene.needs |= eco_drawing_has_water(m->drawing) ? ECO_NEED_WATER : 0;
 	encode_waiting(&image);
 	pack_tiles(&image);
 	for (uint32_t i = 0; i < image.count; i++)

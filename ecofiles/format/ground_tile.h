@@ -60,6 +60,7 @@ enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_
  * border the image fades: levels with texels that are not opaque have alpha. */
 
 #define ECO_GROUND_IMAGE_SIDE 256u
+#define ECO_GROUND_WATER 252     /* alpha of water, which clients let shine if the scene has ECO_NEED_WATER */
 #define ECO_GROUND_IMAGE_LEVELS 4u       /* 32, 64, 128 and 256 texels a side */
 
 /* Turns the record of a tile into that of one of its quarters, 0 to 3: south-west, south-east, north-west,

@@ -52,7 +52,8 @@ enum eco_need {                  /* what a scene uses; a reader skips what is no
 	ECO_NEED_SPLATS = 512, ECO_NEED_IMPOSTORS = 1024, ECO_NEED_GROUND_IMAGE = 2048,
 	ECO_NEED_WIDTHS = 4096,  /* instances with a width of their own */
 	ECO_NEED_TINTS = 8192,   /* instances with a colour by a column of their inventory */
-	ECO_NEEDS_ALL = 16383
+	ECO_NEED_WATER = 16384,  /* water in the image of the ground (ground_tile.h) */
+	ECO_NEEDS_ALL = 32767
 };
 
 enum eco_organ { ECO_ORGAN_WOOD, ECO_ORGAN_FOLIAGE, ECO_ORGAN_FLOWER, ECO_ORGAN_COUNT };

@@ -600,7 +600,7 @@ static const char *inventory_fault(const struct eco_scene *s, uint32_t id)
 /* Everything present but impostors must be among the needs: a reader skips what is not listed. */
 static enum eco_code check_needs(const struct eco_scene *s, struct eco_error *error)
 {
-	uint32_t used = 0, known = ECO_NEEDS_ALL & ~(uint32_t)(ECO_NEED_CUTOUTS | ECO_NEED_IMPOSTORS);
+	uint32_t used = 0, known = ECO_NEEDS_ALL & ~(uint32_t)(ECO_NEED_CUTOUTS | ECO_NEED_IMPOSTORS | ECO_NEED_WATER);
 	for (uint32_t i = 0; i < s->list_count; i++)
 		used |= eco_list_needs(&s->lists[i]);
 	for (uint32_t i = 0; i < s->plant_count; i++)

@@ -263,4 +263,18 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 	assert_true(red[0] > 1.1 * red[1] && red[1] > 1.05 * red[2]);
 }
 
+/* Water is told by the code of its alpha and by its blue; a flat look at it sees the sky, one from above what lies in it. */
+UNIT_TEST(water_shows_the_sky_to_a_flat_look)
+{
+	const vec3 blue = { 0.04f, 0.08f, 0.107f }, gray = { 0.1f, 0.1f, 0.1f };
+	const struct sunlight sun = lod_usual_light;
+	float code = ECO_GROUND_WATER / 255.0f;
+	assert_true(water_of(blue, code) == 1 && water_of(blue, 1) == 0 && water_of(gray, code) == 0 && water_of(blue, 0.9f) == 0);
+	vec3 flat = water_color(sun, (ground_place){ 3, 4 }, blue, vec3(900, 0, -0.9f), 1), down = water_color(sun,
+		(ground_place){ 3, 4 }, blue, vec3(0.1f, 0, -30), 1), none = water_color(sun, (ground_place){ 3, 4 }, blue, vec3(900, 0, -0.9f), 0);
+	vec3 sky = background(sun, vec3(1, 0, 0.001f));
+	assert_true(fabsf(flat.z - sky.z) < 0.1f * sky.z && flat.z > 3 * blue.z);
+	assert_true(down.z < blue.z + 0.03f && none.z == blue.z);
+}
+
 UNIT_MAIN(scene_open, scene_close)

@@ -93,7 +93,7 @@ UNIT_TEST(what_lies_above_what_does_not_depend_on_the_order)
 		paint(d, 0);
 		assert_int_equal(at(50, 50)[3], 0);                              /* a hole */
 		assert_true(at(4, 50)[1] > at(4, 50)[2] && at(4, 50)[3] < 200);  /* grass shines through */
-		assert_true(at(16, 16)[2] > at(16, 16)[0] && at(16, 16)[3] == 255);      /* water on grass */
+		assert_true(at(16, 16)[2] > at(16, 16)[0] && at(16, 16)[3] == ECO_GROUND_WATER);      /* water on grass */
 		for (double y = 28.5; y < 36; y += 0.5)                          /* 8 m of grey */
 			assert_true(abs(at(32, y)[0] - at(32, y)[2]) < 12 && at(32, y)[3] == 255);
 		assert_true(at(32, 37)[3] < 200);
@@ -123,8 +123,8 @@ UNIT_TEST(odd_features_are_told_and_others_drawn)
 	import_says("2 features left out: points, of no class that is drawn, or lines without a width");
 	import_says("1 widths are none between 0 and 100 m (first: \"4000\")");
 	paint(d, 64);
-	assert_int_equal(at(38, 10)[3], 255);        /* both triangles of the bow, not between them */
-	assert_int_equal(at(54, 10)[3], 255);
+	assert_int_equal(at(38, 10)[3], ECO_GROUND_WATER);        /* both triangles of the bow, not between them */
+	assert_int_equal(at(54, 10)[3], ECO_GROUND_WATER);
 	assert_int_equal(at(46, 16)[3], 0);
 	eco_drawing_close(d);
 	d = drawn("none.json", POINT, (struct eco_draw_spec){ .line = 1 });
@@ -144,7 +144,8 @@ UNIT_TEST(corners_around_a_square_are_kept)
 	struct eco_drawing *d = drawn("around.json", FEATURE("\"natural\":\"water\"", "Polygon",
 		"[[[-20,40],[-20,-10],[-10,-20],[40,-20],[200,-20],[200,200],[-20,200],[-20,40]]]"), (struct eco_draw_spec){ .line = 1 });
 	paint(d, 0);
-	assert_int_equal(at(2, 2)[3], 255);
+	assert_int_equal(at(2, 2)[3], ECO_GROUND_WATER);
+	assert_true(eco_drawing_has_water(d));
 	eco_drawing_close(d);
 	d = drawn("thin.json", ROAD, (struct eco_draw_spec){ .class = (char *)"water" });
 	import_says("1 of them are lines of a class of areas, which has no width");
@@ -153,7 +154,7 @@ UNIT_TEST(corners_around_a_square_are_kept)
 
 #define COAST(at) FEATURE("\"natural\":\"coastline\"", "LineString", at)
 /* Whether the texel at a place of the square is sea. */
-static bool sea_at(double x, double y) { return at(x, y)[3] == 255 && at(x, y)[2] > at(x, y)[0]; }
+static bool sea_at(double x, double y) { return at(x, y)[3] == ECO_GROUND_WATER && at(x, y)[2] > at(x, y)[0]; }
 
 UNIT_TEST(the_sea_lies_to_the_right_of_coastlines)
 {

@@ -113,12 +113,21 @@ uint32_t eco_land_class_of(const struct eco_land_reader *reader, const char *con
 
 struct reading { struct drawn_file *file; struct eco_land_reader reader; bool open; };
 
+static bool is_water(uint32_t class)
+{
+	static const char *const names[] = { "sea", "water", "river", "stream" };
+	bool water = false;
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		water |= strcmp(ground_rows[class].name, names[i]) == 0;
+	return water;
+}
+
 static void set_color(struct drawn *item, uint32_t class)
 {
 	unsigned long color = strtoul(ground_rows[class].color + 1, NULL, 16);
 	for (int k = 0; k < 3; k++)
 		item->rgb[k] = (uint8_t)(color >> (16 - 8 * k));
-	item->cover = (float)ground_rows[class].cover;
+	item->cover = is_water(class) ? ECO_GROUND_WATER / 255.0f : (float)ground_rows[class].cover;
 }
 
 static float width_of(struct drawn_file *file, const struct drawn *item, const char *text)
@@ -289,6 +298,14 @@ const struct eco_ground_drawing *eco_drawing_ground(const struct eco_drawing *d)
 }
 
 /* ---- Water ---- */
+
+bool eco_drawing_has_water(const struct eco_drawing *d)
+{
+	bool water = false;
+	for (uint32_t i = 0; d && i < d->count; i++)
+		water |= is_water(d->files[d->order[i].file].items[d->order[i].area].class);
+	return water;
+}
 
 struct samples { struct eco_ground *ground; const struct eco_areas *areas; uint32_t area; };
 

@@ -56,6 +56,8 @@ const struct eco_ground_drawing *eco_drawing_ground(const struct eco_drawing *dr
 #define ECO_STILL_M 3.0
 void eco_drawing_level(const struct eco_drawing *drawing, struct eco_ground *ground, void (*say)(void *ctx, const char *text),
 	void *ctx);
+/* Whether water is drawn, whose alpha is ECO_GROUND_WATER. */
+bool eco_drawing_has_water(const struct eco_drawing *drawing);
 /* Reports what is drawn and what was left out: a line per call. */
 void eco_drawing_report(const struct eco_drawing *drawing, void (*say)(void *ctx, const char *text), void *ctx);
 void eco_drawing_close(struct eco_drawing *drawing);
