@@ -95,11 +95,43 @@ static void take(struct make *m, uint32_t source, const struct eco_footprints *f
 	}
 }
 
+/* Those that stand upon another are left out. */
+static void cover(struct make *m, uint64_t first)
+{
+	struct make_footprints *all = (struct make_footprints *)m->footprints.items;
+	uint32_t total = 0, twins = 0;
+	char count[32];
+	for (uint64_t i = first; i < m->footprints.count; i++)
+		total += all[i].count;
+	struct eco_building **buildings = eco_alloc(total, sizeof *buildings);
+	total = 0;
+	for (uint64_t i = first; i < m->footprints.count; i++)
+		for (uint32_t k = 0; k < all[i].count; k++)
+			buildings[total++] = &all[i].buildings[k];
+	eco_buildings_cover(buildings, total);
+	free(buildings);
+	for (uint64_t i = first; i < m->footprints.count; i++) {
+		uint32_t kept = 0;
+		for (uint32_t k = 0; k < all[i].count; k++) {
+			struct eco_building *b = &all[i].buildings[k];
+			if (!b->twin)
+				all[i].buildings[kept++] = *b;
+			else
+				free(b->covers);
+		}
+		twins += all[i].count - kept;
+		all[i].count = kept;
+	}
+	if (twins)
+		main_note("%s footprints are left out: others, as high, stand on the same", eco_phrase_count(twins, count));
+}
+
 void make_buildings_read(struct make *m)
 {
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		struct eco_source *source = &m->sources.items[s];
 		struct eco_frame frame = eco_source_frame(source);
+		const uint64_t first = m->footprints.count;
 		for (uint32_t i = 0; i < source->footprints_count; i++) {
 			struct make_footprints *own = make_append(&m->footprints, sizeof *own);
 			*own = (struct make_footprints){ .count = 0 };
@@ -108,8 +140,11 @@ void make_buildings_read(struct make *m)
 				m->error));
 			eco_footprints_report(&own->footprints, note, source->footprints[i].path);
 			take(m, s, &own->footprints, own);
-			divide(m, s, own);
 		}
+		if (m->footprints.count > first)
+			cover(m, first);
+		for (uint64_t i = first; i < m->footprints.count; i++)
+			divide(m, s, (struct make_footprints *)m->footprints.items + i);
 	}
 }
 
@@ -177,6 +212,8 @@ void make_buildings_free(struct make *m)
 	for (uint64_t i = 0; i < m->footprints.count; i++) {
 		struct make_footprints *own = (struct make_footprints *)m->footprints.items + i;
 		eco_footprints_free(&own->footprints);
+		for (uint32_t k = 0; k < own->count; k++)
+			free(own->buildings[k].covers);
 		free(own->buildings);
 	}
 	free(m->blocks.items);

@@ -19,6 +19,7 @@
 #define ROOF_MOST 0.5 /* of the height of the ridge */
 #define PLANES_MAX 4
 #define GRID 4096.0 /* steps a metre */
+#define COVER_NEAR_M 0.004 /* corners are rounded, covers are not */
 
 /* Plaster, brick and concrete; flat roofs; tiles and slates. */
 static const uint8_t walls[][3] = { { 214, 204, 186 }, { 196, 184, 168 }, { 205, 190, 160 },
@@ -285,6 +286,56 @@ static void add_wall(struct builder *b, struct gen_corner from, struct gen_corne
 	add_fan(b, b->wall, wall, count);
 }
 
+/* Ends of a cover along a wall of `length`, from 0 to 1, as metres; false: it is not in its line. */
+static bool find_cover(const struct builder *b, const struct eco_edge *cover, const struct point *p, const struct point *q,
+	double at[2])
+{
+	const double *first = b->building->edges[0].a;
+	double x = q->x - p->x, y = q->y - p->y, length = sqrt(x * x + y * y);
+	for (int k = 0; k < 2; k++) {
+		const double *end = k ? cover->b : cover->a;
+		double dx = end[0] - first[0] - p->x, dy = end[1] - first[1] - p->y;
+		at[k] = (dx * x + dy * y) / length;
+		if (!(fabs(dy * x - dx * y) <= COVER_NEAR_M * length))
+			return false;
+	}
+	if (at[0] > at[1]) {
+		double swap = at[0];
+		at[0] = at[1];
+		at[1] = swap;
+	}
+	return at[1] > 0 && at[0] < length;
+}
+
+/* The stretches of a wall that no other building draws: those from `from` metres on. */
+static void add_open_wall(struct builder *b, struct gen_corner c, struct gen_corner d)
+{
+	struct point p = metres(c), q = metres(d);
+	double length = sqrt(way_to(&p, &q)), from = 0, at[2];
+	for (bool moved = true; moved && from < length;) {
+		double next = length, skip = from;
+		for (uint32_t i = 0; i < b->building->cover_count; i++)
+			if (find_cover(b, &b->building->covers[i], &p, &q, at) && at[1] > from + COVER_NEAR_M) {
+				next = fmin(next, fmax(at[0], from));
+				skip = at[0] <= from + COVER_NEAR_M ? fmax(skip, at[1]) : skip;
+			}
+		moved = skip > from || next < length;
+		if (skip > from) {
+			from = skip;
+			continue;
+		}
+		struct gen_corner ends[2] = { c, d };
+		for (int k = 0; k < 2; k++) {
+			double t = (k ? next : from) / length;
+			if (t > 0 && t < 1)
+				ends[k] = (struct gen_corner){ c.x + (int64_t)floor(t * (double)(d.x - c.x) + 0.5),
+					c.y + (int64_t)floor(t * (double)(d.y - c.y) + 0.5) };
+		}
+		add_wall(b, ends[0], ends[1]);
+		from = next;
+	}
+}
+
 /* ---- All ---- */
 
 static void choose_colors(struct builder *b)
@@ -318,7 +369,7 @@ static void add_surface(struct builder *b, uint32_t outer)
 	for (uint32_t k = 0; k < b->rings.count; k++) {
 		const struct gen_ring *r = &b->rings.items[k];
 		for (uint32_t i = 0; (k == outer || is_hole_of(b, k, outer)) && i < r->count; i++)
-			add_wall(b, r->corners[i], r->corners[(i + 1) % r->count]);
+			add_open_wall(b, r->corners[i], r->corners[(i + 1) % r->count]);
 	}
 }
 

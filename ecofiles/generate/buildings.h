@@ -24,7 +24,15 @@ struct eco_building {
 	double height_m;     /* above base_m, of the ridge, or of the eaves */
 	bool to_eaves;
 	enum eco_roof roof;
+	/* by eco_buildings_cover: stretches of its walls that another building draws, malloc'ed; it stands on another, as high */
+	struct eco_edge *covers;
+	uint32_t cover_count;
+	bool twin, level;    /* level: some other's roof is in the plane of its own, beside a wall of both */
 };
+
+/* Finds the stretches of walls that several buildings have: the highest draws it, of equals the first. Flat roofs in one plane
+ * above such a wall are moved apart by centimetres. The caller frees their covers. */
+void eco_buildings_cover(struct eco_building *const *buildings, uint32_t count);
 
 /* Whether anything of it is left to draw: it has a surface, within the limits above. */
 bool eco_building_stands(const struct eco_building *building);

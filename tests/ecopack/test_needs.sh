@@ -39,6 +39,8 @@ has ground 3 ground
 has ground 4 ground
 for scene in roads water; do has $scene 4 ground_images; done
 for scene in ground objects houses; do lacks $scene 4 ground_images; done
+has water 3 water
+for scene in roads covered; do lacks $scene 3 water; done
 for scene in objects houses; do lacks $scene 3 ground; lacks $scene 3 textures; done
 for need in cells placements; do lacks ground 3 $need; has everything 3 $need; done
 

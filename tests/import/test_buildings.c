@@ -31,7 +31,8 @@ static struct eco_buildings_notes notes;
 /* One building of the rings so far, on ground at 100 m. */
 static void build(enum eco_roof roof, double height_m, bool to_eaves)
 {
-	struct eco_building building = { edges, edge_count, 100, height_m, to_eaves, roof };
+	struct eco_building building = { .edges = edges, .edge_count = edge_count, .base_m = 100, .height_m = height_m,
+		.to_eaves = to_eaves, .roof = roof };
 	notes = (struct eco_buildings_notes){ 0 };
 	eco_buildings_make(&model, &building, 1, (const double[]){ 0, 0, 100 }, &notes);
 	edge_count = 0;
@@ -305,6 +306,83 @@ UNIT_TEST(rings_that_cross_themselves_and_each_other_leave_finite_meshes)
 		eco_model_free(&model);
 	}
 	assert_true(crossed > 500 && triangles > 600 * 20);
+}
+
+/* Area of upright triangles, and the number of buildings that stand on others. */
+static double walls_of(struct eco_building *buildings, uint32_t count, uint32_t *twins)
+{
+	struct eco_building *all[8];
+	double sum = 0;
+	*twins = 0;
+	for (uint32_t i = 0; i < count; i++)
+		all[i] = &buildings[i];
+	eco_buildings_cover(all, count);
+	eco_buildings_make(&model, buildings, count, (const double[]){ 0, 0, 100 }, &notes);
+	for (uint32_t t = 0; t < model.triangle_count; t++) {
+		double e[2][3];
+		for (int k = 0; k < 3; k++)
+			for (uint32_t i = 0; i < 2; i++)
+				e[i][k] = (double)(corner(t, i + 1)[k] - corner(t, 0)[k]);
+		double up = e[0][0] * e[1][1] - e[0][1] * e[1][0], x = e[0][1] * e[1][2] - e[0][2] * e[1][1],
+			y = e[0][2] * e[1][0] - e[0][0] * e[1][2];
+		sum += fabs(up) < 1e-6 ? sqrt(x * x + y * y) / 2 : 0;
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		*twins += buildings[i].twin;
+		free(buildings[i].covers);
+	}
+	eco_model_free(&model);
+	edge_count = 0;
+	return sum;
+}
+
+static struct eco_building house(uint32_t first, double height_m)
+{
+	return (struct eco_building){ .edges = edges + first, .edge_count = edge_count - first, .base_m = 100, .height_m = height_m };
+}
+
+UNIT_TEST(a_wall_of_several_buildings_is_drawn_once)
+{
+	uint32_t twins;
+	struct eco_building all[3];
+	/* a party wall of 8 m, of the second building from 2 to 10 m along its side: the lower one has no wall there */
+	box(0, 0, 10, 8);
+	all[0] = house(0, 9);
+	box(10, -2, 6, 12);
+	all[1] = house(4, 6);
+	double both = 9.5 * 36 + 6.5 * (36 - 8);
+	assert_true(fabs(walls_of(all, 2, &twins) - both) < 1e-3 && twins == 0);
+	/* the taller has all of its own, whatever the order */
+	box(10, -2, 6, 12);
+	all[0] = house(0, 6);
+	box(0, 0, 10, 8);
+	all[1] = house(4, 9);
+	assert_true(fabs(walls_of(all, 2, &twins) - both) < 1e-3 && twins == 0);
+	/* a part within a whole, as high: the whole's walls; its roof is lower by centimetres */
+	box(0, 0, 10, 8);
+	all[0] = house(0, 9);
+	box(0, 0, 4, 8);
+	all[1] = house(4, 9);
+	assert_true(fabs(walls_of(all, 2, &twins) - 9.5 * 36 - 9.45 * 8) < 1e-3 && twins == 0);
+	/* twins; turned, and from another corner */
+	for (uint32_t i = 0; i < 3; i++) {
+		if (i < 2)
+			box(0, 0, 10, 8);
+		else
+			ring((const double[][2]){ { 10, 8 }, { 10, 0 }, { 0, 0 }, { 0, 8 } }, 4);
+		all[i] = house(4 * i, 9);
+	}
+	walls_of(all, 3, &twins);
+	assert_int_equal(twins, 2);
+	/* a gable is no wall below it, so both stay */
+	box(0, 0, 10, 8);
+	all[0] = house(0, 9);
+	box(10, 0, 10, 8);
+	all[1] = house(4, 9);
+	all[0].roof = all[1].roof = ECO_ROOF_GABLED;
+	all[1].height_m = 8;
+	walls_of(all, 2, &twins);
+	assert_true(all[0].cover_count == 0 && all[1].cover_count == 0 && twins == 0);
 }
 
 UNIT_TEST(forms_of_roofs_are_told_by_words)
