@@ -123,6 +123,20 @@ static void describe_tints(struct srv_json *json, const json_t *meta)
 	srv_json_add(json, "]");
 }
 
+/* Classes that are drawn on the ground, where there are some. */
+static void describe_drawn(struct srv_json *json, const json_t *drawn)
+{
+	const json_t *class;
+	size_t i;
+	if (!drawn)
+		return;
+	srv_json_add(json, "drawn:[");
+	json_array_foreach(drawn, i, class)
+		srv_json_add(json, "{name:%s color:%s features:%lu}", text_in(class, "name"), text_in(class, "color"),
+			(uint64_t)json_integer_value(json_object_get(class, "features")));
+	srv_json_add(json, "]");
+}
+
 static void describe_box(struct srv_json *json, const double *low, const double *high)
 {
 	srv_json_add(json, "{low:[%g %g %g] high:[%g %g %g]}", low[0], low[1], low[2], high[0], high[1], high[2]);
@@ -152,6 +166,7 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, co
 	describe_needs(json, tables->needs);
 	if (tables->needs & ECO_NEED_TINTS)
 		describe_tints(json, scene->meta);
+	describe_drawn(json, json_object_get(scene->meta, "drawn"));
 	srv_json_add(json, "cap_vertices:%lx cap_bytes:%lx", most->vertices, most->bytes);
 	describe_links(json, scene);
 	srv_json_add(json, "}");

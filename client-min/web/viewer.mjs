@@ -196,7 +196,7 @@ function know(said) {
 	showSettings();
 	document.title = `${about.title ?? settings.scene} – ecostream`;
 	$('draft').hidden = !about.draft;
-	showLegend(about.tints);
+	showLegend(about);
 	if (!settings.views.length)
 		settings.views = JSON.parse(kept(viewsName())) ?? [];
 	showViews();

@@ -85,16 +85,20 @@ function named({ short, long }) {
 
 // ---- Tints ----
 
-/** The legend of tints, on the picture: classes of a column and how many plants have each. */
-export function showLegend(tints = []) {
-	const lists = tints.map(({ classes }) => {
+let drawn = [];          // classes on the ground
+
+/** The legend, on the picture: classes of a column and how many plants have each, and classes that are drawn on the ground. */
+export function showLegend({ tints = [], drawn: ground = [] }) {
+	drawn = ground;
+	const all = [...tints, ...ground.length ? [{ column: t('Ground'), classes: ground }] : []];
+	const lists = all.map(({ classes }) => {
 		const ul = document.createElement('ul');
-		ul.append(...classes.map(({ name, color, plants }) =>
-			item(color ? swatch(color) : span(t('own')), span(name), span(number(plants)))));
+		ul.append(...classes.map(({ name, color, plants, features }) =>
+			item(color ? swatch(color) : span(t('own')), span(t(name)), span(number(plants ?? features)))));
 		return ul;
 	});
 	const legend = $('legend'), [head] = legend.children;
-	head.textContent = tints.map(({ column }) => column).join(', ');
+	head.textContent = all.map(({ column }) => column).join(', ');
 	legend.replaceChildren(head, ...lists);
 	legend.hidden = !lists.length;
 }
@@ -179,6 +183,13 @@ const titles = { plant: 'A plant', object: 'A building or other object', sky: 'T
 	summary: 'Many plants as one point' };
 
 /** `picked`: what is seen there (web_client.h). */
+const COLOR_NEAR = 24;          // of a channel, in bytes: colours of texels are rounded
+/** The class on the ground whose colour is nearest to that of a place; undefined: none is near. */
+function groundClass(rgb) {
+	const apart = ({ color }) => Math.max(...rgb.map((v, i) => Math.abs(v - parseInt(color.slice(1 + 2 * i, 3 + 2 * i), 16))));
+	return [...drawn].filter((c) => apart(c) <= COLOR_NEAR).sort((a, b) => apart(a) - apart(b))[0];
+}
+
 export function showPicked(picked, origin) {
 	const { kind, plant, number: index, at, foot, cuts = [] } = picked;
 	const { height_m: height, crown_m: crown, distance_m: distance } = picked;
@@ -189,6 +200,9 @@ export function showPicked(picked, origin) {
 		facts.push([t(object ? 'Width' : 'Crown width'), metres(crown)]);
 	if (kind === 'summary' && plant)
 		facts.push([t('Of these'), named(species)]);
+	const ground = picked.rgb && groundClass(picked.rgb);
+	if (ground)
+		facts.push([t('Ground'), t(ground.name)]);
 	if (at ?? foot)
 		facts.push([t(foot ? 'Stands at' : 'Place'), placeText(foot ?? at, origin)],
 			[t('Distance'), metres(distance)]);

@@ -13,6 +13,13 @@ const german = {
 	'Plants': 'Pflanzen',
 	'Buildings and other objects': 'Gebäude und andere Objekte',
 	'Ground': 'Boden',
+	// classes of import/land/words/ground.tsv
+	'sea': 'Meer', 'water': 'Wasser', 'paved': 'befestigt', 'bed': 'Beet', 'pitch': 'Sportplatz',
+	'sand': 'Sand', 'rock': 'Fels', 'wood': 'Wald', 'scrub': 'Gebüsch', 'orchard': 'Obstgarten',
+	'vineyard': 'Weinberg', 'wetland': 'Feuchtgebiet', 'grass': 'Gras', 'meadow': 'Wiese',
+	'field': 'Feld', 'built up': 'bebaut', 'river': 'Fluss', 'stream': 'Bach', 'track': 'Feldweg',
+	'path': 'Pfad', 'footway': 'Fußweg', 'service': 'Zufahrt', 'street': 'Straße',
+	'main road': 'Hauptstraße', 'motorway': 'Autobahn', 'railway': 'Eisenbahn',
 	'In view': 'Im Bild',
 	'Find': 'Suchen',
 	'Species, or number of a row': 'Art oder Nummer einer Zeile',

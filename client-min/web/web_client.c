@@ -14,6 +14,7 @@
 #include "client-min/web/web_program.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/bytes.h"
+#include "lod/light.h"
 
 struct web {
 	struct view_store *store;
@@ -627,6 +628,11 @@ static void say_pick(struct web *web, const struct view_table *owners, double x,
 	eco_write_format(text, "{\"kind\":\"%s\"", !owner ? "ground" : instance ? "plant" : "summary");
 	say_point(text, "at", world);
 	eco_write_format(text, ",\"distance_m\":%.3f", sqrt(apart));
+	const struct view_image_color own = view_image_at(&web->selection.image, &(struct view_image_spot){ { world[0], world[1] },
+		{ 0, 0 }, 0 });
+	if (!owner && own.alpha > 0)
+		eco_write_format(text, ",\"rgb\":[%u,%u,%u]", lod_light_byte(65535 * (double)own.light[0]),
+			lod_light_byte(65535 * (double)own.light[1]), lod_light_byte(65535 * (double)own.light[2]));
 	if (instance)
 		say_plant(web, instance, text);
 	else if (owner)

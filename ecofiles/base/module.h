@@ -44,7 +44,7 @@ bool eco_module_find(enum eco_module module, char path[PATH_MAX]);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */
-#define ECO_MODULE_VERSION 11u
+#define ECO_MODULE_VERSION 12u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
 /* ---- ecoassimp.so: models of formats that have no reader of their own ---- */

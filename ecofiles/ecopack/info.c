@@ -253,7 +253,7 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 				(json_int_t)t->kind[ECO_LIST_GROUND_IMAGE].bytes));
 	}
 	static const char *const copied[] = { "generator", "order", "draft", "crs", "origin", "place",
-		"eco_files", "off_ground", "rows", "tints" };
+		"eco_files", "off_ground", "rows", "tints", "drawn" };
 	for (size_t i = 0; i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));
@@ -389,6 +389,8 @@ static void print_info(const struct eco_scene *s, const json_t *info, FILE *out)
 		print_value(out, json_object_get(tint, "column"));
 		inspect_table(out, NULL, json_object_get(tint, "classes"), "name color plants");
 	}
+	if (json_object_get(info, "drawn"))
+		inspect_table(out, "drawn", json_object_get(info, "drawn"), "name color features");
 }
 
 enum eco_code inspect_info(const char *path, bool json, FILE *out, struct eco_error *error)

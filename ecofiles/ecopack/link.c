@@ -133,6 +133,7 @@ static void copy_image(struct link *l)
 			continue;
 		}
 		from = part;
+		l->drawn = json_object_get(part->meta, "drawn");
 		m->ground_images = eco_alloc(s->ground_image_count, sizeof *m->ground_images);
 		for (uint32_t k = 0; k < s->ground_image_count; k++)
 			m->ground_images[k] = (struct eco_ground_image){ copy_as_is(l, part, s->ground_images[k].list),
@@ -457,6 +458,8 @@ static json_t *whole_meta(const struct link *l)
 		"ground", make_ground_origin(&l->m), "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
 	say_tints(l, root);
+	if (l->drawn)
+		json_object_set(root, "drawn", l->drawn);
 	if (has_draft(l))
 		json_object_set_new(root, "draft", json_true());
 	return root;

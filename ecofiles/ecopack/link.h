@@ -46,6 +46,7 @@ struct link {
 	struct link_known *known;    /* per plant of the whole */
 	uint32_t plant_room;
 	json_t *plants;              /* plants in META of the whole */
+	json_t *drawn;               /* META's, of the part that gives the image of the ground; NULL: none */
 	const struct link_options *options;
 };
 

@@ -316,6 +316,22 @@ static void say_tints(const struct make *m, json_t *meta)
 		}
 }
 
+/* "drawn": as "tints", the classes that are drawn on the ground and the numbers of their features. */
+static void say_drawn(const struct make *m, json_t *meta)
+{
+	json_t *classes = json_array();
+	const char *name;
+	uint8_t rgb[3];
+	uint64_t features;
+	for (uint32_t i = 0; eco_drawing_class(m->drawing, i, &name, rgb, &features); i++)
+		if (features)
+			json_array_append_new(classes, json_pack("{s:s, s:o, s:I}", "name", name, "color", json_sprintf("#%02x%02x%02x", rgb[0],
+				rgb[1], rgb[2]), "features", (json_int_t)features));
+	if (json_array_size(classes))
+		json_object_set(meta, "drawn", classes);
+	json_decref(classes);
+}
+
 json_t *make_meta(const struct make *m)
 {
 	const struct eco_source *outer = &m->sources.items[0];
@@ -333,6 +349,7 @@ json_t *make_meta(const struct make *m)
 		make_ground_origin(m), "off_ground", (json_int_t)m->off_ground, "rows", rows_json(m),
 		"plants", plants);
 	say_tints(m, root);
+	say_drawn(m, root);
 	if (m->options->draft)
 		json_object_set_new(root, "draft", json_true());
 	return root;

@@ -226,13 +226,50 @@ static void point_of(void *ctx, uint64_t index, struct eco_point *out)
 		(double)p->height_m, (double)p->crown_m, p->row, p->line };
 }
 
-/* Writes all plants that were gathered as a table with points (gis_files.h). */
+struct shapes { struct eco_shape *items; uint64_t count; uint32_t capacity; };
+
+static void add_shape(struct shapes *s, const struct eco_areas *areas, uint32_t area, struct eco_shape shape)
+{
+	eco_grow(&s->items, &s->capacity, (uint32_t)s->count, sizeof *s->items);
+	shape.ends = areas->edges[areas->items[area].edge_first].a;
+	shape.ring_edges = areas->items[area].ring_edges;
+	shape.edge_count = areas->items[area].edge_count;
+	s->items[s->count++] = shape;
+}
+
+/* Buildings and what is drawn on the ground of the outermost file; `footprints`: as many as it has. */
+static void add_shapes(struct map *m, struct shapes *s, struct eco_footprints *footprints, struct eco_drawing **drawing)
+{
+	const struct eco_source *outer = &m->sources.items[0];
+	struct eco_frame frame = eco_source_frame(outer);
+	const struct eco_areas *areas;
+	const struct eco_draw_spec *spec;
+	const char *class;
+	uint32_t area;
+	if (outer->draw_count)
+		eco_check(eco_drawing_open(drawing, outer->draws, outer->draw_count, &frame, m->error));
+	for (uint32_t i = 0; eco_drawing_feature(*drawing, i, &areas, &area, &class, &spec); i++)
+		add_shape(s, areas, area, (struct eco_shape){ .object = "ground", .class = class, .file = spec->path });
+	for (uint32_t f = 0; f < outer->footprints_count; f++) {
+		eco_check(eco_footprints_read(&footprints[f], &outer->footprints[f], &frame, m->error));
+		for (uint32_t i = 0; i < footprints[f].areas.count; i++)
+			add_shape(s, &footprints[f].areas, i, (struct eco_shape){ .object = "building", .class = "",
+				.file = outer->footprints[f].path, .height_m = footprints[f].items[i].height_m });
+	}
+}
+
+/* Writes all plants that were gathered as a table with points, and buildings and ground (gis_files.h). */
 static void write_table(struct map *m, const char *path)
 {
 	const struct eco_source *outer = &m->sources.items[0];
+	struct shapes shapes = { .count = 0 };
+	struct eco_footprints *footprints = eco_alloc(outer->footprints_count + 1u, sizeof *footprints);
+	struct eco_drawing *drawing = NULL;
+	add_shapes(m, &shapes, footprints, &drawing);
 	struct eco_point_table table = { .name = "plants", .crs = outer->crs, .count = m->points.count,
 		.has_classes = m->tints.class_count > 0,
-		.point = point_of, .ctx = m };
+		.point = point_of, .ctx = m, .shapes = shapes.items, .shape_count = shapes.count,
+		.origin = { outer->origin[0], outer->origin[1] } };
 	uint8_t *bytes = NULL;
 	size_t size = 0;
 	if (m->not_expanded)
@@ -242,6 +279,11 @@ static void write_table(struct map *m, const char *path)
 	eco_check(eco_points_write(&table, path, &bytes, &size, m->error));
 	eco_check(eco_file_write(path, bytes, size, m->error));
 	free(bytes);
+	free(shapes.items);
+	for (uint32_t f = 0; f < outer->footprints_count; f++)
+		eco_footprints_free(&footprints[f]);
+	free(footprints);
+	eco_drawing_close(drawing);
 }
 
 /* ---- The command ---- */
@@ -323,7 +365,8 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 static const struct eco_option options[] = {
 	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "MAP", &given.output, .is_required = true,
-		.help = "a PNG; or a table of all plants with species, heights, files, rows and lines: "
+		.help = "a PNG; or a table of all plants with species, heights, files, rows and lines, of buildings and of what is "
+		"drawn on the ground: "
 		".gpkg in the scene's CRS, .geojson in longitude and latitude. The file appears "
 		"complete or not at all" },
 	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000,

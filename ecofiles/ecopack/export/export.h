@@ -84,6 +84,8 @@ size_t export_array_bytes(const struct export_part *part, enum export_array arra
 void export_mesh_free(struct export_mesh *mesh);
 
 void export_plant(struct export *x, uint32_t number);
+/* By META; nodes of objects say so in their extras. */
+bool export_is_object(const struct export *x, uint32_t number);
 
 /* Contents: write files, and `name` the one that a tile refers to. */
 #define EXPORT_NAME 64

@@ -446,8 +446,8 @@ void export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXP
 		snprintf(uri, sizeof uri, "../plants/%u-%u.bin", group->plant, own);
 		json_int_t mesh = add_mesh(&d, &plant->level[own], add_buffer(&d, uri,
 			plant->level[own].bytes), NULL, false);
-		add_node(&d, json_pack("{s:s, s:I, s:o}", "name", s->plants[group->plant].name, "mesh", mesh,
-			"extensions", instances_of(&d, instances, l.group[g], group->count, s->needs & ECO_NEED_TINTS)));
+		add_node(&d, json_pack("{s:s, s:I, s:o*, s:o}", "name", s->plants[group->plant].name, "mesh", mesh,
+			"extras", export_is_object(x, group->plant) ? json_pack("{s:b}", "object", 1) : NULL, "extensions", instances_of(&d, instances, l.group[g], group->count, s->needs & ECO_NEED_TINTS)));
 		*error_m = fmax(*error_m, plant->error_m[own] * largest_scale(s, group));
 	}
 	json_t *extensions = metadata_of(&d, instances, &l);

@@ -156,13 +156,19 @@ static void write_level(struct export *x, struct plant_view *plant, uint64_t ver
 	eco_writer_free(&file);
 }
 
+bool export_is_object(const struct export *x, uint32_t number)
+{
+	return json_is_true(json_object_get(json_array_get(json_object_get(x->meta, "plants"), number), "object"));
+}
+
 void export_plant(struct export *x, uint32_t number)
 {
 	struct plant_view plant;
 	eco_check(plant_view_open(&plant, x->pack, number, PIXELS, x->error));
 	write_images(x, &plant);
 	for (uint32_t i = 0; i < EXPORT_LEVELS; i++)
-		if (wanted[i] == UINT64_MAX || wanted[i] * 2 <= plant.full)
+		/* a coarse level of an object would lack whole buildings */
+		if (wanted[i] == UINT64_MAX || (wanted[i] * 2 <= plant.full && !export_is_object(x, number)))
 			write_level(x, &plant, wanted[i] < plant.full ? wanted[i] : ECO_VERTICES_MAX);
 	plant_view_close(&plant);
 }

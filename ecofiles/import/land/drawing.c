@@ -297,6 +297,33 @@ const struct eco_ground_drawing *eco_drawing_ground(const struct eco_drawing *d)
 	return d && d->count ? &d->ground : NULL;
 }
 
+bool eco_drawing_feature(const struct eco_drawing *d, uint32_t i, const struct eco_areas **areas, uint32_t *area,
+	const char **class, const struct eco_draw_spec **spec)
+{
+	if (!d || i >= d->count)
+		return false;
+	const struct drawn_file *file = &d->files[d->order[i].file];
+	*areas = &file->areas;
+	*area = d->order[i].area;
+	*class = ground_rows[file->items[*area].class].name;
+	*spec = file->spec;
+	return true;
+}
+
+bool eco_drawing_class(const struct eco_drawing *d, uint32_t i, const char **name, uint8_t rgb[3], uint64_t *features)
+{
+	struct drawn look;
+	if (!d || i >= CLASSES)
+		return false;
+	set_color(&look, i);
+	*name = ground_rows[i].name;
+	memcpy(rgb, look.rgb, sizeof look.rgb);
+	*features = 0;
+	for (uint32_t k = 0; k < d->count; k++)
+		*features += d->files[d->order[k].file].items[d->order[k].area].class == i;
+	return true;
+}
+
 /* ---- Water ---- */
 
 bool eco_drawing_has_water(const struct eco_drawing *d)

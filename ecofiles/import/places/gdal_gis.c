@@ -96,13 +96,13 @@ static enum eco_code raster_extent(const char *path, struct eco_raster_extent *e
 	return code;
 }
 
-enum field { SPECIES, PLANT, HEIGHT, CROWN, SOURCE_FILE, SOURCE_ROW, SOURCE_LINE, CLASS, FIELD_COUNT };
+enum field { SPECIES, PLANT, HEIGHT, CROWN, SOURCE_FILE, SOURCE_ROW, SOURCE_LINE, CLASS, OBJECT, FIELD_COUNT };
 
 static const struct { const char *name; OGRFieldType type; } fields[FIELD_COUNT] = {
 	[SPECIES] = { "species", OFTString }, [PLANT] = { "plant", OFTString },
 	[HEIGHT] = { "height_m", OFTReal }, [CROWN] = { "crown_m", OFTReal }, [SOURCE_FILE] = { "file", OFTString },
 	[SOURCE_ROW] = { "row", OFTInteger64 }, [SOURCE_LINE] = { "line", OFTInteger64 },
-	[CLASS] = { "class", OFTString } };
+	[CLASS] = { "class", OFTString }, [OBJECT] = { "object", OFTString } };
 
 static enum eco_code failed(const char *path, struct eco_error *error)
 {
@@ -110,10 +110,10 @@ static enum eco_code failed(const char *path, struct eco_error *error)
 }
 
 /* Classes come last, so that the others' numbers stay. */
-static bool add_fields(OGRLayerH layer, bool classes)
+static bool add_fields(OGRLayerH layer, const struct eco_point_table *table)
 {
 	bool good = true;
-	for (int i = 0; i < (classes ? FIELD_COUNT : CLASS) && good; i++) {
+	for (int i = 0; i < (table->shape_count ? FIELD_COUNT : table->has_classes ? OBJECT : CLASS) && good; i++) {
 		OGRFieldDefnH field = OGR_Fld_Create(fields[i].name, fields[i].type);
 		good = OGR_L_CreateField(layer, field, TRUE) == OGRERR_NONE;
 		OGR_Fld_Destroy(field);
@@ -166,19 +166,77 @@ static bool add_point(OGRLayerH layer, const struct eco_point *point, bool class
 	return good;
 }
 
+/* A ring, or a line, from edge `from` on; *end: behind its last edge. */
+static OGRGeometryH line_of(const struct eco_point_table *table, const struct eco_shape *s, uint32_t from, uint32_t most,
+	OGRwkbGeometryType type, uint32_t *end)
+{
+	OGRGeometryH line = OGR_G_CreateGeometry(type);
+	const double *e = s->ends + 4 * (size_t)from;
+	uint32_t i = from;
+	OGR_G_AddPoint_2D(line, table->origin[0] + e[0], table->origin[1] + e[1]);
+	do {
+		e = s->ends + 4 * (size_t)i;
+		OGR_G_AddPoint_2D(line, table->origin[0] + e[2], table->origin[1] + e[3]);
+	} while (++i < most && s->ends[4 * (size_t)i] == e[2] && s->ends[4 * (size_t)i + 1] == e[3] &&
+		(type == wkbLineString || e[2] != s->ends[4 * (size_t)from] || e[3] != s->ends[4 * (size_t)from + 1]));
+	*end = i;
+	return line;
+}
+
+/* Where GEOS knows no difference, as of rings that cross, the rings stand side by side. */
+static OGRGeometryH shape_of(const struct eco_point_table *table, const struct eco_shape *s)
+{
+	OGRGeometryH all = OGR_G_CreateGeometry(s->ring_edges ? wkbMultiPolygon : wkbMultiLineString), odd = NULL;
+	const bool rings = s->ring_edges > 0;
+	const uint32_t most = rings ? s->ring_edges : s->edge_count;
+	for (uint32_t i = 0; i < most;) {
+		OGRGeometryH part = line_of(table, s, i, most, rings ? wkbLinearRing : wkbLineString, &i);
+		if (rings) {
+			OGRGeometryH polygon = OGR_G_CreateGeometry(wkbPolygon);
+			OGR_G_AddGeometryDirectly(polygon, part);
+			part = polygon;
+		}
+		OGRGeometryH next = odd && rings ? OGR_G_SymDifference(odd, part) : NULL;
+		if (odd)
+			OGR_G_DestroyGeometry(odd);
+		odd = rings ? next ? next : OGR_G_GetGeometryCount(all) ? NULL : OGR_G_Clone(part) : NULL;
+		OGR_G_AddGeometryDirectly(all, part);
+	}
+	if (!odd)
+		return all;
+	OGR_G_DestroyGeometry(all);
+	return odd;
+}
+
+static bool add_shape(OGRLayerH layer, const struct eco_point_table *table, const struct eco_shape *s)
+{
+	OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
+	OGR_F_SetGeometryDirectly(feature, shape_of(table, s));
+	set_size(feature, HEIGHT, s->height_m);
+	set_text(feature, SOURCE_FILE, s->file);
+	set_text(feature, CLASS, s->class);
+	set_text(feature, OBJECT, s->object);
+	bool good = OGR_L_CreateFeature(layer, feature) == OGRERR_NONE;
+	OGR_F_Destroy(feature);
+	return good;
+}
+
 static enum eco_code fill(GDALDatasetH file, const struct eco_point_table *table, OGRSpatialReferenceH crs,
 	bool json, const char *path, struct eco_error *error)
 {
 	char **options = json ? CSLSetNameValue(NULL, "RFC7946", crs ? "YES" : "NO") : NULL;
-	OGRLayerH layer = GDALDatasetCreateLayer(file, table->name, crs, wkbPoint, options);
+	OGRLayerH layer = GDALDatasetCreateLayer(file, table->name, crs,
+		table->shape_count ? wkbUnknown : wkbPoint, options);
 	CSLDestroy(options);
-	bool good = layer && add_fields(layer, table->has_classes)
+	bool good = layer && add_fields(layer, table)
 		&& (json || GDALDatasetStartTransaction(file, FALSE) == OGRERR_NONE);
 	for (uint64_t i = 0; i < table->count && good; i++) {
 		struct eco_point point;
 		table->point(table->ctx, i, &point);
-		good = add_point(layer, &point, table->has_classes);
+		good = add_point(layer, &point, table->has_classes || table->shape_count);
 	}
+	for (uint64_t i = 0; i < table->shape_count && good; i++)
+		good = add_shape(layer, table, &table->shapes[i]);
 	good = good && (json || GDALDatasetCommitTransaction(file) == OGRERR_NONE);
 	return good ? ECO_OK : failed(path, error);
 }

@@ -35,6 +35,12 @@ struct eco_point {
 	uint64_t row, line;          /* of the file, from 1; 0: none */
 };
 
+struct eco_shape {               /* rings, by the even-odd rule, then lines; of a building or a class of the ground */
+	const double *ends; uint32_t ring_edges, edge_count; /* x0, y0, x1, y1 an edge, from `origin` of the table's */
+	const char *object, *class, *file;
+	double height_m;             /* 0: none */
+};
+
 struct eco_point_table {
 	const char *name;            /* of the layer */
 	const char *crs;             /* NULL: plain metres */
@@ -42,6 +48,9 @@ struct eco_point_table {
 	uint64_t count;
 	void (*point)(void *ctx, uint64_t index, struct eco_point *point);
 	void *ctx;
+	/* objects and ground beside the plants, which then have a column "object" */
+	const struct eco_shape *shapes; uint64_t shape_count;
+	double origin[2];
 };
 
 /* Whether a path's extension is that of such a table: .gpkg, .geojson. */
