@@ -30,7 +30,7 @@ static void make_model(void)
 		for (uint32_t i = 0; i < CORNERS; i++)
 			memcpy(e[i].b, e[(i + 1) % CORNERS].a, sizeof e[i].b);
 		buildings[h] =
-			(struct eco_building){ e, CORNERS, 0, 5 + h % 4, false, (enum eco_roof)(h % 3) };
+			(struct eco_building){ .edges = e, .edge_count = CORNERS, .height_m = 5 + h % 4, .roof = (enum eco_roof)(h % 3) };
 	}
 	eco_buildings_make(&model, buildings, HOUSES, (const double[]){ 0, 0, 0 }, &notes);
 }
@@ -141,7 +141,7 @@ UNIT_TEST(an_object_without_a_simpler_level_has_one)
 {
 	struct lod_plant_options options = { .name = "test", .seed = 1, .views = 3, .pixels = 64 };
 	const double corners[4][2] = { { 0, 0 }, { 10, 0 }, { 10, 8 }, { 0, 8 } };
-	struct eco_building box = { edges, 4, 0, 6, false, ECO_ROOF_FLAT };
+	struct eco_building box = { .edges = edges, .edge_count = 4, .height_m = 6 };
 	struct eco_buildings_notes notes = { 0 };
 	for (uint32_t i = 0; i < 4; i++) {
 		memcpy(edges[i].a, corners[i], sizeof *corners);

@@ -1,10 +1,12 @@
 /* The ground's image from the scene to pictures: where it is seen, by OpenGL and in software; on the map; in 3D Tiles. */
+#include <glob.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
+#include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/map.h"
@@ -167,6 +169,58 @@ UNIT_TEST(tiles_of_ground_carry_it)
 	free(png);
 }
 
+/* A house with a yard, a track and a pond: META, 3D Tiles and GeoJSON have them. */
+UNIT_TEST(exports_carry_buildings_and_classes_of_the_ground)
+{
+	struct eco_pack *pack;
+	size_t size, i, objects = 0;
+	glob_t contents;
+	json_t *feature;
+	make("house.json", "house.eco", 1, false);
+	assert_good(eco_pack_open(&pack, in_root("house.eco"), &cause));
+	assert_true(pack->scene.needs & ECO_NEED_WATER);
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL), *drawn = json_object_get(meta, "drawn");
+	assert_int_equal(json_array_size(drawn), 2);
+	for (i = 0; i < 2; i++) {
+		json_t *class = json_array_get(drawn, i);
+		assert_string_equal(json_string_value(json_object_get(class, "name")), i ? "track" : "water");
+		assert_int_equal(json_integer_value(json_object_get(class, "features")), 1);
+	}
+	json_decref(meta);
+	assert_good(export_tiles(pack, in_root("house"), false, &cause));
+	eco_pack_close(pack);
+	assert_int_equal(glob(in_root("house/tiles/*.gltf"), 0, NULL, &contents), 0);
+	for (i = 0; i < contents.gl_pathc; i++) {
+		FREED_MEMORY char *gltf = (char *)file_read(contents.gl_pathv[i], &size);
+		objects += memmem(gltf, size, "\"extras\":{\"object\":true}", 24) != NULL;
+	}
+	globfree(&contents);
+	assert_true(objects > 0);
+	char line[600];
+	struct eco_error error = { 0 };
+	snprintf(line, sizeof line, "%s", in_root("house.json"));
+	char *argv[] = { line, (char *)"-o", strdup(in_root("all.geojson")), (char *)"--quiet" };
+	assert_ok(main_command_map.run(4, argv, &error), error);
+	free(argv[2]);
+	json_t *all = json_load_file(in_root("all.geojson"), 0, NULL), *features = json_object_get(all, "features");
+	uint32_t seen[3] = { 0 };
+	assert_int_equal(json_array_size(features), 5);
+	json_array_foreach(features, i, feature) {
+		json_t *own = json_object_get(feature, "properties"), *shape = json_object_get(feature, "geometry");
+		const char *object = json_string_value(json_object_get(own, "object")), *class = json_string_value(json_object_get(own, "class"));
+		const char *type = json_string_value(json_object_get(shape, "type"));
+		seen[0] += !object && strcmp(type, "Point") == 0;
+		seen[1] += object && class && strcmp(object, "ground") == 0 && strstr(type, strcmp(class, "track") ? "Polygon" : "LineString");
+		if (object && strcmp(object, "building") == 0) {
+			seen[2]++;
+			assert_int_equal(json_array_size(json_object_get(shape, "coordinates")), 2);     /* with its yard */
+			assert_true(json_number_value(json_object_get(own, "height_m")) == 9);
+		}
+	}
+	assert_int_equal(seen[0] + 10 * seen[1] + 100 * seen[2], 122);
+	json_decref(all);
+}
+
 static int prepare(void **state)
 {
 	scratch_open("make_image");
@@ -185,6 +239,13 @@ static int prepare(void **state)
 	write_text("draw.json", "{\"name\": \"draw\", \"crs\": \"EPSG:32617\", \"origin\": [0, 0], \"ground\": {\"draw\": [{\"from\": \"draw.geojson\", "
 		"\"crs\": \"EPSG:32617\"}]}, \"plants\": {\"a\": "
 		"{\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [-400, -400]}, {\"plant\": \"a\", \"at\": [400, 400]}]}");
+	write_text("house.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {}, \"geometry\": "
+		"{\"type\": \"Polygon\", \"coordinates\": [[[0, 0], [30, 0], [30, 20], [0, 20], [0, 0]], [[10, 5], [20, 5], [20, 15], [10, 15], "
+		"[10, 5]]]}}]}");
+	write_text("house.json", "{\"name\": \"house\", \"crs\": \"EPSG:32617\", \"origin\": [0, 0], \"ground\": {\"draw\": [{\"from\": "
+		"\"draw.geojson\", \"crs\": \"EPSG:32617\"}]}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
+		"\"at\": [-400, -400]}, {\"plant\": \"a\", \"at\": [400, 400]}, {\"extrude\": \"house.geojson\", \"crs\": \"EPSG:32617\", "
+		"\"height_m\": 9}]}");
 	return 0;
 }
 
