@@ -173,7 +173,7 @@ LIGHT float water_of(vec3 image, float alpha)
 	return within(1.0f - 0.5f * abs(255.0f * alpha - ECO_GROUND_WATER)) * within(30.0f * (image.z - image.x));
 }
 
-/* What small waves show of sky and sun, by the angle of the look (Schlick 1994). */
+/* Small waves mirror sky and sun, by the angle of the look (Schlick 1994). */
 LIGHT vec3 water_color(sunlight s, ground_place at, vec3 lit, vec3 to, float water)
 {
 	float distance_m = length(to), wave = 0.05f;

@@ -46,7 +46,7 @@ static bool holds(const struct eco_building *b, const double at[2])
 	return in;
 }
 
-/* Where wall w lies along wall `on`, whose length it returns, in metres from its beginning; 0: not in its line. */
+/* Ends of wall w along wall `on`, whose length is returned, in metres from its beginning; 0: not in its line. */
 static double along(const struct wall *on, const struct wall *w, double at[2])
 {
 	double x = on->b[0] - on->a[0], y = on->b[1] - on->a[1], length = sqrt(x * x + y * y);

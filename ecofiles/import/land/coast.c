@@ -87,7 +87,7 @@ static void corner(const struct coast *c, unsigned i, double at[2])
 	at[1] = i % 4 == 0 || i % 4 == 3 ? c->low[1] : c->high[1];
 }
 
-/* Where the way from the middle through a place meets the box, and how far that is along its sides: 0 to 4. */
+/* The way from the middle through a place meets the box at `at`; how far that is along its sides: 0 to 4. */
 static double meet(const struct coast *c, const double from[2], double at[2])
 {
 	double way[2] = { from[0] - c->middle[0], from[1] - c->middle[1] }, half[2], least = INFINITY;

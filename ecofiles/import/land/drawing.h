@@ -56,7 +56,7 @@ const struct eco_ground_drawing *eco_drawing_ground(const struct eco_drawing *dr
 #define ECO_STILL_M 3.0
 void eco_drawing_level(const struct eco_drawing *drawing, struct eco_ground *ground, void (*say)(void *ctx, const char *text),
 	void *ctx);
-/* What is drawn, from the lowest to the topmost: an area of a file, and its class's name; false: there is no more. */
+/* Number i of all that is drawn, from the lowest to the topmost: an area of a file, its class's name; false: no more. */
 bool eco_drawing_feature(const struct eco_drawing *drawing, uint32_t i, const struct eco_areas **areas, uint32_t *area,
 	const char **class, const struct eco_draw_spec **spec);
 /* Class number i: its name, colour and the features of it that are drawn; false: there are no more. */

@@ -183,7 +183,7 @@ static OGRGeometryH line_of(const struct eco_point_table *table, const struct ec
 	return line;
 }
 
-/* Where GEOS knows no difference, as of rings that cross, the rings stand side by side. */
+/* Rings stand side by side if GEOS knows no difference, as of those that cross. */
 static OGRGeometryH shape_of(const struct eco_point_table *table, const struct eco_shape *s)
 {
 	OGRGeometryH all = OGR_G_CreateGeometry(s->ring_edges ? wkbMultiPolygon : wkbMultiLineString), odd = NULL;
