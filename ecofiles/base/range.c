@@ -38,6 +38,13 @@ void eco_range_read(struct eco_range *r, const uint8_t *bytes, size_t size)
 		r->code = r->code << 8 | next_byte(r);
 }
 
+static struct eco_writer counting;       /* nothing is ever written into it */
+
+void eco_range_count(struct eco_range *r)
+{
+	*r = (struct eco_range){ .writer = &counting, .range = UINT32_MAX };
+}
+
 /* A carry can turn bytes of 255 into 0, so they are only counted. Before the first byte there is nothing
  * to carry into. */
 static void shift_low(struct eco_range *r)
@@ -60,7 +67,9 @@ static inline void normalize(struct eco_range *r)
 {
 	while (__builtin_expect(r->range < TOP, 0)) {
 		r->range <<= 8;
-		if (r->writer)
+		if (r->writer == &counting)
+			r->size++;
+		else if (r->writer)
 			shift_low(r);
 		else
 			r->code = r->code << 8 | next_byte(r);
@@ -161,6 +170,35 @@ uint32_t eco_range_field(struct eco_range *r, struct eco_bit *models, unsigned m
 		| eco_range_raw(r, low, low < 32 ? value & (((uint64_t)1 << low) - 1) : value));
 }
 
+static inline void count_bytes(struct eco_range *r)
+{
+	for (; __builtin_expect(r->range < TOP, 0); r->range <<= 8)
+		r->size++;
+}
+
+void eco_range_fields(struct eco_range *ranges, uint32_t count, unsigned step, struct eco_bit *models, unsigned bits,
+	uint32_t value)
+{
+	uint32_t node = 1;
+	for (unsigned k = 0; k < bits && k < (count - 1) * step; k++) {
+		struct eco_bit *m = &models[node];
+		bool bit = value >> (bits - 1 - k) & 1;
+		for (uint32_t i = k / step + 1; i < count; i++) {
+			uint32_t bound = (ranges[i].range >> 16) * m->zero;
+			ranges[i].range = bit ? ranges[i].range - bound : bound;
+			count_bytes(&ranges[i]);
+		}
+		learn(m, bit);
+		node = node << 1 | bit;
+	}
+	for (uint32_t i = 0; i < count; i++)
+		for (unsigned k = i * step, take; k < bits; k += take) {
+			take = bits - k < 16 ? bits - k : 16;
+			ranges[i].range >>= take;
+			count_bytes(&ranges[i]);
+		}
+}
+
 int32_t eco_range_number(struct eco_range *r, struct eco_bit *models, int32_t value)
 {
 	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value,
@@ -225,6 +263,10 @@ uint32_t eco_range_end(struct eco_range *r)
 {
 	if (!r->writer)
 		return r->at < r->size ? UINT32_MAX : (uint32_t)(r->at - r->size);
+	if (r->writer == &counting) {
+		r->size += 4;            /* five, and the first holds none */
+		return 0;
+	}
 	/* of the numbers in [low, low + range), the one with the most zeros at its end */
 	uint64_t mask = UINT32_MAX;
 	uint32_t zeros = 0;

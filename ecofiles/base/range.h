@@ -38,6 +38,8 @@ static inline uint32_t eco_zigzag(uint32_t v) { return v << 1 ^ (0u - (v >> 31))
 static inline uint32_t eco_unzigzag(uint32_t v) { return v >> 1 ^ (0u - (v & 1)); }
 
 void eco_range_write(struct eco_range *range, struct eco_writer *writer);
+/* As writing, of which only the bytes are counted, in `size`. */
+void eco_range_count(struct eco_range *range);
 void eco_range_read(struct eco_range *range, const uint8_t *bytes, size_t size);
 /* Writing: writes the last bytes but for up to 255 zeros at the end, and returns how many zeros were left
  * off; see writer->failed. Reading: returns how many bytes beyond the end were read, which is the same
@@ -54,6 +56,10 @@ uint64_t eco_range_raw(struct eco_range *range, unsigned bits, uint64_t value);
 uint32_t eco_range_tree(struct eco_range *range, struct eco_bit *models, unsigned bits, uint32_t value);
 /* The first `modelled` of `bits` (0..32) bits as eco_range_tree, the others raw. */
 uint32_t eco_range_field(struct eco_range *range, struct eco_bit *models, unsigned modelled, unsigned bits,
+	uint32_t value);
+/* Writing that is counted: the value as that function, with 0, `step`, 2 `step`, ... (count - 1) `step` bits modelled, in
+ * `count` coders, whose models are the same. */
+void eco_range_fields(struct eco_range *ranges, uint32_t count, unsigned step, struct eco_bit *models, unsigned bits,
 	uint32_t value);
 /* A count of at most `most` in unary, each step with a model of its own, those from the last of `steps` models on
  * with that one. */

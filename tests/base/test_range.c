@@ -63,6 +63,40 @@ UNIT_TEST(what_is_written_is_read)
 }
 
 /* A run of ones that ends in a carry passes through bytes that were held back. */
+/* By 0, 2, ... 8 modelled bits at once, and by one coder. */
+UNIT_TEST(bytes_that_are_counted_are_those_that_are_written)
+{
+	for (uint32_t bits = 0; bits <= 32; bits++) {
+		struct eco_range all[5], r, one;
+		struct eco_bit shared[256], models[2][256];
+		for (uint32_t i = 0; i < 5; i++)
+			eco_range_count(&all[i]);
+		eco_bits_start(shared, 256);
+		for (uint32_t i = 0; i < 5; i++) {
+			struct eco_writer w = { 0 };
+			uint32_t state = 5;
+			eco_range_write(&r, &w);
+			eco_range_count(&one);
+			eco_bits_start(models[0], 256);
+			eco_bits_start(models[1], 256);
+			for (uint32_t k = 0; k < 200; k++) {
+				uint32_t value = (uint32_t)((uint64_t)(next(&state) & next(&state)) << 8 >> (32 - bits));
+				eco_range_field(&r, models[0], 2 * i, bits, value);
+				eco_range_field(&one, models[1], 2 * i, bits, value);
+				if (i == 0)
+					eco_range_fields(all, 5, 2, shared, bits, value);
+			}
+			size_t size = eco_range_end(&r) + w.size;
+			eco_range_end(&one);
+			eco_range_end(&all[i]);
+			assert_int_equal(one.size, size);
+			if (2 * i < bits + 2)
+				assert_int_equal(all[i].size, size);
+			eco_writer_free(&w);
+		}
+	}
+}
+
 UNIT_TEST(carries_go_through)
 {
 	for (uint32_t seed = 0; seed < 3000; seed++) {

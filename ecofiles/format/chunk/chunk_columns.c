@@ -121,7 +121,8 @@ static uint32_t code_value(struct eco_range *r, struct learnt *l, const struct h
 	}
 }
 
-static bool code_component(struct eco_range *r, const struct columns *columns, uint32_t index, struct head *h)
+/* Counting ends where bytes would be `most` or more. */
+static bool code_component(struct eco_range *r, const struct columns *columns, uint32_t index, struct head *h, size_t most)
 {
 	const struct component *c = &columns->items[index];
 	struct learnt l;
@@ -136,7 +137,7 @@ static bool code_component(struct eco_range *r, const struct columns *columns, u
 	l.recent_count = 0;
 	if (steps)
 		c->values[0] = (int32_t)h->first;
-	for (uint32_t i = steps; i < c->rows; i++) {
+	for (uint32_t i = steps; i < c->rows && (!r->writer || r->size < most); i++) {
 		int32_t *at = &c->values[(size_t)i * c->apart];
 		before = code_value(r, &l, h, before, &given->values[(size_t)i * given->apart],
 			(uint32_t)*at);
@@ -184,18 +185,35 @@ static struct head head_of(const struct component *c, bool difference)
 /* The way that takes fewest bytes so far. Coding leaves the values as they are, so all can be tried. */
 struct choice { struct head best; size_t least; };
 
+static void take_smaller(struct choice *choice, struct head h, struct eco_range *range)
+{
+	eco_range_end(range);
+	if (range->size < choice->least)
+		*choice = (struct choice){ h, range->size };
+}
+
 static void try_way(struct choice *choice, const struct columns *columns, uint32_t index, struct head h)
 {
-	struct eco_writer w = { 0 };
 	struct eco_range range;
-	eco_range_write(&range, &w);
-	code_component(&range, columns, index, &h);
-	size_t zeros = eco_range_end(&range), size = w.size + zeros;
-	if (w.failed)
-		eco_end("no memory");
-	eco_writer_free(&w);
-	if (size < choice->least)
-		*choice = (struct choice){ h, size };
+	eco_range_count(&range);
+	code_component(&range, columns, index, &h, choice->least);
+	take_smaller(choice, h, &range);
+}
+
+/* Counts a field for all numbers of modelled bits at once: their models learn the same. */
+static void count_fields(struct eco_range ranges[MODELLED_STEPS], const struct columns *columns, uint32_t index, struct head h)
+{
+	const struct component *c = &columns->items[index];
+	struct eco_bit models[MODELS];
+	bool difference = h.way == DIFFERENCES;
+	for (uint32_t i = 0; i < MODELLED_STEPS; i++) {
+		h.modelled = i * MODELLED_STEP;
+		eco_range_count(&ranges[i]);
+		code_head(&ranges[i], index, &h);
+	}
+	eco_bits_start(models, MODELS);
+	for (uint32_t i = difference; i < c->rows; i++)
+		eco_range_fields(ranges, MODELLED_STEPS, MODELLED_STEP, models, h.bits, (value_at(c, i, difference) - h.low) >> h.shift);
 }
 
 /* Other components: those of one value a row. Of values of many bits, models would learn nothing. */
@@ -213,12 +231,15 @@ static struct head smallest_head(const struct columns *columns, uint32_t index)
 	const struct component *c = &columns->items[index];
 	struct head values = head_of(c, false), differences = head_of(c, true), h;
 	struct choice choice = { values, SIZE_MAX };
-	for (uint32_t modelled = 0; modelled <= MODELLED_MOST; modelled += MODELLED_STEP) {
-		values.modelled = differences.modelled = modelled;
-		if (modelled < values.bits + MODELLED_STEP)
-			try_way(&choice, columns, index, values);
-		if (modelled < differences.bits + MODELLED_STEP)
-			try_way(&choice, columns, index, differences);
+	struct eco_range of_values[MODELLED_STEPS], of_differences[MODELLED_STEPS];
+	count_fields(of_values, columns, index, values);
+	count_fields(of_differences, columns, index, differences);
+	for (uint32_t i = 0; i < MODELLED_STEPS; i++) {
+		values.modelled = differences.modelled = i * MODELLED_STEP;
+		if (values.modelled < values.bits + MODELLED_STEP)
+			take_smaller(&choice, values, &of_values[i]);
+		if (differences.modelled < differences.bits + MODELLED_STEP)
+			take_smaller(&choice, differences, &of_differences[i]);
 	}
 	h = values;
 	h.way = RECENT;
@@ -410,7 +431,7 @@ static bool code_columns(struct columns *columns, struct eco_chunk_rows *rows)
 		struct head h = { .way = VALUES };
 		if (columns->range.writer)
 			h = smallest_head(columns, i);
-		good = code_component(&columns->range, columns, i, &h);
+		good = code_component(&columns->range, columns, i, &h, SIZE_MAX);
 	}
 	return good;
 }
