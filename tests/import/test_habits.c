@@ -447,49 +447,4 @@ UNIT_TEST(what_is_no_plant_is_an_error)
 	assert_code(eco_library_make(&model, &plant, &cause), ECO_BAD_INPUT, "season");
 }
 
-/* ---- Tables ---- */
-
-/* Each column has a comment line, each row all fields; names of other tables are there; colours are colours. */
-UNIT_TEST(tables_are_whole)
-{
-	static const char *const tables[] = { "habits", "looks", "leaves" };
-	for (size_t k = 0; k < 3; k++) {
-		char path[100], *text = NULL, *names[64], *save = NULL;
-		size_t size = 0, count = 0, rows = 0;
-		snprintf(path, sizeof path, "ecofiles/generate/words/%s.tsv", tables[k]);
-		FILE *in = fopen(path, "r");
-		assert_non_null(in);
-		char comments[8192] = "";
-		while (getline(&text, &size, in) > 0) {
-			text[strcspn(text, "\n")] = 0;
-			if (text[0] == '#') {
-				snprintf(comments + strlen(comments), sizeof comments - strlen(comments),
-					"%s\n", text);
-				continue;
-			}
-			size_t fields = 1;
-			for (const char *c = text; *c; c++)
-				fields += *c == '\t';
-			if (count == 0)
-				for (char *name = strtok_r(text, "\t", &save); name;
-					name = strtok_r(NULL, "\t", &save)) {
-					names[count++] = eco_copy_text(name);
-					if (!strstr(comments, name))
-						fail_msg("%s: no comment says what %s is", path, name);
-				}
-			else if (fields != count)
-				fail_msg("%s: %zu fields, not %zu: %s", path, fields, count, text);
-			for (char *c = text; rows > 0 && (c = strchr(c, '#')); c++)
-				if (strspn(c + 1, "0123456789abcdef") != 6)
-					fail_msg("%s: no colour: %s", path, c);
-			rows++;
-		}
-		assert_true(rows > 6);
-		for (size_t i = 0; i < count; i++)
-			free(names[i]);
-		free(text);
-		fclose(in);
-	}
-}
-
 UNIT_MAIN(NULL, NULL)

@@ -7,6 +7,7 @@
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
+#include "ecofiles/generate/library.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/inventory_text.h"
@@ -18,13 +19,13 @@
 
 /* ---- Tables of words: each column is described, each row is whole, no word stands twice ---- */
 
-#define FIELDS_MAX 8
+#define FIELDS_MAX 64
 #define say(t, format, ...) fail_msg("%s:%u: " format, (t)->path, (t)->line, ##__VA_ARGS__)
 
 struct table {
 	const char *path;
 	unsigned line, rows, columns;
-	char comments[4096], names[512], *name[FIELDS_MAX], first[ECO_WORDS_BYTES];
+	char comments[8192], names[512], *name[FIELDS_MAX], first[ECO_WORDS_BYTES];
 	char **seen; uint32_t seen_count, seen_capacity;     /* "key\tword" */
 };
 
@@ -116,7 +117,13 @@ static void check_field(struct table *t, const char *name, char *text, const cha
 	if (strcmp(name, "form") == 0 && !is_one_of(text, eco_form_names + 1, ECO_FORM_COUNT - 1)
 			&& !(strcmp(text, "-") == 0 && strstr(t->path, "growth.tsv")))
 		say(t, "no form is \"%s\"", text);
-	if (strcmp(name, "leaf") == 0 && !is_one_of(text, (const char *const[]){ "evergreen", "deciduous", "-" }, 3))
+	if (text[0] == '#' && (strlen(text) != 7 || strspn(text + 1, "0123456789abcdef") != 6))
+		say(t, "no colour is \"%s\"", text);
+	if (strcmp(name, "like") == 0 && !is_one_of(text, eco_form_names, ECO_FORM_COUNT))
+		say(t, "no form is \"%s\"", text);
+	if ((strcmp(name, "habit") == 0 || strcmp(name, "grown") == 0) && strcmp(text, "-") != 0 && !(eco_library_height(text) > 0))
+		say(t, "no habit of habits.tsv is \"%s\"", text);
+	if (strcmp(name, "leaf") == 0 && !strstr(t->path, "generate") && !is_one_of(text, (const char *const[]){ "evergreen", "deciduous", "-" }, 3))
 		say(t, "no leaf is \"%s\"", text);
 	if (strcmp(name, "where") == 0 && !is_one_of(text, (const char *const[]){ "all", "always", "whole", "alone", "america",
 			"europe", "africa", "asia", "oceania", "for people" }, 9) && !strstr(t->path, "grids.tsv"))
@@ -202,7 +209,8 @@ UNIT_TEST(tables_of_words_are_whole)
 {
 	glob_t found;
 	assert_int_equal(glob("ecofiles/import/*/words/*.tsv", 0, NULL, &found), 0);
-	assert_true(found.gl_pathc >= 13);
+	assert_int_equal(glob("ecofiles/generate/words/*.tsv", GLOB_APPEND, NULL, &found), 0);
+	assert_true(found.gl_pathc >= 16);
 	for (size_t i = 0; i < found.gl_pathc; i++) {
 		size_t size;
 		uint8_t *bytes = file_read(found.gl_pathv[i], &size);
