@@ -276,8 +276,10 @@ static double color_of(const struct lod_planner *p)
 		if (entry->slot == ECO_NONE || !(entry->wrong > 0))
 			continue;
 		struct eco_seen seen = lod_planner_curve(p, entry, entry->vertices).seen;
-		double all = lod_seen_worth(&seen, entry->size);
-		sum -= all > 0 ? entry->wrong * (1 - ECO_SEEN_UNIT * LOD_SEEN_COLOR * seen.color[entry->size][1] / all) : 0;
+		double all = lod_seen_worth(&seen, entry->size),
+			color = ECO_SEEN_UNIT * LOD_SEEN_COLOR * seen.color[entry->size][1];
+		all *= entry->vertices == 1 && entry->impostor != ECO_NONE ? LOD_IMPOSTOR_WRONG : 1;
+		sum -= all > 0 ? entry->wrong * (1 - color / all) : 0;
 	}
 	return sum;
 }

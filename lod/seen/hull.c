@@ -121,8 +121,14 @@ struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vert
 	uint32_t impostor)
 {
 	uint32_t levels = lod_hull_impostor_levels(way);
-	if (vertices == 1 && impostor < levels)
-		return measured(way, (impostor + 1.0) / levels / (double)way->full, 1, size);
+	if (vertices == 1 && impostor < levels) {
+		struct lod_hull_point point = measured(way, (impostor + 1.0) / levels / (double)way->full, 1, size);
+		for (uint32_t i = 0; i < ECO_SEEN_SIZES; i++)
+			point.seen[i] = (struct lod_seen_error){ (float)LOD_IMPOSTOR_WRONG * point.seen[i].alike,
+				(float)LOD_IMPOSTOR_WRONG * point.seen[i].open };
+		lod_hull_set_size(&point, size);
+		return point;
+	}
 	const struct eco_ladder *ladder = way->ladder;
 	const struct eco_plant *plant = &way->scene->plants[ladder->plant];
 	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first

@@ -55,6 +55,8 @@
 #define LOD_TEXEL_COST_OCTAVES 3.0  /* octaves beyond a pixel that count */
 #define LOD_OUTLINE_LOSS_MAX 0.4  /* share of an outline's opaque texels */
 #define LOD_OUTLINE_WRONG 0.5  /* leaves behind a leaf hide half of what it has wrong */
+#define LOD_IMPOSTOR_WRONG 1.5  /* what is wrong with an impostor, over what its curve says: curves are measured
+				* without sun, whose light and shade are smooth on it */
 #define LOD_IMPOSTOR_SIZE 1u  /* of eco_seen: what most plants are that an impostor shows */
 #define LOD_IMPOSTOR_WORTH 0.1  /* pixels that a byte of a level must set right */
 #define LOD_IMPOSTOR_WORTH_LAST 0.15  /* the same of the last level */

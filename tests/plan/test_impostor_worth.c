@@ -74,6 +74,11 @@ static void check_slots(const struct lod_allocation *m)
 		assert_true(level < use->levels && level <= level_of(levels, pixels));
 		assert_true(!level || pixels > use->from_px[level]);
 		assert_true(level + 1 == use->levels || pixels <= use->from_px[level + 1]);
+		const struct lod_way *way = lod_planner_way(m->p, choice->ladder);
+		struct lod_hull_point one = lod_hull_point_at(way, 1, 0, level);
+		struct eco_curve curve = lod_ladder_curve(&scene.scene, way->ladder, (level + 1.0) / levels / (double)way->full);
+		double says = lod_seen_worth(&curve.seen, 0);
+		assert_true(says > 0 && fabs(one.alike + one.open - LOD_IMPOSTOR_WRONG * says) <= 1e-5 * says);
 	}
 }
 
