@@ -50,6 +50,12 @@ static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladde
 	return cost;
 }
 
+/* Are a far plant's organs all that there is of it? Of a plant with cells they are coarse. */
+static bool is_whole_detail(const struct lod_allocation *m, const struct lod_slot *slot)
+{
+	return slot->band < m->gates_counted[slot->plant] || m->p->scene->plants[slot->plant].anchor_count < 2;
+}
+
 /* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. Both are
  * nearly right, so a tie is measured by what differs between them, not by all that they save
  * (lod/EXPERIMENTS.md, Ties of splats). */
@@ -59,7 +65,7 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 	uint32_t slot = (uint32_t)(choice - m->slot_choices);
 	if (lod_prices_organs_off(m, m->p->visible.slots[slot].plant))
 		return 1;
-	if (m->lambda <= 0)
+	if (m->lambda <= 0 && is_whole_detail(m, &m->p->visible.slots[slot]))
 		return 0;
 	double spent = m->lambda * (organs->vertices - whole->vertices),
 		gain = lagrangian(m, whole, choice->open) - lagrangian(m, organs, choice->open);

@@ -161,8 +161,8 @@
 #define LOD_SLOT_CHOICES 3  /* work of a plan, over that of one pass over all choices: these are how many of a
 				* slot, usually */
 #define LOD_FINER_WORK 4  /* of a finer level, over that of a level */
-#define LOD_PASSES_VERTICES 96  /* over all choices, in a plan for vertices */
-#define LOD_PASSES_BYTES 200  /* the same within bytes */
+#define LOD_PASSES_VERTICES 74  /* over all choices, in a plan for vertices */
+#define LOD_PASSES_BYTES 172  /* the same within bytes */
 #define LOD_PASSES_EVERYTHING 8  /* no search: the ends of the grid, what they predict, and the fill */
 #define LOD_NODE_BYTES 2  /* times that a tile is passed in each of these */
 #define LOD_HIDDEN_MOST 0.05  /* of what a picture has */
