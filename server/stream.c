@@ -106,6 +106,7 @@ static enum eco_code plan_answer(struct srv_stream *stream, struct srv_step *ste
 	const struct lod_planner_input planner = { .scene = &input->scene->pack->scene,
 		.tables = input->scene->tables, .request = input->request, .holdings = input->holdings,
 		.rule = input->rule, .ignore_occlusion = input->ignore_occlusion, .work_max = input->work_max,
+		.level_work = input->level_work,
 		.places = input->places, .cancelled = input->cancelled, .stats = &stats, .sent = true, .coarser = input->single ? NULL : &coarser,
 		.explanation = input->explain ? &step->why : NULL, .wanted = &stream->wanted };
 	enum eco_code code = lod_plan(&step->plan, &planner, error);

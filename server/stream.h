@@ -47,7 +47,7 @@ struct srv_stream_input {
 	uint64_t body_max;                           /* bytes; beyond it ECO_TOO_LARGE; 0: 2 GiB */
 	lod_rule *rule;                              /* NULL: the optimiser */
 	bool ignore_occlusion;                       /* as struct lod_planner_input */
-	uint64_t work_max;                           /* of all its plans, as struct lod_planner_input */
+	uint64_t work_max, level_work;               /* of all its plans, as struct lod_planner_input */
 	bool explain;                                /* the answer says why it is as it is */
 	bool single;                                 /* one step, without coarser answers before it */
 	uint8_t *places;                             /* as struct lod_planner_input */

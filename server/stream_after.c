@@ -55,6 +55,7 @@ static enum eco_code plan_rest(struct srv_stream *stream, struct srv_stream *fir
 	struct srv_stream rest;
 	input.request = &request;
 	input.holdings = &picture->needs;
+	input.level_work = input.work_max;
 	input.work_max = input.work_max ? srv_work_left(stream) + 1 : 0;
 	request.bytes -= picture->end_bytes;
 	enum eco_code code = srv_stream_plan(&rest, &input, error);
@@ -77,6 +78,7 @@ enum eco_code srv_plan_first(struct srv_stream *stream, struct eco_error *error)
 	input.request = &request;
 	input.explain = false;
 	input.single = true;
+	input.level_work = input.work_max;
 	input.work_max = input.work_max ? input.work_max / FIRST_PART + 1 : 0;
 	request.bytes = SRV_FIRST_BYTES;
 	request.next.given = false;

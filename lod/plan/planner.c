@@ -20,7 +20,8 @@ enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_
 	struct eco_error *error)
 {
 	const struct eco_scene *scene = input->scene;
-	*p = (struct lod_planner){ .input = input, .scene = scene, .work_most = input->work_max };
+	*p = (struct lod_planner){ .input = input, .scene = scene, .work_most = input->work_max,
+		.level_work = input->level_work ? input->level_work : input->work_max };
 	p->ground_px = input->request->ground_px > 0 ? input->request->ground_px : ECO_GROUND_PX;
 	p->gates = calloc(scene->plant_count + 1, sizeof *p->gates);
 	p->tables = input->tables;

@@ -76,6 +76,8 @@ struct lod_planner_input {
 	 * within bytes a plan takes at most some five times the work of the plan for the vertices alone. A rule that
 	 * knows no bytes is asked for several plans within them, each with an eighth of the work. */
 	uint64_t work_max;
+	uint64_t level_work;                         /* the same for the level alone, so that plans of one
+	                                              * request that share work have one; 0: work_max */
 	const atomic_bool *cancelled;                /* ends the plan: ECO_INTERRUPTED; may be NULL */
 	/* enum lod_places per group; NULL: all are known. A plan that would look at missing ones marks them as
 	 * wanted and ends with ECO_INTERRUPTED. Made again once they are known, it is the plan of the whole scene */

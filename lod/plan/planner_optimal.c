@@ -346,27 +346,27 @@ static uint64_t expected_work(const struct lod_planner *p)
 /* Is the plan of this level, or of one so many times as large, expected to take no more work than it may? */
 static bool is_affordable(const struct lod_planner *p, uint64_t times)
 {
-	return !p->input->work_max || expected_work(p) < p->input->work_max / times;
+	return !p->level_work || expected_work(p) < p->level_work / times;
 }
 
 /* Plants that a walk may look at: it may have been in vain. */
 static uint64_t places_most(const struct lod_planner *p)
 {
-	uint64_t most = p->input->work_max / LOD_PLACES_WALKS / LOD_WORK_PLACE;
-	return !p->input->work_max || most > LOD_PLACES_MOST ? LOD_PLACES_MOST : most + 1;
+	uint64_t most = p->level_work / LOD_PLACES_WALKS / LOD_WORK_PLACE;
+	return !p->level_work || most > LOD_PLACES_MOST ? LOD_PLACES_MOST : most + 1;
 }
 
 /* Cells that the plants of a level may have, if all draw theirs. */
 static uint64_t cells_most(const struct lod_planner *p)
 {
-	return p->input->work_max / LOD_CELLS_WORK * LOD_PASSES_VERTICES / passes(p);
+	return p->level_work / LOD_CELLS_WORK * LOD_PASSES_VERTICES / passes(p);
 }
 
 /* Tiles that a plan of any level may have, whatever else is in view. */
 static uint64_t nodes_most(const struct lod_planner *p)
 {
-	uint64_t most = p->input->work_max / work_of_node(p);
-	return p->input->work_max && most < p->visible.nodes_max ? most + 1 : p->visible.nodes_max;
+	uint64_t most = p->level_work / work_of_node(p);
+	return p->level_work && most < p->visible.nodes_max ? most + 1 : p->visible.nodes_max;
 }
 
 /* Bounds of a level that no coarser one follows: what a view must open below a tile that is open
@@ -390,10 +390,10 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 		bool bound = *level > LOD_COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
 		p->visible.places_max = bound ? places_most(p) : 0;
 		p->visible.nodes_max = bound ? nodes_most(p) : nodes_max;
-		if (!bound && p->input->work_max)
+		if (!bound && p->level_work)
 			bound_last(p, nodes_max);
-		p->visible.places_few = bound || !p->input->work_max ? 0 : places_most(p);
-		p->visible.nodes_few = bound || !p->input->work_max ? 0 : nodes_most(p);
+		p->visible.places_few = bound || !p->level_work ? 0 : places_most(p);
+		p->visible.nodes_few = bound || !p->level_work ? 0 : nodes_most(p);
 		p->visible.cells_max = *level > 0 ? cells_most(p) : 0;
 		enum eco_code code = open_level(p, *level, &local);
 		p->visible.nodes_max = nodes_max;

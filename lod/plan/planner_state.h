@@ -51,6 +51,7 @@ struct lod_planner {
 	uint64_t work;               /* as in lod_planner_stats, without ... */
 	uint64_t beside;             /* ... that of explanations and of counting bytes, which changes no plan */
 	bool hidden;                 /* this level hides plants: the next may take what one without bytes may */
+	uint64_t level_work;         /* the input's, or its work_max; 0: any */
 	uint64_t work_most;          /* that the plan may take: the input's, less within bytes; 0: any */
 	uint64_t bytes;              /* as in lod_planner_stats */
 	uint32_t sized;
