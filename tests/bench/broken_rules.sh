@@ -21,8 +21,26 @@ Deussen: lines whatever the distance @ s,return width / (r \* d),return width / 
 @ test_importance lod/plan/planner_deussen.c
 Deussen: importance is 1 @ s,double importance = .*,double importance = 1;,
 @ test_byte_budget lod/plan/byte_kinds.c
-kinds: none share bytes @ s,if (now <= target && worth < best->worth,if (now < 0 \&\& worth < best->worth,
-kinds: a mix beyond the bytes @ s,if (now <= target && worth,if (now <= 2 * target \&\& worth,
+plan: kinds share no bytes @ s,if (bytes >= LOD_KIND_ENOUGH \* target),if (bytes >= 0 * target),
+@ test_byte_budget lod/plan/price_search.c
+plan: a price whose bytes are half of those that fit @ s,if (now > target),if (2 * now > target),
+@ test_byte_budget lod/plan/byte_price.c
+plan: organs are never judged @ s,prices->organs_off\[i\] = true,prices->organs_off[i] = false,
+plan: bytes of lists cost nothing @ s,double net = sum - m->price,double net = sum - 0 * m->price,
+@ test_planner lod/plan/fill_budget.c
+plan: half of the rest of a budget is left @ s,while (count && left),while (count \&\& left > (budget - fill->vertices) / 2),
+@ test_planner lod/plan/planner_optimal.c
+plan: the lambda of half the budget @ s,if (next.vertices <= (double)budget),budget /= 2; if (next.vertices <= (double)budget),
+@ test_steadiness lod/plan/allocation.c
+plan: tiles and gates switch at once @ s,if (m->few_plants || !(width > 0)),if (width >= 0),
+@ test_image_choice lod/plan/image_choice.c
+plan: bytes of the ground's image cost nothing @ s,+ price \* missing_bytes,+ 0 * price * missing_bytes,
+@ test_best lod/plan/knapsack.c
+plan: the last option that fits, not the best @ s,if (wrong < to\[b\]),if (wrong < INFINITY),
+@ test_visibility lod/seen/visibility.c
+plan: crowns take no light @ s,row\[c\] \*= 1 - taken;,row[c] *= 1;,
+@ test_summary_hull lod/seen/summary_hull.c
+plan: a summary is drawn with all its area @ s,s >= LOD_SUMMARY_SCALE_LEAST; s /= 2,s >= 1; s /= 2,
 @ test_best lod/plan/fill_few.c
 few plants: no ladder for the whole plant @ s,for (uint32_t k = 0\, id = s->ladder_choice_first,for (uint32_t k = s->whole_count\, id = s->ladder_choice_first,
 few plants: hull points alone @ s,if (k + 1 < hull->count),if (k + 1 < hull->count \&\& k > hull->count),
