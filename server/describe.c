@@ -3,8 +3,6 @@
 #include <jansson.h>
 
 #include "ecofiles/format/ground_tile.h"
-#include "ecofiles/format/inventory.h"
-#include "ecofiles/format/legend.h"
 #include "ecofiles/format/wire.h"
 #include "lod/eye.h"
 
@@ -32,6 +30,14 @@ static uint64_t instances_of(const struct eco_scene *scene)
 	return scene->tile_count ? scene->tiles[scene->root].instance_count : 0;
 }
 
+/* The season of all plants of the library, if `ecopack make --season` named one. */
+static void describe_season(struct srv_json *json, const json_t *meta)
+{
+	const char *season = json_string_value(json_object_get(meta, "season"));
+	if (season)
+		srv_json_add(json, "season:%s", season);
+}
+
 void srv_describe_scenes(struct srv_json *json, const struct srv_store *store,
 	bool (*may_see)(const struct srv_scene *scene, const void *ctx), const void *ctx)
 {
@@ -42,8 +48,10 @@ void srv_describe_scenes(struct srv_json *json, const struct srv_store *store,
 		if (may_see && !may_see(scene, ctx))
 			continue;
 		snprintf(url, sizeof url, "/v1/scenes/%s", scene->name);
-		srv_json_add(json, "{name:%s id:%s instances:%lu href:%s}", scene->name, pack_id(scene).hex,
-			instances_of(&scene->pack->scene), url);
+		srv_json_add(json, "{name:%s title:%s id:%s instances:%lu href:%s", scene->name, scene->pack->scene.name,
+			pack_id(scene).hex, instances_of(&scene->pack->scene), url);
+		describe_season(json, scene->meta);
+		srv_json_add(json, "}");
 	}
 	srv_json_add(json, "]}");
 }
@@ -64,7 +72,8 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 {
 	static const char *const links[][2] = { { "self:%s", "" }, { "plan:%s", "/plan" VIEW_PARAMETERS },
 		{ "stream:%s", "/stream" VIEW_PARAMETERS }, { "chunk:%s", "/chunks/{id}" },
-		{ "plants:%s", "/plants/{list}{?first,count,pack}" }, { "species:%s", "/species" } };
+		{ "plants:%s", "/plants/{list}{?first,count,pack}" }, { "find:%s", "/find{?text,first,count,pack}" },
+		{ "species:%s", "/species" } };
 	char url[SRV_NAME_BYTES + sizeof VIEW_PARAMETERS + 24];
 	srv_json_add(json, "links:{");
 	for (size_t i = 0; i < sizeof links / sizeof *links; i++) {
@@ -137,6 +146,18 @@ static void describe_drawn(struct srv_json *json, const json_t *drawn)
 	srv_json_add(json, "]");
 }
 
+static void describe_columns(struct srv_json *json, const json_t *meta)
+{
+	const json_t *columns = json_object_get(meta, "columns"), *name;
+	size_t i;
+	if (!json_array_size(columns))
+		return;
+	srv_json_add(json, "columns:[");
+	json_array_foreach(columns, i, name)
+		srv_json_add(json, "%s", json_string_value(name));
+	srv_json_add(json, "]");
+}
+
 static void describe_box(struct srv_json *json, const double *low, const double *high)
 {
 	srv_json_add(json, "{low:[%g %g %g] high:[%g %g %g]}", low[0], low[1], low[2], high[0], high[1], high[2]);
@@ -167,71 +188,14 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, co
 	if (tables->needs & ECO_NEED_TINTS)
 		describe_tints(json, scene->meta);
 	describe_drawn(json, json_object_get(scene->meta, "drawn"));
+	describe_columns(json, scene->meta);
+	describe_season(json, scene->meta);
 	srv_json_add(json, "cap_vertices:%lx cap_bytes:%lx", most->vertices, most->bytes);
 	describe_links(json, scene);
 	srv_json_add(json, "}");
 }
 
-/* ---- Inventory rows and species ---- */
-
-uint32_t srv_plants_list(const struct srv_scene *scene, const char *text)
-{
-	const struct eco_scene *tables = &scene->pack->scene;
-	uint64_t list;
-	return srv_parse_count(text, &list) && list < tables->list_count &&
-			tables->lists[list].kind == ECO_LIST_INSTANCES
-		? (uint32_t)list
-		: ECO_NONE;
-}
-
-static void describe_row(struct srv_json *json, const char *plant, const char *class,
-	const struct eco_inventory_row *row)
-{
-	srv_json_add(json, "{species:%s plant:%s", eco_inventory_species(row, plant), plant);
-	if (class)
-		srv_json_add(json, "class:%s", class);
-	if (row->file)
-		srv_json_add(json, "file:%s row:%u", row->file, row->row);
-	if (row->file && row->line)
-		srv_json_add(json, "line:%u", row->line);
-	srv_json_add(json, "}");
-}
-
-/* Plants [first, end) of the list whose groups begin at `group`. */
-static enum eco_code describe_rows(struct srv_json *json, const struct srv_scene *scene,
-	const struct eco_group *group, uint32_t first, uint32_t end, struct eco_error *error)
-{
-	const struct eco_pack *pack = scene->pack;
-	struct eco_inventory_block block = { 0 };
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = first; i < end && !code; i++) {
-		while (i >= group->first + group->count)
-			group++;
-		uint64_t place = group->place_first + (i - group->first);
-		const struct eco_inventory_row *row;
-		code = eco_inventory_at(&block, pack, place, &row, error);
-		if (!code)
-			describe_row(json, pack->scene.plants[group->plant].name,
-				eco_legend_class(scene->meta, &pack->scene, group->list, place), row);
-	}
-	eco_inventory_free(&block);
-	return code;
-}
-
-enum eco_code srv_describe_plants(struct srv_json *json, const struct srv_scene *scene, uint32_t list,
-	const struct srv_plants_query *query, struct eco_error *error)
-{
-	const struct eco_pack *pack = scene->pack;
-	uint32_t all = pack->scene.lists[list].primitive_count, first = (uint32_t)query->first;
-	if (query->first >= all)
-		return eco_fail(error, ECO_BAD_INPUT,
-			"parameter 'first': list %u has %u plants, the first is 0", list, all);
-	uint32_t end = all - first < query->count ? all : first + (uint32_t)query->count;
-	srv_json_add(json, "{pack:%s list:%u first:%u of:%u plants:[", pack_id(scene).hex, list, first, all);
-	enum eco_code code = describe_rows(json, scene, eco_list_groups(&pack->scene, list), first, end, error);
-	srv_json_add(json, "]}");
-	return code;
-}
+/* ---- Species ---- */
 
 static void describe_species(struct srv_json *json, const char *species, json_int_t plants)
 {

@@ -15,7 +15,7 @@
 
 static const char known_resources[] =
 	"known are /, /healthz, /readyz, /metrics, /v1/scenes, and below a scene "
-	"plan, stream, species, chunks/{id} and plants/{list}";
+	"plan, stream, species, find, chunks/{id} and plants/{list}";
 static const char bodies_are_many[] = "too many holdings are being received; ask again in a second";
 
 /* A page takes no parameters: its path alone is read, and what others append to a link to it is ignored. */

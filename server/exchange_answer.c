@@ -54,15 +54,17 @@ static bool is_another_pack(const struct srv_exchange *exchange, const struct sr
 	return named->given && memcmp(&named->id, pack, sizeof *pack) != 0;
 }
 
-/* An error after a part was written replaces that part. */
-static void answer_plants(struct srv_exchange *exchange)
+/* An error after a part was written replaces that part. `found`: plants that are looked for, else those of a list. */
+static void answer_plants(struct srv_exchange *exchange, bool found)
 {
 	struct srv_plants_query query;
+	struct srv_find_query find;
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
-	uint32_t list = srv_plants_list(exchange->scene, exchange->variables[1]);
-	enum eco_code code = srv_plants_query_parse(&query, &exchange->target, &error);
-	if (!code && is_another_pack(exchange, &query.pack)) {
+	uint32_t list = found ? 0 : srv_plants_list(exchange->scene, exchange->variables[1]);
+	enum eco_code code = found ? srv_find_query_parse(&find, &exchange->target, &error)
+		: srv_plants_query_parse(&query, &exchange->target, &error);
+	if (!code && is_another_pack(exchange, found ? &find.pack : &query.pack)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that "
 			"'pack' names, and its lists have other numbers: ask for the view again");
 		return;
@@ -72,7 +74,9 @@ static void answer_plants(struct srv_exchange *exchange)
 			exchange->variables[0], exchange->variables[1]);
 		return;
 	}
-	code = code ? code : srv_describe_plants(&json, exchange->scene, list, &query, &error);
+	if (!code)
+		code = found ? srv_describe_found(&json, exchange->scene, NULL, &find, &error)
+			: srv_describe_plants(&json, exchange->scene, list, &query, &error);
 	if (!code) {
 		answer_described(exchange, true, &json);
 		return;
@@ -198,7 +202,7 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
 	/* networks append parameters of their own to links: the page takes any */
-	if (resource != SRV_PLANTS && resource != SRV_INDEX && srv_query_none(&exchange->target, &error)) {
+	if (resource != SRV_PLANTS && resource != SRV_FIND && resource != SRV_INDEX && srv_query_none(&exchange->target, &error)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "%s", error.text);
 		return;
 	}
@@ -223,7 +227,8 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 		answer_metrics(exchange);
 		return;
 	case SRV_PLANTS:
-		answer_plants(exchange);
+	case SRV_FIND:
+		answer_plants(exchange, resource == SRV_FIND);
 		return;
 	case SRV_INDEX:
 	case SRV_ICON:

@@ -45,9 +45,9 @@ WEB_OBJECTS := $(WEB_SOURCES:%.c=$(W)/obj/%.o) $(W)/obj/ecofiles/format/chunk/dr
 	$(WEB_WEBP:%=$(W)/obj/libwebp/%.o)
 
 # the planner of published scenes: server/publish/README.md
-PLANNER_SOURCES := $(wildcard server/publish/web/*.c) server/publish/index.c $(wildcard server/stream*.c) server/describe.c \
+PLANNER_SOURCES := $(wildcard server/publish/web/*.c) server/publish/index.c $(wildcard server/stream*.c) server/describe.c server/plants.c \
 	$(patsubst %,server/request/%.c,json query target) $(wildcard lod/plan/*.c lod/seen/*.c lod/*.c) $(WEB_BASE:%=ecofiles/base/%.c) \
-	$(patsubst %,ecofiles/format/%.c,$(filter-out chunk/model model,$(WEB_FORMAT)) inventory legend)
+	$(patsubst %,ecofiles/format/%.c,$(filter-out chunk/model model,$(WEB_FORMAT)) inventory)
 PLANNER_OBJECTS := $(PLANNER_SOURCES:%.c=$(W)/obj/%.o)
 # small, as it is fetched beside a first picture; uint64_t is no long there
 $(W)/obj/server/%.o $(W)/obj/lod/plan/%.o $(W)/obj/lod/seen/%.o: WEB_FLAGS += -Oz -DNDEBUG -Wno-format -Wno-missing-field-initializers \

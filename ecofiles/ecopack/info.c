@@ -253,7 +253,7 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 				(json_int_t)t->kind[ECO_LIST_GROUND_IMAGE].bytes));
 	}
 	static const char *const copied[] = { "generator", "order", "draft", "crs", "origin", "place",
-		"eco_files", "off_ground", "rows", "tints", "drawn" };
+		"eco_files", "off_ground", "rows", "columns", "tints", "drawn" };
 	for (size_t i = 0; i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));
@@ -378,7 +378,7 @@ static void print_info(const struct eco_scene *s, const json_t *info, FILE *out)
 	fprintf(out, "%s: %" PRIu64 " plant%s of %u kind%s\n", s->name, plants, ending(plants), s->plant_count,
 		ending(s->plant_count));
 	inspect_lines(out, info, "id bytes draft crs origin near_m low high area_m2 needs tiles leaf_tiles placements "
-		"ground ground_image order curve_samples off_ground rows");
+		"ground ground_image order curve_samples off_ground rows columns");
 	inspect_table(out, NULL, json_object_get(info, "plants"), "name height_m triangles_in triangles "
 		"triangles_dropped cells grid_bits half_a_pixel_m area_m2 bytes organs");
 	inspect_table(out, "lists", json_object_get(info, "lists"), "lists chunks primitives bytes bits_each");

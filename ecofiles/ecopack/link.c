@@ -50,6 +50,13 @@ static void open_part(struct link *l, struct link_part *part)
 	part->color_of = eco_alloc(s->palette_count, sizeof *part->color_of);
 	part->list_of = eco_alloc(s->list_count + 1u, sizeof *part->list_of);
 	memset(part->list_of, 0xFF, (s->list_count + 1u) * sizeof *part->list_of);
+	json_t *columns = json_object_get(part->meta, "columns");
+	for (uint32_t k = 0; k < ECO_INVENTORY_CELLS; k++) {
+		const char *name = json_string_value(json_array_get(columns, k));
+		part->cell_of[k] = name ? eco_string_number(&l->m.columns, name) : ECO_NONE;
+	}
+	if (l->m.columns.count > ECO_INVENTORY_CELLS)
+		eco_stop(ECO_TOO_LARGE, "%s: the parts' rows have more than %u columns in all", part->path, ECO_INVENTORY_CELLS);
 	const char *crs = json_string_value(json_object_get(part->meta, "crs")),
 		*first = json_string_value(json_object_get(l->parts[0].meta, "crs"));
 	if ((!crs) != (!first) || (crs && strcmp(crs, first) != 0))
@@ -233,7 +240,10 @@ static void add_rows(struct link *l, struct link_part *part, const struct eco_gr
 	for (uint64_t i = group->place_first; i < group->place_first + group->count; i++) {
 		const struct eco_inventory_row *kept;
 		check(part, eco_inventory_at(&part->rows, part->pack, i, &kept, &why), &why);
-		struct eco_inventory_row row = *kept;
+		struct eco_inventory_row row = { kept->species, kept->file, kept->row, kept->line, { NULL } };
+		for (uint32_t k = 0; k < ECO_INVENTORY_CELLS; k++)
+			if (part->cell_of[k] != ECO_NONE)
+				row.cells[part->cell_of[k]] = kept->cells[k];
 		row.species = row.species ? row.species : own;
 		if (strcmp(row.species, whole) == 0)
 			row.species = NULL;
@@ -460,6 +470,7 @@ static json_t *whole_meta(const struct link *l)
 	say_tints(l, root);
 	if (l->drawn)
 		json_object_set(root, "drawn", l->drawn);
+	make_columns_say(&l->m, root);
 	if (has_draft(l))
 		json_object_set_new(root, "draft", json_true());
 	return root;

@@ -36,6 +36,7 @@ struct link_part {
 	const struct eco_list *tinted;       /* the last instance list with tints, and its colours in the whole */
 	uint32_t tint_first;
 	struct eco_inventory_block rows;     /* the block that was read last */
+	uint32_t cell_of[ECO_INVENTORY_CELLS];       /* the same for its rows' cells */
 };
 
 struct link_known { struct eco_chunk_id id; };       /* hash of a plant without its name */

@@ -49,6 +49,25 @@ static enum eco_code made_confined(const struct make_options *make, struct eco_e
 	return code ? eco_fail(error, code, "%s", why.text) : ECO_OK;
 }
 
+/* Names of columns, separated by commas. */
+static enum eco_code read_columns(const char *text, void *value, struct eco_error *error)
+{
+	struct eco_string_pool *columns = value;
+	eco_string_pool_free(columns);
+	for (const char *end; *text; text = *end ? end + 1 : end) {
+		char name[ECO_INVENTORY_NAME_MAX + 1];
+		end = text + strcspn(text, ",");
+		if (end == text || end - text > (ptrdiff_t)ECO_INVENTORY_NAME_MAX || columns->count == ECO_CELLS_MAX)
+			return eco_fail(error, ECO_BAD_USAGE, "--columns: must be 1 to %u names of columns with commas between",
+				ECO_CELLS_MAX);
+		snprintf(name, sizeof name, "%.*s", (int)(end - text), text);
+		if (strcmp(name, ECO_INVENTORY_HEIGHT_FROM) == 0 || strcmp(name, ECO_INVENTORY_CROWN_FROM) == 0)
+			return eco_fail(error, ECO_BAD_USAGE, "--columns: %s is kept in any case", name);
+		eco_string_number(columns, name);
+	}
+	return ECO_OK;
+}
+
 static void print_times(bool by_stage)
 {
 	double elapsed_s, most_mb;
@@ -83,6 +102,7 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 		make->cache = folder;
 	if (!code)
 		code = make_given.confined_to ? made_confined(make, error) : make_pack(make, error);
+	eco_string_pool_free(&make->columns);
 	/* open the written pack as any reader would */
 	if (!code && !main_is_quiet)
 		code = inspect_info(make->pack, false, stdout, error);
@@ -110,6 +130,9 @@ static const struct eco_option make_options[] = {
 	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows,
 		.help = "leave out inventories' names, row numbers and species texts: for packs that "
 		"strangers see" },
+	{ "columns", 0, ECO_OPTION_READ, "A,B,...", &make_given.make.columns, .read = read_columns,
+		.help = "columns of inventories whose values clients may show, such as name,height,health; they become part of the "
+		"pack, where everybody who has it reads them. Default: none" },
 	{ "confine", 0, ECO_OPTION_READ, "DIR", &make_given.confined_to, .read = read_confine,
 		.has_optional_value = true,
 		.help = "for scenes of strangers: read only files below DIR (default: the scene's "
@@ -127,7 +150,7 @@ static const struct eco_option make_options[] = {
 	{ 0 } };
 
 const struct main_command main_command_make = { {
-	"ecopack make", "SCENE.json -o OUT.eco [--draft | --order NAME] [--jobs N] [--no-rows] [--times] "
+	"ecopack make", "SCENE.json -o OUT.eco [--draft | --order NAME] [--jobs N] [--no-rows] [--columns A,B,...] [--times] "
 		"[--cache DIR | --no-cache]",
 	"Builds a pack. ecofiles/README.md describes the fields of SCENE.json.", make_options,
 	main_common, NULL, NULL }, run_make };
@@ -250,7 +273,7 @@ const struct main_command main_command_generate = { { "ecopack generate", "NAME 
 
 /* ---- publish ---- */
 
-static struct { struct srv_publish publish; struct eco_inputs packs; } publish_given;
+static struct { struct srv_publish publish; struct eco_inputs packs; struct eco_string_pool columns; } publish_given;
 
 static enum eco_code run_publish(int argc, char **argv, struct eco_error *error)
 {
@@ -260,12 +283,14 @@ static enum eco_code run_publish(int argc, char **argv, struct eco_error *error)
 	enum eco_code code = main_read(&main_command_publish, argc, argv, error);
 	publish_given.publish.packs = (char *const *)publish_given.packs.names;
 	publish_given.publish.count = publish_given.packs.count;
+	publish_given.publish.columns = &publish_given.columns;
 	code = code ? code : srv_publish(&publish_given.publish, &published, error);
 	if (!code && !main_is_quiet)
 		printf("%s: %" PRIu64 " files, %s bytes; indices %s bytes, first answers %s. Any web server shows it, as "
 			"python3 -m http.server -d %s\n", publish_given.publish.folder, published.files,
 			eco_phrase_count(published.bytes, all), eco_phrase_count(published.index_bytes, index),
 			eco_phrase_count(published.first_bytes, first), publish_given.publish.folder);
+	eco_string_pool_free(&publish_given.columns);
 	return code;
 }
 
@@ -277,16 +302,19 @@ static const struct eco_option publish_options[] = {
 			"not from here, are left alone" },
 	{ "views", 0, ECO_OPTION_TEXT, "FILE", &publish_given.publish.views,
 		.help = "a camera script, as the viewer's Views write it: links to its keyframes show a picture at once" },
+	{ "columns", 0, ECO_OPTION_READ, "A,B,...", &publish_given.columns, .read = read_columns,
+		.help = "of the columns that `ecopack make --columns` put into the packs, those that everybody may see; with them come "
+			"the rows' species. Default: none, and no rows" },
 	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &publish_given.publish.viewer,
 		.help = "folder of the browser's viewer. Default: web/site beside this program, or the installed one" },
 	{ 0 } };
 
 const struct main_command main_command_publish = { { "ecopack publish",
-	"[NAME=]OUT.eco ... -o DIR [--views FILE] [--viewer DIR]",
+	"[NAME=]OUT.eco ... -o DIR [--views FILE] [--columns A,B,...] [--viewer DIR]",
 	"Writes a folder that shows packs in browsers from any web server or object store, without ecoserve.",
 	publish_options, main_common,
 	"The browser plans, by the same code as ecoserve, and fetches parts of one file of chunks. Inventories stay "
-	"out of the folder: visitors see species, but no rows.\n", NULL }, run_publish };
+	"out of the folder, but for columns that --columns names: visitors see species, but no rows.\n", NULL }, run_publish };
 
 /* ---- The program ---- */
 

@@ -68,6 +68,23 @@ void make_create(struct make *m)
 	eco_check(eco_pack_create(&m->writer, m->options->pack, m->error));
 }
 
+/* The pack's columns: those that are named, of all inventories, and why sizes are as they are. */
+static void take_columns(struct make *m)
+{
+	const struct eco_string_pool *columns = &m->options->columns;
+	for (uint32_t i = 0; i < columns->count; i++)
+		eco_string_number(&m->columns, columns->items[i]);
+	if (columns->count) {
+		eco_string_number(&m->columns, ECO_INVENTORY_HEIGHT_FROM);
+		eco_string_number(&m->columns, ECO_INVENTORY_CROWN_FROM);
+	}
+	for (uint32_t s = 0; s < m->sources.count; s++)
+		for (uint32_t i = 0; i < m->sources.items[s].positions_count; i++) {
+			m->sources.items[s].positions[i].cells = (const char *const *)columns->items;
+			m->sources.items[s].positions[i].cell_count = columns->count;
+		}
+}
+
 static void begin(struct make *m)
 {
 	main_progress("reading the scene", NULL, 0);
@@ -75,6 +92,7 @@ static void begin(struct make *m)
 	for (uint32_t s = 0; s < m->sources.count && m->options->season_given; s++)
 		for (uint32_t i = 0; i < m->sources.items[s].plant_count; i++)
 			m->sources.items[s].plants[i].library.season = m->options->season;
+	take_columns(m);
 	make_create(m);
 }
 
@@ -131,6 +149,7 @@ void make_tables_free(struct make *m)
 	eco_at_end(NULL, NULL);
 	make_ground_free(m);
 	make_inventory_free(m);
+	eco_string_pool_free(&m->columns);
 }
 
 enum eco_code make_pack(const struct make_options *options, struct eco_error *error)

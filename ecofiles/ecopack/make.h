@@ -42,6 +42,7 @@ struct make_options {
 	/* folder of finished plants; NULL or "": none. Does not change the pack */
 	const char *cache;
 	bool no_rows;                /* leaves out which row of which inventory a plant is */
+	struct eco_string_pool columns;      /* whose values of each row the pack has, ECO_CELLS_MAX at most */
 	uint64_t cache_bytes;        /* the cache's bound; 0: 2 GiB */
 };
 
@@ -81,10 +82,11 @@ struct make_plant {              /* a model on its way into the pack */
 	double foot[3], scale;       /* as the model was re-based (struct eco_model) */
 };
 
-/* species: of m->species; file: of the source's inventories, from 1 on, 0: of none; row, line: positions.h */
+/* species: of m->species; file: of the source's inventories, from 1 on, 0: of none; row, line: positions.h; cells:
+ * of m->cells, from 1 on, 0: none */
 struct make_place {
 	double at[3], scale;
-	uint32_t plant, species, file, row, line;
+	uint32_t plant, species, file, row, line, cells;
 	uint16_t turn;
 	uint8_t width;               /* a code for eco_place_width */
 	uint32_t tint;               /* of eco_tints_value while rows are read, then a class of the eco file's */
@@ -130,6 +132,8 @@ struct make {
 	uint64_t off_side[MAKE_SIDES];
 	struct make_eco *ecos;       /* per source */
 	struct eco_string_pool species;    /* of places, as their rows, else their scene files, name them */
+	struct eco_string_pool columns, cell_texts;  /* columns of the pack's rows, and what stands in them */
+	struct make_array cells;     /* const char *[ECO_INVENTORY_CELLS] each */
 	struct eco_pack_writer *writer;
 	struct make_array textures;  /* struct make_texture */
 	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
@@ -237,6 +241,8 @@ void make_inventory_free(struct make *m);
 /* Adds "species" to plants of META that are of any: {"of": how many, "most": [[name, or null where rows state
  * none, plants], ...]}, the commonest first, as many as fit a legend. */
 void make_species_say(const struct make *m, json_t *plants);
+/* Names META's "columns", if there are any: those of the rows' cells. */
+void make_columns_say(const struct make *m, json_t *meta);
 /* Adds a class of plants to META's "tints": [{"column", "classes": [{"name", "color": "#rrggbb" or null, "plants"}]}].
  * A nested file counts once. */
 void make_tint_say(json_t *meta, const char *column, const char *name, json_t *color, uint64_t plants);

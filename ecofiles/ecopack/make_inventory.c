@@ -88,7 +88,7 @@ struct make_inventory {
 	struct eco_bytes *blocks;
 	uint32_t block_count, block_room;
 	struct eco_string_pool names;
-	uint32_t species, file; /* those of the row before */
+	uint32_t species, file, cells[ECO_INVENTORY_CELLS]; /* those of the row before */
 	bool is_needed;         /* something is to be said of a plant */
 };
 
@@ -135,6 +135,10 @@ void make_inventory_add(struct make *m, uint32_t plant, const struct eco_invento
 	kept->species = keep_name(&in->names, row->species, &in->species);
 	kept->file = keep_name(&in->names, row->file, &in->file);
 	in->is_needed = in->is_needed || kept->species || kept->file;
+	for (uint32_t i = 0; i < ECO_INVENTORY_CELLS; i++) {
+		kept->cells[i] = keep_name(&in->names, row->cells[i], &in->cells[i]);
+		in->is_needed = in->is_needed || kept->cells[i];
+	}
 	count_species(&in->species_of, plant, row->species ? row->species : m->table[plant].name);
 	if (++in->count == ECO_INVENTORY_PLACES)
 		close_block(in);
@@ -282,6 +286,16 @@ static json_t *place_json(const struct eco_source *outer)
 		place.latitude_deg, "convergence_deg", place.convergence_deg);
 }
 
+void make_columns_say(const struct make *m, json_t *meta)
+{
+	json_t *columns = json_array();
+	for (uint32_t i = 0; i < m->columns.count; i++)
+		json_array_append_new(columns, json_string(m->columns.items[i]));
+	if (m->columns.count)
+		json_object_set(meta, "columns", columns);
+	json_decref(columns);
+}
+
 void make_tint_say(json_t *meta, const char *column, const char *name, json_t *color, uint64_t plants)
 {
 	json_t *tints = json_object_get(meta, "tints"), *tint = NULL, *class = NULL;
@@ -350,7 +364,10 @@ json_t *make_meta(const struct make *m)
 		"plants", plants);
 	say_tints(m, root);
 	say_drawn(m, root);
+	make_columns_say(m, root);
 	if (m->options->draft)
 		json_object_set_new(root, "draft", json_true());
+	if (m->options->season_given)
+		json_object_set_new(root, "season", json_string(eco_season_names[m->options->season]));
 	return root;
 }

@@ -183,6 +183,24 @@ static void note_row(const struct make *m, struct make_place *place, const struc
 	place->line = eco_positions_has_lines(reader) ? (uint32_t)row->line : 0;
 }
 
+/* Why its height and crown are as they are, for packs with columns; else nothing is kept of a row. */
+static void note_cells(struct make *m, struct make_place *place, const struct eco_position *row)
+{
+	const uint32_t named = m->options->columns.count;
+	const char *texts[ECO_INVENTORY_CELLS] = { 0 }, **kept;
+	if (!named)
+		return;
+	memcpy(texts, row->cells, named * sizeof *texts);
+	texts[named] = row->height_from;
+	texts[named + 1] = row->crown_from;
+	kept = make_append(&m->cells, sizeof texts);
+	for (uint32_t i = 0; i < ECO_INVENTORY_CELLS; i++) {
+		uint32_t number = texts[i] ? eco_string_number(&m->cell_texts, texts[i]) : 0;
+		kept[i] = texts[i] ? m->cell_texts.items[number] : NULL;
+	}
+	place->cells = (uint32_t)m->cells.count;
+}
+
 static void read_rows(struct make *m, uint32_t source, struct eco_positions *reader, uint32_t number)
 {
 	const struct eco_positions_spec *spec = &m->sources.items[source].positions[number];
@@ -199,6 +217,7 @@ static void read_rows(struct make *m, uint32_t source, struct eco_positions *rea
 		place.width = row_width(m, plant, &row, place.scale);
 		place.tint = eco_tints_value(&m->ecos[source].tints, &spec->tint, row.tint);
 		note_row(m, &place, reader, number + 1, &row);
+		note_cells(m, &place, &row);
 		make_place_add(m, source, &place);
 		if (i % 4096 == 0)
 			main_progress("reading positions", spec->path, 0);
@@ -321,7 +340,8 @@ static void tile_places(struct make *m, uint32_t source)
 
 /* Opens an inventory and takes its first plant, which shows errors of columns, CRS, PROJ grids and number
  * notation. */
-static void check_rows(struct make *m, const struct eco_positions_spec *spec, const struct eco_frame *frame)
+static void check_rows(struct make *m, const struct eco_positions_spec *spec, const struct eco_frame *frame,
+	bool has_column[ECO_CELLS_MAX])
 {
 	struct eco_positions_spec plain = *spec;
 	struct eco_positions *reader = NULL;
@@ -329,19 +349,26 @@ static void check_rows(struct make *m, const struct eco_positions_spec *spec, co
 	plain.levels = 0;                /* levels need the whole file */
 	eco_check(eco_positions_open(&reader, &plain, frame, m->error));
 	eco_check(eco_positions_next(reader, &first, m->error));
+	for (uint32_t i = 0; i < spec->cell_count; i++)
+		has_column[i] |= eco_positions_has_cell(reader, i);
 	eco_positions_close(reader);
 }
 
 void make_places_check(struct make *m)
 {
+	bool has_column[ECO_CELLS_MAX] = { 0 };
 	for (uint32_t source = 0; source < m->sources.count; source++) {
 		const struct eco_source *s = &m->sources.items[source];
 		struct eco_frame frame = eco_source_frame(s);
 		for (uint32_t i = 0; i < s->positions_count; i++)
-			check_rows(m, &s->positions[i], &frame);
+			check_rows(m, &s->positions[i], &frame, has_column);
 		for (uint32_t i = 0; i < s->scatter_count; i++)
 			eco_check(eco_scatter_check(&s->scatters[i], &frame, m->error));
 	}
+	for (uint32_t i = 0; i < m->options->columns.count; i++)
+		if (!has_column[i])
+			eco_stop(ECO_BAD_INPUT, "--columns: no inventory of the scene has a column \"%.200s\"",
+				m->options->columns.items[i]);
 }
 
 /* ---- Doubts: sizes that no such plant has; a line says what to add ---- */
@@ -476,5 +503,7 @@ void make_places_free(struct make *m)
 	for (uint32_t s = 0; m->ecos && s < m->sources.count; s++)
 		eco_tints_free(&m->ecos[s].tints);
 	free(m->ecos);
+	free(m->cells.items);
 	eco_string_pool_free(&m->species);
+	eco_string_pool_free(&m->cell_texts);
 }

@@ -128,10 +128,13 @@ static void add_rows(struct make *m, const struct stand *stand)
 	for (uint32_t k = 0; k < stand->count; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];
 		const char *species = m->species.items[p->species];
-		make_inventory_add(m, p->plant, &(struct eco_inventory_row){
+		struct eco_inventory_row row = {
 			.species = strcmp(species, m->plants[p->plant].name) != 0 ? species : NULL,
 			.file = p->file ? eco_path_last(source->positions[p->file - 1].path) : NULL,
-			.row = p->row, .line = p->line });
+			.row = p->row, .line = p->line };
+		if (p->cells)
+			memcpy(row.cells, (const char *(*)[ECO_INVENTORY_CELLS])m->cells.items + p->cells - 1, sizeof row.cells);
+		make_inventory_add(m, p->plant, &row);
 	}
 }
 

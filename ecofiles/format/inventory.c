@@ -11,7 +11,8 @@
 
 enum { SPECIES, FILE_NAME, ROW, LINE, COLUMNS };
 
-#define NAMES_MAX (2 * ECO_INVENTORY_PLACES)
+#define NAMES_MAX ((2 + ECO_INVENTORY_CELLS) * ECO_INVENTORY_PLACES)
+#define CELL_UNIT 65536u /* in the number of names, for each cell */
 
 /* ---- The names of a block, in the order in which they come ---- */
 
@@ -23,9 +24,9 @@ static uint32_t number_of(struct eco_string_pool *names, const char *name, uint3
 	return eco_string_number(names, name) + 1;
 }
 
-static void write_names(struct eco_writer *w, const struct eco_string_pool *names)
+static void write_names(struct eco_writer *w, const struct eco_string_pool *names, uint32_t cells)
 {
-	eco_write_varint(w, names->count);
+	eco_write_varint(w, names->count + cells * CELL_UNIT);
 	for (uint32_t i = 0; i < names->count; i++) {
 		const char *name = names->items[i];
 		size_t size = eco_utf8_cut(name, strlen(name), ECO_INVENTORY_NAME_MAX);
@@ -51,21 +52,21 @@ static bool read_names(struct eco_reader *r, char *text, const char **items, uin
 
 /* ---- Columns ---- */
 
-/* Columns of one value a row each, over `values`: COLUMNS times `count`. */
-static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count)
+/* Columns of one value a row each, over `values`: COLUMNS and cells times `count`. */
+static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count, uint32_t cells)
 {
 	struct eco_chunk_rows rows = { .stream = { .elements = count },
-		.column_count = COLUMNS };
-	for (uint32_t i = 0; i < COLUMNS; i++)
+		.column_count = COLUMNS + cells };
+	for (uint32_t i = 0; i < COLUMNS + cells; i++)
 		rows.columns[i] =
 			(struct eco_column){ .values = values + (size_t)i * count, .components = 1 };
 	return rows;
 }
 
 static void fill_columns(int32_t *values, struct eco_string_pool *names, const struct eco_inventory_row *rows,
-	uint32_t count)
+	uint32_t count, uint32_t cells)
 {
-	uint32_t species = 0, file = 0;
+	uint32_t species = 0, file = 0, before[ECO_INVENTORY_CELLS] = { 0 };
 	for (uint32_t i = 0; i < count; i++) {
 		const struct eco_inventory_row *row = &rows[i];
 		bool known = row->file && row->row >= 1 && row->row <= ECO_INVENTORY_ROW_MAX,
@@ -77,20 +78,35 @@ static void fill_columns(int32_t *values, struct eco_string_pool *names, const s
 		values[ROW * (size_t)count + i] = known ? (int32_t)row->row : 0;
 		values[LINE * (size_t)count + i] =
 			known ? (int32_t)(lined ? row->line : 0) - (int32_t)row->row : 0;
+		for (uint32_t k = 0; k < cells; k++) {
+			before[k] = number_of(names, row->cells[k], before[k]);
+			values[(COLUMNS + k) * (size_t)count + i] = (int32_t)before[k];
+		}
 	}
+}
+
+/* As many as some row has. */
+static uint32_t cells_of(const struct eco_inventory_row *rows, uint32_t count)
+{
+	uint32_t cells = 0;
+	for (uint32_t i = 0; i < count; i++)
+		for (uint32_t k = cells; k < ECO_INVENTORY_CELLS; k++)
+			cells = rows[i].cells[k] ? k + 1 : cells;
+	return cells;
 }
 
 struct eco_bytes eco_inventory_encode(const struct eco_inventory_row *rows, uint32_t count)
 {
 	struct eco_string_pool names = { 0 };
-	int32_t *values = eco_alloc(count, COLUMNS * sizeof *values);
-	struct eco_chunk_rows columns = columns_over(values, count);
+	uint32_t cells = cells_of(rows, count);
+	int32_t *values = eco_alloc(count, (COLUMNS + cells) * sizeof *values);
+	struct eco_chunk_rows columns = columns_over(values, count, cells);
 	struct eco_stream coded = { .size = 0 };
 	struct eco_writer w = { 0 };
 	assert(count >= 1 && count <= ECO_INVENTORY_PLACES);
-	fill_columns(values, &names, rows, count);
+	fill_columns(values, &names, rows, count, cells);
 	eco_columns_encode(&columns, &coded);
-	write_names(&w, &names);
+	write_names(&w, &names, cells);
 	eco_write_u8(&w, coded.zeros);
 	eco_write_bytes(&w, coded.bytes, coded.size);
 	if (w.failed)
@@ -105,8 +121,14 @@ struct eco_bytes eco_inventory_encode(const struct eco_inventory_row *rows, uint
 
 struct names {
 	const char **items;
-	uint32_t count;
+	uint32_t count, cells;       /* cells: of a row */
 };
+
+static bool take_name(const char **name, int32_t number, const struct names *names)
+{
+	*name = number > 0 && (uint32_t)number <= names->count ? names->items[number - 1] : NULL;
+	return *name || number == 0;
+}
 
 /* The row of place i; false: impossible. */
 static bool take_row(struct eco_inventory_row *row, const int32_t *values, uint32_t count, uint32_t i,
@@ -116,20 +138,19 @@ static bool take_row(struct eco_inventory_row *row, const int32_t *values, uint3
 	for (uint32_t k = 0; k < COLUMNS; k++)
 		value[k] = values[k * (size_t)count + i];
 	int64_t line = (int64_t)value[ROW] + value[LINE], most = ECO_INVENTORY_ROW_MAX;
-	if (value[SPECIES] < 0 || (uint32_t)value[SPECIES] > names->count || value[FILE_NAME] < 0 ||
-		(uint32_t)value[FILE_NAME] > names->count || (value[FILE_NAME] > 0) != (value[ROW] > 0) ||
-		value[ROW] > most || line < 0 || line > most || (!value[FILE_NAME] && line))
-		return false;
-	*row = (struct eco_inventory_row){ value[SPECIES] ? names->items[value[SPECIES] - 1] : NULL,
-		value[FILE_NAME] ? names->items[value[FILE_NAME] - 1] : NULL, (uint32_t)value[ROW],
-		(uint32_t)line };
-	return true;
+	*row = (struct eco_inventory_row){ .row = (uint32_t)value[ROW], .line = (uint32_t)line };
+	bool possible = take_name(&row->species, value[SPECIES], names) && take_name(&row->file, value[FILE_NAME], names)
+		&& (value[FILE_NAME] > 0) == (value[ROW] > 0) && value[ROW] <= most && line >= 0 && line <= most
+		&& (value[FILE_NAME] || !line);
+	for (uint32_t k = 0; k < names->cells && possible; k++)
+		possible = take_name(&row->cells[k], values[(COLUMNS + k) * (size_t)count + i], names);
+	return possible;
 }
 
 static bool take_rows(struct eco_inventory_block *block, struct eco_reader *r, const struct names *names,
 	int32_t *values)
 {
-	struct eco_chunk_rows columns = columns_over(values, block->count);
+	struct eco_chunk_rows columns = columns_over(values, block->count, names->cells);
 	columns.stream.zeros = eco_read_u8(r);
 	columns.stream.bytes = r->bytes + r->at;
 	columns.stream.size = r->size - r->at;
@@ -146,9 +167,11 @@ enum eco_code eco_inventory_decode(struct eco_inventory_block *block, const uint
 {
 	struct eco_reader r = { .bytes = bytes, .size = size };
 	uint64_t name_count = eco_read_varint(&r);
+	uint32_t cells = name_count / CELL_UNIT <= ECO_INVENTORY_CELLS ? (uint32_t)(name_count / CELL_UNIT) : 0;
+	name_count -= cells * (uint64_t)CELL_UNIT;
 	uint32_t few = name_count <= NAMES_MAX ? (uint32_t)name_count : 0;
-	struct names names = { .items = calloc(few + 1u, sizeof *names.items), .count = few };
-	int32_t *values = calloc(COLUMNS * (size_t)count, sizeof *values);
+	struct names names = { .items = calloc(few + 1u, sizeof *names.items), .count = few, .cells = cells };
+	int32_t *values = calloc((COLUMNS + cells) * (size_t)count, sizeof *values);
 	*block = (struct eco_inventory_block){ .count = count,
 		.rows = calloc(count, sizeof *block->rows),
 		.names = malloc(size + 1) }; /* a size goes for each 0 that comes */

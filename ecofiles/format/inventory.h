@@ -12,11 +12,14 @@
  * where nothing is to be said of any plant there is none. Chunk k is block k: places [4096 k, 4096 (k + 1)).
  * Each has names of its own and its own hash, so that damage ends where its block does.
  *
- *   varint  number of names
+ *   varint  number of names, and 65536 more for each cell of a row
  *   names   u8 size, from 1 on, and as many bytes of UTF-8
  *   u8      bytes left off at the end
  *   columns as chunk_columns.h says, of one row a place: species, file (0: NULL; i: name i - 1), row and line
- *           less row (0 and 0 where there is no file) */
+ *           less row (0 and 0 where there is no file), then the cells (0: NULL; i: name i - 1)
+ *
+ * Cells are the row's values of the columns that META names, in their order; a pack has none unless somebody named
+ * columns (`ecopack make --columns`). */
 #ifndef ECO_INVENTORY_H
 #define ECO_INVENTORY_H
 
@@ -26,12 +29,17 @@
 #define ECO_INVENTORY_ROW_MAX ((1u << 30) - 1) /* of rows and lines */
 #define ECO_INVENTORY_NAME_MAX 255u            /* bytes */
 #define ECO_INVENTORY_UNSTATED "?"             /* species of a row that states none */
+#define ECO_INVENTORY_CELLS 10u
+/* Columns beside those that were named: why a height or a crown's width is no measure; NULL: it is one. */
+#define ECO_INVENTORY_HEIGHT_FROM "height_from"
+#define ECO_INVENTORY_CROWN_FROM "crown_from"
 
 struct eco_inventory_row {
 	const char *species; /* NULL: as the pack's plant is named */
 	const char *file;    /* of the inventory, without its folder; NULL: it comes from none */
 	uint32_t row;        /* data row from 1 */
 	uint32_t line;       /* of the file, where the row begins, from 1; 0: the file has no lines */
+	const char *cells[ECO_INVENTORY_CELLS]; /* NULL: empty, or there is no such column */
 };
 
 /* Names longer than a block's, or not UTF-8, are cut. The bytes are malloc'ed. At least one row, at most

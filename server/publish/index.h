@@ -14,7 +14,7 @@
  *   44   the pack's SCENE record, then each table of ECO_PACK_TABLES and the palette
  *   .    u64 XXH3-64 of all before
  * Chunks have no ids. A chunk's offset is 0 where its payload follows those before it, else 1 more than where it
- * lies in the chunks' file, which is the pack's CHUNK_DATA without inventories' rows.
+ * lies in the chunks' file, which is the pack's CHUNK_DATA with the published columns of inventories' rows alone, if any.
  *
  * A table: u32 number of records, and a column for each of their values, wide ones as two: u8 way, then the lowest bytes
  * of all, the second ones, and so on. Way 0: values, 1: differences to the record before, 2: second differences.
@@ -28,6 +28,7 @@
 
 #define SRV_INDEX_MAGIC "ECOINDEX"
 #define SRV_INDEX_WAYS 3u
+#define SRV_INDEX_NO_ROWS 1u             /* bytes of blocks that are not published, fewer than any block has */
 #define SRV_INDEX_PLAN_TIMES 5u          /* work of a plan, over that of an ordinary one: ecoserve's default */
 
 struct srv_index {
@@ -38,9 +39,10 @@ struct srv_index {
 	void *tables[ECO_SECTION_KIND_END];
 };
 
-/* Writes the index of a scene whose typical work is known, and how many bytes the chunks' file has. */
-enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scene, uint64_t *chunk_bytes,
-	struct eco_error *error);
+/* Writes the index of a scene whose typical work is known, and how many bytes the chunks' file has, before its rows:
+ * blocks that are published in place of the pack's; NULL: none are. */
+enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scene, const struct eco_bytes *rows,
+	uint64_t *chunk_bytes, struct eco_error *error);
 /* Reads an index, decompressed. ECO_DAMAGED: something is wrong with it. */
 enum eco_code srv_index_read(struct srv_index **index, const uint8_t *bytes, size_t size, struct eco_error *error);
 /* Decodes a chunk of a list of instances; the last one makes the places of its groups known. */

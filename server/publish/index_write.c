@@ -77,31 +77,34 @@ static bool pack_all(struct eco_writer *w)
 }
 
 /* A pack's chunks as they lie in the chunks' file, without ids; malloc'ed, or NULL. */
-static struct eco_chunk *place_chunks(const struct eco_scene *scene, uint64_t *chunk_bytes)
+static struct eco_chunk *place_chunks(const struct eco_scene *scene, const struct eco_bytes *rows, uint64_t *chunk_bytes)
 {
-	const struct eco_list *rows = eco_inventory_list(scene);
+	const struct eco_list *list = eco_inventory_list(scene);
+	const uint32_t rows_first = list ? list->chunk_first : scene->chunk_count;
 	struct eco_chunk *chunks = malloc((scene->chunk_count + 1) * sizeof *chunks);
 	uint64_t base = UINT64_MAX, end = 0;
 	*chunk_bytes = 0;
 	for (uint32_t i = 0; i < scene->chunk_count; i++)
 		base = scene->chunks[i].offset < base ? scene->chunks[i].offset : base;
 	for (uint32_t i = 0; chunks && i < scene->chunk_count; i++) {
-		uint64_t at = scene->chunks[i].offset - base;
+		uint64_t at = i < rows_first ? scene->chunks[i].offset - base : end;
 		chunks[i] = scene->chunks[i];
 		memset(&chunks[i].id, 0, sizeof chunks[i].id);
 		chunks[i].offset = at == end ? 0 : at + 1;
+		if (i >= rows_first)
+			chunks[i].size_bytes = rows ? (uint32_t)rows[i - rows_first].size : SRV_INDEX_NO_ROWS;
 		end = at + chunks[i].size_bytes > end ? at + chunks[i].size_bytes : end;
-		if (!rows || i < rows->chunk_first)
+		if (i < rows_first)
 			*chunk_bytes = end;
 	}
 	return chunks;
 }
 
-enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scene, uint64_t *chunk_bytes,
-	struct eco_error *error)
+enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scene, const struct eco_bytes *rows,
+	uint64_t *chunk_bytes, struct eco_error *error)
 {
 	struct eco_scene tables = scene->pack->scene;
-	struct eco_chunk *chunks = place_chunks(&scene->pack->scene, chunk_bytes);
+	struct eco_chunk *chunks = place_chunks(&scene->pack->scene, rows, chunk_bytes);
 	bool made = chunks;
 	tables.chunks = chunks;
 	eco_write_bytes(w, SRV_INDEX_MAGIC, 8);

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "ecofiles/base/files.h"
+#include "ecofiles/format/inventory.h"
 #include "server/describe.h"
 #include "server/publish/index.h"
 #include "server/site.h"
@@ -146,15 +147,82 @@ static enum eco_code write_views(const struct folder *f, const char *own, const 
 	return code;
 }
 
+/* ---- Rows ---- */
+
+struct rows { struct eco_bytes *blocks; uint32_t count; };
+
+static void free_rows(struct rows *rows)
+{
+	for (uint32_t i = 0; i < rows->count; i++)
+		free(rows->blocks[i].at);
+	free(rows->blocks);
+}
+
+/* For each cell that is published, its number in the pack's rows; those that say how sizes are known are, too. META then
+ * names these alone. */
+static enum eco_code choose_cells(const struct folder *f, const struct srv_scene *scene, const struct eco_string_pool *columns,
+	uint32_t cells[ECO_INVENTORY_CELLS], uint32_t *count)
+{
+	json_t *all = json_object_get(scene->meta, "columns"), *kept = json_array();
+	for (size_t i = 0; i < columns->count + 2u; i++) {
+		const char *name = i < columns->count ? columns->items[i] : i == columns->count ? ECO_INVENTORY_HEIGHT_FROM
+			: ECO_INVENTORY_CROWN_FROM, *other = NULL;
+		uint32_t k = 0;
+		while (k < ECO_INVENTORY_CELLS && (other = json_string_value(json_array_get(all, k))) && strcmp(other, name) != 0)
+			k++;
+		if (k < ECO_INVENTORY_CELLS && other) {
+			cells[(*count)++] = k;
+			json_array_append_new(kept, json_string(name));
+		} else if (i < columns->count) {
+			json_decref(kept);
+			return eco_fail(f->error, ECO_BAD_INPUT, "--columns: the rows of %s have no column \"%.200s\"; `ecopack make "
+				"--columns` puts it into the pack", scene->name, name);
+		}
+	}
+	json_object_set_new(scene->meta, "columns", kept);
+	return ECO_OK;
+}
+
+/* The pack's rows without all that is not published: files, numbers of rows, other columns. */
+static enum eco_code make_rows(const struct folder *f, const struct srv_scene *scene, const struct eco_string_pool *columns,
+	struct rows *rows)
+{
+	const struct eco_list *list = eco_inventory_list(&scene->pack->scene);
+	uint32_t cells[ECO_INVENTORY_CELLS], count = 0;
+	if (!columns || !columns->count) {
+		json_object_del(scene->meta, "columns");
+		return ECO_OK;
+	}
+	enum eco_code code = choose_cells(f, scene, columns, cells, &count);
+	rows->blocks = code ? NULL : calloc(list ? list->chunk_count + 1u : 1, sizeof *rows->blocks);
+	if (!code && !rows->blocks)
+		code = eco_no_memory(f->error, "rows");
+	for (uint32_t b = 0; list && b < list->chunk_count && !code; b++) {
+		struct eco_inventory_block block;
+		code = eco_inventory_read(&block, scene->pack, b * (uint64_t)ECO_INVENTORY_PLACES, f->error);
+		for (uint32_t i = 0; i < block.count && !code; i++) {
+			struct eco_inventory_row row = { .species = block.rows[i].species };
+			for (uint32_t k = 0; k < count; k++)
+				row.cells[k] = block.rows[i].cells[cells[k]];
+			block.rows[i] = row;
+		}
+		if (!code)
+			rows->blocks[rows->count++] = eco_inventory_encode(block.rows, block.count);
+		eco_inventory_free(&block);
+	}
+	return code;
+}
+
 /* ---- A scene ---- */
 
-static enum eco_code write_index(const struct folder *f, const char *own, const struct srv_scene *scene)
+static enum eco_code write_index(const struct folder *f, const char *own, const struct srv_scene *scene, const struct rows *rows)
 {
 	struct eco_writer index = { 0 };
 	char name[PATH_MAX];
 	uint64_t chunk_bytes, base = UINT64_MAX;
 	const struct eco_scene *tables = &scene->pack->scene;
-	enum eco_code code = srv_index_write(&index, scene, &chunk_bytes, f->error);
+	struct eco_writer chunks = { 0 };
+	enum eco_code code = srv_index_write(&index, scene, rows->blocks, &chunk_bytes, f->error);
 	snprintf(name, sizeof name, "%s/index.bin", own);
 	code = code ? code : write_file(f, name, index.bytes, index.size);
 	f->counts->index_bytes += index.size;
@@ -165,21 +233,32 @@ static enum eco_code write_index(const struct folder *f, const char *own, const 
 		code = srv_scene_payload(scene, i, &bytes, &chunk_size, f->error);
 	}
 	snprintf(name, sizeof name, "%s/chunks.bin", own);
-	code = code ? code : write_file(f, name, chunk_bytes ? scene->pack->map + base : NULL, chunk_bytes);
+	if (!code && rows->count) {
+		eco_write_bytes(&chunks, scene->pack->map + base, chunk_bytes);
+		for (uint32_t i = 0; i < rows->count; i++)
+			eco_write_bytes(&chunks, rows->blocks[i].at, rows->blocks[i].size);
+		code = chunks.failed ? eco_no_memory(f->error, "chunks") : write_file(f, name, chunks.bytes, chunks.size);
+	} else if (!code) {
+		code = write_file(f, name, chunk_bytes ? scene->pack->map + base : NULL, chunk_bytes);
+	}
 	eco_writer_free(&index);
+	eco_writer_free(&chunks);
 	return code;
 }
 
-static enum eco_code write_scene(const struct folder *f, const struct srv_scene *scene, const struct eco_camera *saved,
-	struct srv_json *page)
+static enum eco_code write_scene(const struct folder *f, const struct srv_scene *scene, const struct srv_publish *publish,
+	const struct eco_camera *saved, struct srv_json *page)
 {
+	struct rows rows = { 0 };
 	static const struct srv_most most = { UINT64_MAX, UINT64_MAX };
 	struct srv_json about = { 0 }, species = { 0 };
 	char own[SRV_NAME_BYTES + 40], name[sizeof own + 16];
 	snprintf(own, sizeof own, "%s/%s", scene->name, eco_id_text(scene->pack->id.bytes).hex);
 	enum eco_code code = make_folder(f, scene->name);
 	code = code ? code : make_folder(f, own);
-	code = code ? code : write_index(f, own, scene);
+	code = code ? code : make_rows(f, scene, publish->columns, &rows);
+	code = code ? code : write_index(f, own, scene, &rows);
+	free_rows(&rows);
 	srv_json_add(page, "{about:");
 	srv_describe_scene(page, scene, &most);
 	code = code ? code : write_views(f, own, scene, saved, page);
@@ -277,7 +356,7 @@ static enum eco_code check_page(const struct folder *f)
 /* ---- All ---- */
 
 static enum eco_code publish_all(const struct folder *f, const struct srv_store *store, const struct srv_site *site,
-	const struct eco_camera *saved)
+	const struct srv_publish *publish, const struct eco_camera *saved)
 {
 	struct srv_json page = { 0 };
 	enum eco_code code = make_folder(f, "");
@@ -285,7 +364,7 @@ static enum eco_code publish_all(const struct folder *f, const struct srv_store 
 	code = code ? code : write_viewer(f, site);
 	srv_json_add(&page, "[");
 	for (uint32_t i = 0; i < store->count && !code; i++)
-		code = write_scene(f, store->scenes[i], saved, &page);
+		code = write_scene(f, store->scenes[i], publish, saved, &page);
 	srv_json_add(&page, "]");
 	code = code ? code : srv_json_end(&page);
 	code = code ? code : write_page(f, site, &page);
@@ -326,7 +405,7 @@ enum eco_code srv_publish(const struct srv_publish *publish, struct srv_publishe
 		code = eco_fail(error, ECO_BAD_INPUT, "--views: heights of a saved view count from the scene's origin, not from "
 			"the ground");
 	code = code ? code : open_packs(&store, publish, error);
-	code = code ? code : publish_all(&folder, &store, &site, saved);
+	code = code ? code : publish_all(&folder, &store, &site, publish, saved);
 	eco_camera_free(saved);
 	srv_store_free(&store);
 	srv_site_free(&site);

@@ -3,7 +3,7 @@
  *   index.html, viewer/VERSION/...        the viewer of `make web`, with its scenes' descriptions in the page
  *   NAME/scene.json, NAME/species.json    what ecoserve answers to /v1/scenes/NAME, .../species
  *   NAME/ID/index.bin                     what plans are made from (index.h); ID: the pack's
- *   NAME/ID/chunks.bin                    all chunks, in the pack's order; no inventory
+ *   NAME/ID/chunks.bin                    all chunks, in the pack's order; of the inventory the named columns alone
  *   NAME/ID/first-N.bin                   ecoserve's answers to the first view, and to each saved one
  *
  * Files are written one by one, index.html last, so that a folder may be published into again. Other files there are
@@ -13,6 +13,7 @@
 
 #include <stdint.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/status.h"
 
 #define SRV_PUBLISH_VIEWS_MAX 100u
@@ -21,6 +22,7 @@ struct srv_publish {
 	char *const *packs;      uint32_t count;         /* [NAME=]OUT.eco each, as ecoserve's */
 	const char *folder;      /* is made if it is missing */
 	const char *viewer;      /* NULL: where ecoserve finds it */
+	const struct eco_string_pool *columns;   /* of the packs' rows, for all to see; NULL or empty: no rows at all */
 	const char *views;       /* a camera script, whose keyframes are saved views of the only pack; NULL: none */
 };
 struct srv_published { uint64_t files, bytes, index_bytes, first_bytes; };       /* index, first: of all scenes */

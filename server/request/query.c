@@ -10,7 +10,7 @@
 
 #define NUMBER_BYTES_MAX 48u
 
-enum param_kind { PARAM_POINT, PARAM_NUMBER, PARAM_SIZE, PARAM_COUNT, PARAM_RULE, PARAM_FLAG, PARAM_ID };
+enum param_kind { PARAM_POINT, PARAM_NUMBER, PARAM_SIZE, PARAM_COUNT, PARAM_RULE, PARAM_FLAG, PARAM_ID, PARAM_TEXT };
 
 struct param_row {
 	const char *name;
@@ -45,6 +45,11 @@ static const struct param_row view_rows[] = {
 static const struct param_row plants_rows[] = { { "first", PARAM_COUNT, false, AT(first), UINT64_MAX, 0 },
 	{ "count", PARAM_COUNT, false, AT(count), SRV_PLANTS_MAX, 1 }, { "pack", PARAM_ID, false, AT(pack), 0,
 	0 }, { NULL, 0, 0, 0, 0, 0 } };
+#undef AT
+#define AT(field) offsetof(struct srv_find_query, field)
+static const struct param_row find_rows[] = { { "text", PARAM_TEXT, true, AT(text), 0, 0 },
+	{ "first", PARAM_COUNT, false, AT(first), UINT64_MAX, 0 }, { "count", PARAM_COUNT, false, AT(count), SRV_FIND_MAX, 1 },
+	{ "pack", PARAM_ID, false, AT(pack), 0, 0 }, { NULL, 0, 0, 0, 0, 0 } };
 #undef AT
 
 static const struct { const char *name; lod_rule *rule; } rules[] = { { "optimal", lod_rule_optimal },
@@ -145,6 +150,11 @@ static const char *parse_field(void *field, const struct param_row *row, const c
 	case PARAM_ID:
 		pack->given = srv_parse_id(text, &pack->id);
 		return pack->given ? NULL : "not an id of 32 lower-case hex digits";
+	case PARAM_TEXT:
+		if (!*text || strlen(text) > SRV_FIND_TEXT_BYTES)
+			return "not a text of 1 to 100 bytes";
+		strcpy(field, text);
+		return NULL;
 	}
 	return NULL;
 }
@@ -177,6 +187,14 @@ enum eco_code srv_plants_query_parse(struct srv_plants_query *query, const struc
 {
 	*query = (struct srv_plants_query){ .count = SRV_PLANTS_MAX };
 	return parse_params(query, plants_rows, "first, count and pack", target, error);
+}
+
+enum eco_code srv_find_query_parse(struct srv_find_query *query, const struct srv_target *target,
+	struct eco_error *error)
+{
+	*query = (struct srv_find_query){ .count = SRV_FIND_MAX };
+	enum eco_code code = parse_params(query, find_rows, "text, first, count and pack", target, error);
+	return code || *query->text ? code : eco_fail(error, ECO_BAD_INPUT, "parameter 'text' is missing: what is to be found");
 }
 
 static enum eco_code check_next(struct srv_query *query, const struct srv_target *target,

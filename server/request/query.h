@@ -34,6 +34,14 @@ struct srv_plants_query { uint64_t first, count; struct srv_pack_named pack; };
 enum eco_code srv_plants_query_parse(struct srv_plants_query *query, const struct srv_target *target,
 	struct eco_error *error);
 
+#define SRV_FIND_TEXT_BYTES 100u
+#define SRV_FIND_BLOCKS 4u       /* of 4096 plants that are looked at for an answer, ... */
+#define SRV_FIND_MAX 64u         /* ... and plants of it */
+struct srv_find_query { char text[SRV_FIND_TEXT_BYTES + 1]; uint64_t first, count; struct srv_pack_named pack; };
+/* ?text=T&first=N&count=N&pack=ID; all but the text are optional. */
+enum eco_code srv_find_query_parse(struct srv_find_query *query, const struct srv_target *target,
+	struct eco_error *error);
+
 /* A route without parameters: ECO_BAD_INPUT if there are any. */
 enum eco_code srv_query_none(const struct srv_target *target, struct eco_error *error);
 

@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "ecofiles/base/text.h"
+
 #define HOST_BYTES_MAX 255u
 
 static bool is_segment_byte(char c)
@@ -113,9 +115,12 @@ static enum eco_code parse_path(struct srv_target *target, const char *raw, size
 	return ECO_OK;
 }
 
+/* `text` is for words of people: UTF-8, with spaces. */
 static enum eco_code parse_value(const char *raw, size_t size, const char *name, char **out,
 	struct eco_error *error)
 {
+	const bool words = strcmp(name, "text") == 0;
+	char *first = *out;
 	for (size_t at = 0; at < size; at++) {
 		char c = raw[at];
 		if (c == '%') {
@@ -125,11 +130,13 @@ static enum eco_code parse_value(const char *raw, size_t size, const char *name,
 			c = (char)(hex_digit(raw[at + 1]) * 16 + hex_digit(raw[at + 2]));
 			at += 2;
 		}
-		if (c <= 0x20 || c >= 0x7f)
+		if (words ? (c >= 0 && c < 0x20) || c == 0x7f : c <= 0x20 || c >= 0x7f)
 			return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s': only printable ASCII "
 				"without spaces is allowed", name);
 		*(*out)++ = c;
 	}
+	if (words && !eco_utf8_valid(first, (size_t)(*out - first)))
+		return eco_fail(error, ECO_BAD_INPUT, "parameter 'text': it is no UTF-8");
 	*(*out)++ = 0;
 	return ECO_OK;
 }
@@ -212,6 +219,7 @@ const struct srv_route srv_routes[SRV_RESOURCE_COUNT] = {
 	[SRV_STREAM] = { "/v1/scenes/{scene}/stream", "GET, HEAD, POST, OPTIONS", READ | SRV_METHOD_POST },
 	[SRV_CHUNK] = { "/v1/scenes/{scene}/chunks/{id}", "GET, HEAD, OPTIONS", READ },
 	[SRV_PLANTS] = { "/v1/scenes/{scene}/plants/{list}", "GET, HEAD, OPTIONS", READ },
+	[SRV_FIND] = { "/v1/scenes/{scene}/find", "GET, HEAD, OPTIONS", READ },
 	[SRV_SPECIES] = { "/v1/scenes/{scene}/species", "GET, HEAD, OPTIONS", READ },
 	[SRV_INDEX] = { "/", "GET, HEAD, OPTIONS", READ, .is_page = true },
 	[SRV_ICON] = { "/favicon.ico", "GET, HEAD, OPTIONS", READ, .is_page = true },

@@ -56,6 +56,7 @@ enum srv_resource {
 	SRV_STREAM,
 	SRV_CHUNK,
 	SRV_PLANTS,
+	SRV_FIND,
 	SRV_SPECIES,
 	SRV_INDEX,
 	SRV_ICON,

@@ -18,6 +18,13 @@ for scene in city:20 park:20 forest:3000; do
 	"$BUILD/ecopack" generate "$name" -o "$dir/$name" --plants "${scene#*:}" --quiet >/dev/null || fail "generate $name"
 	"$BUILD/ecopack" make --draft "$dir/$name/scene.json" -o "$dir/$name.eco" --quiet || fail "make $name"
 done
+# rows without the inventory's name, whose columns are all published: then answers about plants are ecoserve's, too
+printf 'x,y,kind,height,health,owner\n1,1,cards-1,4,good,Anna Geheim\n5,1,cards-2,,poor,\n9,3,cards-1,6,good,\n' >"$dir/park/trees.csv"
+plants=$(jq -c '.plants | to_entries[:1] | from_entries' "$dir/park/scene.json") plant=$(jq -r '.plants | keys_unsorted[0]' "$dir/park/scene.json")
+echo "{\"plants\": $plants, \"crs\": \"EPSG:32632\", \"origin\": [0, 0, 0], \"instances\": [{\"from\": \"trees.csv\", \"crs\": \"EPSG:32632\",
+	\"x\": \"x\", \"y\": \"y\", \"species\": \"kind\", \"map\": {\"*\": \"$plant\"}}]}" >"$dir/park/trees.json"
+"$BUILD/ecopack" make --draft "$dir/park/trees.json" --no-rows --columns health,height -o "$dir/trees.eco" --quiet || fail "make trees"
+"$BUILD/ecopack" publish "$dir/trees.eco" --columns health,height --viewer build/web/site -o "$dir/rows" --quiet || fail "publish rows"
 # two saved views of a scene of its own
 view='"eye": [60, -40, 30], "target": [0, 0, 5], "fov_y_deg": 45'
 echo "{\"fps\": 1, \"keyframes\": [{\"time_s\": 0, $view}, {\"time_s\": 6, $view}]}" >"$dir/views.json"
@@ -34,7 +41,7 @@ done
 [ -z "$(find "$dir/site" -name '*.mjs' -o -name '*.tmp-*')" ] || fail "files that are none of a published folder"
 grep -c . "$dir/site/index.html" >/dev/null && ! grep -rqs '\.mjs' "$dir/site/index.html" "$dir/site/viewer" || fail "the page names .mjs"
 
-"$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "$dir/city.eco" "$dir/park.eco" "$dir/forest.eco" >"$dir/ready" &
+"$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "$dir/city.eco" "$dir/park.eco" "$dir/forest.eco" "$dir/trees.eco" >"$dir/ready" &
 server=$!
 proxy=
 trap 'kill $server $proxy 2>/dev/null' EXIT
@@ -43,6 +50,7 @@ url=$(sed -n 's/.*ready on \([^ ]*\) .*/\1/p' "$dir/ready")
 [ -n "$url" ] || fail "ecoserve did not start"
 node tests/client/web/published.mjs build/web/site "$dir/site" "$url/v1/scenes/city" "$url/v1/scenes/park" \
 	"$url/v1/scenes/forest" || fail "the planner differs from ecoserve"
+node tests/client/web/published.mjs build/web/site "$dir/rows" "$url/v1/scenes/trees" || fail "published rows differ from ecoserve's"
 
 port=$(free_port)
 if command -v nginx >/dev/null; then

@@ -97,4 +97,34 @@ jq -c '.features[].properties | {species, file, row, line} | with_entries(select
 jq -c 'del(.plant)' both.rows | sort | cmp - map.rows || fail "not as in the map: $(cat map.rows)"
 [ "$(jq -c '[.features[].properties | .plant] | group_by(.) | map([.[0], length])' map.geojson)" = '[["ash",3],["elm",4],["oak",3]]' ] ||
 	fail "other plants in the map"
+# columns: none unless they are named, and of those that a pack has only those that are named again are published; no owner's name is left
+# where it was not. A part without columns is linked to one that has some
+printf 'x,y,kind,height,dbh,owner,health\n1,1,oak,4,,Anna Geheim,good\n3,1,ash,,30,Bernd Privat,\n' >c.csv
+echo "{\"plants\": {$plants}, \"crs\": \"EPSG:32632\", \"origin\": [0, 0, 0], \"instances\": [
+	{\"from\": \"c.csv\", \"crs\": \"EPSG:32632\", \"x\": \"x\", \"y\": \"y\", \"species\": \"kind\", \"map\": {\"oak\": \"oak\", \"*\": \"ash\"},
+	\"height_m\": [{\"column\": \"height\", \"unit\": \"m\"}, {\"from_dbh_cm\": \"dbh\", \"max\": 30, \"rate\": 0.02}]}]}" >c.json
+make c.json -o plain.eco
+make c.json --columns health,owner -o owners.eco
+make c.json --columns health --no-rows -o health.eco
+"$BUILD/ecopack" make c.json --columns nothing -o no.eco --draft -q 2>err && fail "a column that no inventory has"
+grep -q 'no inventory of the scene has a column "nothing"' err || fail "a missing column: $(cat err)"
+grep -aq Geheim plain.eco health.eco && fail "an owner's name in a pack that was made without"
+grep -aq 'Anna Geheim' owners.eco || fail "the owners' column is not in the pack"
+mkdir viewer && printf '<meta charset="utf-8">\n' >viewer/index.html && gzip -k viewer/index.html && cp viewer/index.html.gz viewer/index.html.br
+"$BUILD/ecopack" publish t=owners.eco -o none --viewer viewer -q || fail "publish"
+"$BUILD/ecopack" publish t=owners.eco -o some --viewer viewer --columns health -q || fail "publish --columns"
+"$BUILD/ecopack" publish t=health.eco -o more --viewer viewer --columns owner -q 2>err && fail "a column that the pack has not"
+grep -q 'have no column "owner"' err || fail "a missing column: $(cat err)"
+grep -raq 'Geheim\|Privat\|c\.csv' none some && fail "a published folder names owners, or the inventory"
+grep -aq good none/t/*/chunks.bin && fail "a column is published that nobody named"
+grep -aq good some/t/*/chunks.bin && grep -q '"columns":\["health","height_from","crown_from"\]' some/t/scene.json || fail "the named column is not published"
+mkdir linked2 && "$BUILD/ecopack" link a.eco owners.eco -o linked2/all.eco -q || fail "link with columns"
+mkfifo said2
+"$BUILD/ecoserve" --listen 127.0.0.1:0 health=health.eco all=linked2/all.eco >said2 &
+read -r said <said2
+base=$(echo "$said" | sed -n 's/.*ready on \([^ ]*\) .*/\1/p')/v1/scenes
+ask 'health/find?text=GOOD' | jq -c '[.plants[] | .species, .cells]' >found
+ask 'all/find?text=privat' | jq -c '[.plants[] | .species, .file, .row, .cells]' >>found
+printf '%s\n' '["oak",["good",null,"the model"]]' '["ash","c.csv",2,[null,"Bernd Privat","trunk diameter","the model"]]' | cmp - found ||
+	fail "other cells: $(cat found)"
 echo "ok: rows are kept, and are those of the tables"

@@ -23,6 +23,8 @@ static void assert_same_row(const struct eco_inventory_row *a, const struct eco_
 	assert_true(same_text(a->file, b->file));
 	assert_int_equal(a->row, b->row);
 	assert_int_equal(a->line, b->line);
+	for (uint32_t k = 0; k < ECO_INVENTORY_CELLS; k++)
+		assert_true(same_text(a->cells[k], b->cells[k]));
 }
 
 static size_t assert_comes_back(const struct eco_inventory_row *rows, const struct eco_inventory_row *want,
@@ -46,8 +48,21 @@ UNIT_TEST(many_names_and_the_greatest_rows_come_back)
 		snprintf(names[i], sizeof names[i], "B\u00e4ume %u", i);
 	for (uint32_t i = 0; i < ECO_INVENTORY_PLACES; i++)
 		rows[i] = (struct eco_inventory_row){ names[2 * i], names[2 * i + 1], i % 2 ? 1 : most,
-			i % 3 ? i % 3 - 1 : most };
+			i % 3 ? i % 3 - 1 : most, { NULL } };
 	assert_comes_back(rows, rows, ECO_INVENTORY_PLACES);
+}
+
+/* A block without cells is as it was before there were any. */
+UNIT_TEST(cells_come_back_and_cost_nothing_where_there_are_none)
+{
+	const struct eco_inventory_row plain[] = { { "a", "f", 1, 2, { NULL } }, { NULL, NULL, 0, 0, { NULL } } };
+	struct eco_inventory_row full[] = { plain[0], plain[1] };
+	full[0].cells[0] = "12 m";
+	full[1].cells[ECO_INVENTORY_CELLS - 1] = "B\u00e4ume";
+	assert_true(assert_comes_back(plain, plain, 2) < assert_comes_back(full, full, 2));
+	struct eco_bytes bytes = eco_inventory_encode(plain, 2);
+	assert_int_equal(bytes.at[0], 2);        /* names */
+	free(bytes.at);
 }
 
 /* Names are as long as they may be and UTF-8; rows beyond what is kept are none. */
@@ -58,13 +73,14 @@ UNIT_TEST(what_does_not_fit_is_cut)
 	wide[300] = 0;
 	memset(cut, 'x', 255);
 	cut[255] = 0;
-	const struct eco_inventory_row given[] = { { wide, "\xff", 1, 1 },
+	const struct eco_inventory_row given[] = { { wide, "\xff", 1, 1, { NULL } },
 		{ "a\xff"
 		  "b",
-			"f", ECO_INVENTORY_ROW_MAX + 1, 2 },
-		{ NULL, "f", 7, ECO_INVENTORY_ROW_MAX + 1 }, { NULL, NULL, 7, 8 }, { NULL, "f", 0, 0 } };
-	const struct eco_inventory_row want[] = { { cut, "?", 1, 1 }, { "a", NULL, 0, 0 },
-		{ NULL, "f", 7, 0 }, { 0 }, { 0 } };
+			"f", ECO_INVENTORY_ROW_MAX + 1, 2, { NULL } },
+		{ NULL, "f", 7, ECO_INVENTORY_ROW_MAX + 1, { NULL } }, { NULL, NULL, 7, 8, { NULL } },
+		{ NULL, "f", 0, 0, { NULL } } };
+	const struct eco_inventory_row want[] = { { cut, "?", 1, 1, { NULL } }, { "a", NULL, 0, 0, { NULL } },
+		{ NULL, "f", 7, 0, { NULL } }, { 0 }, { 0 } };
 	assert_comes_back(given, want, 5);
 }
 

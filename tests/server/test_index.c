@@ -37,7 +37,7 @@ static int start(void **state)
 	scene_free(&b);
 	srv_typical_find_all(&store, NULL);
 	plain = malloc(INDEX_MOST);
-	return srv_index_write(&packed, store.scenes[0], &chunk_bytes, &cause)
+	return srv_index_write(&packed, store.scenes[0], NULL, &chunk_bytes, &cause)
 		|| uncompress(plain, &plain_size, packed.bytes, packed.size) != Z_OK;
 }
 
@@ -170,7 +170,7 @@ UNIT_TEST(rows_of_inventories_are_not_published)
 	struct eco_writer index = { 0 };
 	uint64_t bytes;
 	assert_non_null(rows);
-	assert_good(srv_index_write(&index, scene, &bytes, &cause));
+	assert_good(srv_index_write(&index, scene, NULL, &bytes, &cause));
 	const struct eco_chunk *chunks = scene->pack->scene.chunks;
 	assert_int_equal(bytes, chunks[rows->chunk_first].offset - chunks[0].offset);
 	eco_writer_free(&index);

@@ -69,6 +69,41 @@ UNIT_TEST(species_file_and_row_are_those_of_the_pack)
 	unlink(path);
 }
 
+/* The whole scene is searched, in pieces; a number is one of a row. */
+UNIT_TEST(plants_are_found_by_species_model_and_row)
+{
+	static const struct { const char *text; uint64_t first, count; const char *found; } cases[] = { { "AS", 0, 9, "2 3 " },
+		{ "elm", 0, 9, "5 " }, { "oak", 0, 9, "0 1 2 3 4 5 6 " }, { "oak", 2, 3, "2 3 4 " }, { "4", 0, 9, "2 " },
+		{ "70000", 0, 9, "5 " }, { "trees", 0, 9, "" } };
+	struct srv_store other;
+	char path[64];
+	open_small(&other, path, false);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct srv_json json = { 0 };
+		struct srv_find_query query = { .first = cases[i].first, .count = cases[i].count };
+		char found[64] = "";
+		snprintf(query.text, sizeof query.text, "%s", cases[i].text);
+		assert_good(srv_describe_found(&json, other.scenes[0], NULL, &query, &cause));
+		json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL), *plant;
+		size_t k;
+		json_array_foreach(json_object_get(said, "plants"), k, plant) {
+			snprintf(found + strlen(found), sizeof found - strlen(found), "%lld ", (long long)count_in(plant, "index"));
+			assert_int_equal(json_array_size(json_object_get(plant, "foot")), 3);
+			assert_true(json_number_value(json_object_get(plant, "height_m")) > 0);
+		}
+		assert_string_equal(found, cases[i].found);
+		assert_true(cases[i].count == 3 ? count_in(said, "next") == 5 : json_is_null(json_object_get(said, "next")));
+		json_decref(said);
+		eco_writer_free(&json.out);
+	}
+	struct srv_json json = { 0 };
+	assert_code(srv_describe_found(&json, other.scenes[0], NULL, &(struct srv_find_query){ "oak", .first = 7, .count = 1 },
+		&cause), ECO_BAD_INPUT, "has 7 plants");
+	eco_writer_free(&json.out);
+	srv_store_free(&other);
+	unlink(path);
+}
+
 UNIT_TEST(damaged_rows_are_an_error_of_these_alone)
 {
 	struct srv_store other;
@@ -120,6 +155,12 @@ UNIT_TEST(what_is_asked_for_must_be_there)
 		{ LIST("%u") "?pack=x", 400, "hex digits" },
 		{ LIST("%u") "?species=oak", 400, "known are first, count and pack" },
 		{ LIST("%u") "?pack=00000000000000000000000000000000", 409, "numbers" },
+		{ BASE "/find", 400, "'text' is missing" },
+		{ BASE "/find?text=%20&count=65", 400, "from 1 to 64" },
+		{ BASE "/find?text=%ff", 400, "no UTF-8" },
+		{ BASE "/find?text=%0a", 400, "'text'" },
+		{ BASE "/find?text=a%20B%c3%a4um&first=0&count=1", 200, "\"plants\":[]" },
+		{ BASE "/find?text=x&pack=00000000000000000000000000000000", 409, "numbers" },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		char target[200];

@@ -59,7 +59,7 @@ static void assert_text(const char *path, const char *has, const char *lacks)
 static enum eco_code publish(const char *folder, const char *views, uint32_t packs, struct srv_published *made)
 {
 	char first[] = "a=" PACK, second[] = "b=" PACK, *const both[] = { first, second };
-	return srv_publish(&(struct srv_publish){ both, packs, folder, DIR "/viewer", views }, made, &cause);
+	return srv_publish(&(struct srv_publish){ both, packs, folder, DIR "/viewer", NULL, views }, made, &cause);
 }
 
 UNIT_TEST(a_folder_has_an_answer_for_each_keyframe_and_no_rows)

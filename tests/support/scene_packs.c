@@ -275,9 +275,9 @@ static void small_ground_image(struct scene_builder *b)
 	scene_add_ground_image(b, (struct eco_ground_image){ .list = id });
 }
 
-const struct eco_inventory_row small_pack_rows[SMALL_PACK_PLANTS] = { { NULL, "trees.csv", 12, 14 },
-	{ NULL, "trees.csv", 3, 5 }, { "ash", "trees.csv", 4, 6 }, { "ash", NULL, 0, 0 }, { 0 },
-	{ "elm", "more.geojson", 70000, 0 }, { NULL, "more.geojson", 1, 0 } };
+const struct eco_inventory_row small_pack_rows[SMALL_PACK_PLANTS] = { { NULL, "trees.csv", 12, 14, { NULL } },
+	{ NULL, "trees.csv", 3, 5, { NULL } }, { "ash", "trees.csv", 4, 6, { NULL } }, { "ash", NULL, 0, 0, { NULL } }, { 0 },
+	{ "elm", "more.geojson", 70000, 0, { NULL } }, { NULL, "more.geojson", 1, 0, { NULL } } };
 
 static void small_inventory(struct scene_builder *b)
 {

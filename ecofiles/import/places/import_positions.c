@@ -250,11 +250,12 @@ static double read_base(const struct eco_positions *p, double height_m)
 	return share >= 0 && share < 1 ? share : NAN;
 }
 
-static double read_height(struct eco_positions *p, const struct eco_size_row *row, double crown_radius_m)
+static double read_height(struct eco_positions *p, const struct eco_size_row *row, struct eco_position *record)
 {
-	static const enum eco_sized sized[] = { [ECO_SIZE_NUMBER] = ECO_SIZED_NUMBER,
-		[ECO_SIZE_COLUMN] = ECO_SIZED_MEASURED, [ECO_SIZE_DBH] = ECO_SIZED_TRUNK, [ECO_SIZE_AGE] = ECO_SIZED_AGE,
-		[ECO_SIZE_YEAR] = ECO_SIZED_AGE };
+	static const struct { enum eco_sized sized; const char *from; } kinds[] = {
+		[ECO_SIZE_NUMBER] = { ECO_SIZED_NUMBER, "the scene file" }, [ECO_SIZE_COLUMN] = { ECO_SIZED_MEASURED, NULL },
+		[ECO_SIZE_DBH] = { ECO_SIZED_TRUNK, "trunk diameter" }, [ECO_SIZE_AGE] = { ECO_SIZED_AGE, "age" },
+		[ECO_SIZE_YEAR] = { ECO_SIZED_AGE, "age" } };
 	const struct eco_positions_spec *s = p->spec;
 	char buffer[48];
 	for (uint32_t i = 0; i < s->height_count; i++) {
@@ -262,12 +263,14 @@ static double read_height(struct eco_positions *p, const struct eco_size_row *ro
 			HEIGHT_PLAUSIBLE_M);
 		if (isnan(height))
 			continue;
-		p->sizes[sized[s->heights[i].kind]]++;
+		p->sizes[kinds[s->heights[i].kind].sized]++;
+		record->height_from = kinds[s->heights[i].kind].from;
 		return height;
 	}
 	p->sizes[ECO_SIZED_NOT]++;
+	record->height_from = isnan(record->crown_radius_m) ? "the model" : "crown width";
 	if (s->height_count > 0)
-		eco_row_skip(p, isnan(crown_radius_m) ? ECO_KEPT_NO_HEIGHT : ECO_KEPT_BY_CROWN,
+		eco_row_skip(p, isnan(record->crown_radius_m) ? ECO_KEPT_NO_HEIGHT : ECO_KEPT_BY_CROWN,
 			eco_row_shown(eco_row_field(p, ECO_COLUMN_HEIGHTS), buffer, sizeof buffer));
 	return NAN;
 }
@@ -286,7 +289,7 @@ static void read_sizes(struct eco_positions *p, struct eco_position *record)
 		.plant_of = { needs_flora(p->spec) ? eco_species_flora(p->species, p->said) : NULL, p->spec->stand } };
 	uint64_t guessed = p->sizes[ECO_SIZED_TRUNK] + p->sizes[ECO_SIZED_AGE], measured = p->sizes[ECO_SIZED_MEASURED];
 	record->crown_radius_m = read_crown(p, &row);
-	record->height_m = read_height(p, &row, record->crown_radius_m);
+	record->height_m = read_height(p, &row, record);
 	if (p->sizes[ECO_SIZED_MEASURED] > measured || p->spec->crown.base_is_ratio)
 		record->base = read_base(p, record->height_m);
 	if (!isnan(record->crown_radius_m)) {
@@ -294,7 +297,10 @@ static void read_sizes(struct eco_positions *p, struct eco_position *record)
 	} else if (p->spec->crown.by_species && row.plant_of.flora && !isnan(record->height_m)) {
 		record->crown_radius_m = guess_crown(p, &row, record->height_m, p->sizes[ECO_SIZED_MEASURED] > measured);
 		record->crown_is_guess = true;
+		record->crown_from = record->height_from ? record->height_from : "height";
 		p->sizes[ECO_SIZED_CROWN_GUESS]++;
+	} else {
+		record->crown_from = "the model";
 	}
 	if (needs_flora(p->spec) && (record->crown_is_guess || p->sizes[ECO_SIZED_TRUNK] + p->sizes[ECO_SIZED_AGE] > guessed))
 		p->sizes[ECO_SIZED_BY_SPECIES + eco_growth_rank(row.plant_of)]++;
@@ -314,6 +320,21 @@ static double read_scale(struct eco_positions *p)
 	double scale;
 	bool there = eco_text_number(eco_row_field(p, ECO_COLUMN_SCALE), eco_row_decimal(p), &scale);
 	return there && scale >= SCALE_MIN && scale <= SCALE_MAX ? scale : 1;
+}
+
+/* A field as the row has it, fit for a pack. */
+static const char *read_text(struct eco_positions *p, uint32_t column, char text[ECO_SPECIES_BYTES + 1])
+{
+	eco_row_shown(eco_row_field(p, column), text, ECO_SPECIES_BYTES + 1);
+	tidy(text, strlen(text) == ECO_SPECIES_BYTES);
+	return text;
+}
+
+/* Empty, too, where a row is short. */
+static const char *read_cell(struct eco_positions *p, uint32_t i)
+{
+	uint32_t column = p->column[ECO_COLUMN_CELLS + i];
+	return column < p->rows->field_count && *read_text(p, ECO_COLUMN_CELLS + i, p->cells[i]) ? p->cells[i] : NULL;
 }
 
 /* ---- Records ---- */
@@ -341,11 +362,10 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 	read_sizes(p, record);
 	record->yaw_deg = read_yaw(p);
 	record->scale = read_scale(p);
-	if (p->spec->tint.column) {
-		eco_row_shown(eco_row_field(p, ECO_COLUMN_TINT), p->tint, sizeof p->tint);
-		tidy(p->tint, strlen(p->tint) == ECO_SPECIES_BYTES);
-		record->tint = p->tint;
-	}
+	if (p->spec->tint.column)
+		record->tint = read_text(p, ECO_COLUMN_TINT, p->tint);
+	for (uint32_t i = 0; i < p->spec->cell_count; i++)
+		record->cells[i] = read_cell(p, i);
 	record->row = p->rows->row;
 	record->line = p->rows->line;
 	p->plants++;
@@ -424,12 +444,15 @@ static void name_columns(const struct eco_positions_spec *s, const char *names[E
 		names[ECO_COLUMN_HEIGHTS + i] = s->heights[i].column;
 	for (uint32_t i = 0; i < s->filter_count; i++)
 		names[ECO_COLUMN_FILTERS + i] = s->filters[i].column;
+	for (uint32_t i = 0; i < s->cell_count; i++)
+		names[ECO_COLUMN_CELLS + i] = s->cells[i];
 }
 
 static enum eco_code find_columns(struct eco_positions *p, const char *names[ECO_COLUMN_COUNT],
 	struct eco_error *error)
 {
 	const struct eco_positions_spec *s = p->spec;
+	struct eco_error absent = { 0 };         /* a column of cells: they are empty */
 	bool geometry_z = s->z && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
 	enum eco_code code = check_unit(s, error);
 	p->from_geometry = p->rows->has_geometry && !s->x;
@@ -443,7 +466,10 @@ static enum eco_code find_columns(struct eco_positions *p, const char *names[ECO
 	p->use_z = s->z != NULL;
 	p->fields_needed = 0;
 	names[ECO_COLUMN_Z] = geometry_z ? NULL : s->z;
-	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_COUNT; i++) {
+	for (int i = ECO_COLUMN_CELLS; i < ECO_COLUMN_COUNT; i++)
+		if (eco_rows_find_column(p->rows, s->path, names[i], &p->column[i], &absent))
+			p->column[i] = ECO_NONE;
+	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_CELLS; i++) {
 		bool of_z = i >= ECO_COLUMN_HEIGHTS && i < ECO_COLUMN_FILTERS && names[i] && p->rows->has_z
 			&& strcmp(names[i], ECO_COLUMN_GEOMETRY) == 0;
 		if (of_z) {
@@ -566,6 +592,11 @@ void eco_positions_counted(const struct eco_positions *reader, struct eco_positi
 		.where = reader->rows ? reader->rows->where : "line", .rows = reader->rows
 		? reader->rows->row : 0 };
 	eco_species_counted(reader->species, counts);
+}
+
+bool eco_positions_has_cell(const struct eco_positions *reader, uint32_t cell)
+{
+	return reader->column[ECO_COLUMN_CELLS + cell] != ECO_NONE;
 }
 
 bool eco_positions_has_lines(const struct eco_positions *reader)

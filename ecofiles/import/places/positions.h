@@ -40,6 +40,7 @@ enum eco_size_kind { ECO_SIZE_NONE, ECO_SIZE_NUMBER, ECO_SIZE_COLUMN, ECO_SIZE_D
 };
 
 #define ECO_CROWN_COLUMNS 4u
+#define ECO_CELLS_MAX 8u
 
 struct eco_size {                /* one source of a height or of a crown's radius */
 	enum eco_size_kind kind;
@@ -111,6 +112,8 @@ struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: n
 	char *yaw_deg;               /* 0: unlimited; else at most so many heights per plant */
 	char *scale;                 /* column; NULL: 1 */
 	uint64_t seed;
+	/* further columns, whose fields come with each record; files may lack some */
+	const char *const *cells;    uint32_t cell_count;
 	bool left_out;               /* hands out the places of rows that `filters` and the map leave out, and no others */
 	uint32_t line, column;       /* in the scene file, for messages */
 };
@@ -127,6 +130,7 @@ struct eco_position {
 	 * states none; NULL: no column does. Valid until the next call */
 	const char *species;
 	const char *tint;            /* the field of the tint's column, made fit and valid likewise; NULL: there is none */
+	const char *cells[ECO_CELLS_MAX];    /* likewise, of the spec's cells; NULL: empty, or there is no such column */
 	uint32_t plant;              /* a variant, by a hash of the row's number; ECO_NONE: end */
 	uint32_t variant_first, variant_count;       /* the variants it was taken from */
 	double at[3];                /* metres from the origin; z is 0 if the row has none */
@@ -135,6 +139,7 @@ struct eco_position {
 	double height_m;             /* NaN: the plant's own, or by crown_radius_m */
 	double crown_radius_m;       /* NaN: not known */
 	bool crown_is_guess;         /* by the species */
+	const char *height_from, *crown_from;        /* what a guess is made from, or "the model"; NULL: it is measured */
 	double base;                 /* where the crown begins, as a share of the height; NaN: not known */
 	double scale;                /* factor of the size; 1: not given */
 	uint64_t row, line;          /* data row from 1; line where it begins, or feature */
@@ -209,6 +214,8 @@ void eco_positions_counted(const struct eco_positions *reader, struct eco_positi
 /* Reports through `say`, a line per call without line ends: first guesses and notes, then the table. */
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),
 	void *ctx);
+/* Does the file have the column of a cell of the spec? */
+bool eco_positions_has_cell(const struct eco_positions *reader, uint32_t cell);
 /* Are the records' lines those of a text, not numbers of features? */
 bool eco_positions_has_lines(const struct eco_positions *reader);
 void eco_positions_close(struct eco_positions *reader);

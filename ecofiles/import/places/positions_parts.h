@@ -65,7 +65,7 @@ enum { ECO_COLUMN_X, ECO_COLUMN_Y, ECO_COLUMN_Z, ECO_COLUMN_SPECIES,
 	ECO_COLUMN_CROWN, ECO_COLUMN_CROWN_BASE = ECO_COLUMN_CROWN + ECO_CROWN_COLUMNS,
 	ECO_COLUMN_QUADRAT, ECO_COLUMN_AZIMUTH, ECO_COLUMN_DISTANCE, ECO_COLUMN_TINT, ECO_COLUMN_HEIGHTS,
 	ECO_COLUMN_FILTERS = ECO_COLUMN_HEIGHTS + ECO_HEIGHT_SOURCES_MAX,
-	ECO_COLUMN_COUNT = ECO_COLUMN_FILTERS + ECO_FILTERS_MAX };
+	ECO_COLUMN_CELLS = ECO_COLUMN_FILTERS + ECO_FILTERS_MAX, ECO_COLUMN_COUNT = ECO_COLUMN_CELLS + ECO_CELLS_MAX };
 
 #define ECO_COLUMN_OF_Z (ECO_NONE - 1)   /* no column: the points' heights, where a size is of ECO_COLUMN_GEOMETRY */
 
@@ -93,6 +93,7 @@ struct eco_positions {
 	char said[ECO_SPECIES_BYTES + 1];    /* species of the row being read */
 	char z[32];                  /* the height of its point */
 	char tint[ECO_SPECIES_BYTES + 1];    /* its value of the tint's column */
+	char cells[ECO_CELLS_MAX][ECO_SPECIES_BYTES + 1];
 	bool ended;
 };
 

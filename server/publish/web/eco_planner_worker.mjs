@@ -141,14 +141,22 @@ export class Planner {
 		}
 	}
 
-	/** openapi.yaml's Plants, without what rows say: published scenes have none. */
-	plants(path, onPart) {
-		const [, list, query] = /^\/plants\/(\d+)\?(.*)$/.exec(path), asked = new URLSearchParams(query);
-		const { m } = this, first = Number(asked.get('first')), plants = [];
-		for (let at, i = first; i < first + Number(asked.get('count') ?? 1024) && (at = m._planner_plant(list, i)); i++)
-			plants.push({ plant: m.UTF8ToString(at) });
-		onPart(new TextEncoder().encode(JSON.stringify({ list: Number(list), first, plants })));
-		return 200;
+	/** openapi.yaml's Plants and Found, of published rows. */
+	async plants(path, onPart, signal) {
+		const { m } = this, text = new TextEncoder().encode(`/v1/scenes/x${path}\0`), at = this.put(text);
+		try {
+			let status = 100;
+			for (let again = 0; status === 100; again = 1) {
+				if (again)
+					await this.fetch(this.wanted(), signal);
+				status = m._planner_plants(at, again);
+			}
+			if (status === 200)
+				onPart(new TextEncoder().encode(m.UTF8ToString(m._planner_body())));
+			return status;
+		} finally {
+			m._free(at);
+		}
 	}
 
 	ask(path, holdings) {
@@ -160,8 +168,8 @@ export class Planner {
 
 	async plan(path, holdings, onPart, signal) {
 		const { m } = this;
-		if (path.startsWith('/plants/'))
-			return this.plants(path, onPart);
+		if (/^\/(plants|find)\b/.test(path))
+			return this.plants(path, onPart, signal);
 		let status = this.ask(path, holdings);
 		this.rounds = 0;
 		while (status === 200 && (status = m._planner_go()) === 100) {

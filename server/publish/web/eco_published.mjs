@@ -3,7 +3,7 @@
 // To eco_planner_worker.mjs: { id, folder, path, body }, a request; { id, abort: true }. From it: { id, part }, the next
 // bytes of the answer; { id, status, error }, its end; { id, name, failed }: there is none.
 
-const hosts = new Map();         // by folder: { worker, running: Map of listeners by id }
+const hosts = new Map();         // by folder: { worker, running: Map of listeners by id, left }
 let last = 0;
 
 function hostOf(folder) {
@@ -22,6 +22,24 @@ function hostOf(folder) {
 	return host;
 }
 
+/** A worker that nobody needs ends, with the memory that its scene takes, once it has answered all. */
+function end(folder, host) {
+	if (!host.left || host.running.size || hosts.get(folder) !== host)
+		return;
+	host.worker.terminate();
+	hosts.delete(folder);
+}
+
+const folderOf = (url, pack) => new URL(`${url}/${pack}/`, import.meta.url).href;
+
+export function leave(url, pack) {
+	const folder = folderOf(url, pack), host = hosts.get(folder);
+	if (host) {
+		host.left = true;
+		end(folder, host);
+	}
+}
+
 function problem(status, title) {
 	const headers = { 'Content-Type': 'application/problem+json' };
 	return new Response(JSON.stringify({ status, title }), { status, headers });
@@ -29,18 +47,21 @@ function problem(status, title) {
 
 /** A Response, as fetch of ecoserve's would bring it. */
 function planned(folder, path, body, signal) {
-	const { worker, running } = hostOf(folder), id = ++last;
+	const host = hostOf(folder), { worker, running } = host, id = ++last;
+	host.left = false;
 	return new Promise((resolve, reject) => {
 		let control = null;
 		const stop = () => worker.postMessage({ id, abort: true });
 		const cancel = () => {
 			running.delete(id);
 			stop();
+			end(folder, host);
 		};
 		const stream = new ReadableStream({ start: (given) => { control = given; }, cancel });
 		const response = new Response(stream);
-		const end = (why) => {
+		const close = (why) => {
 			running.delete(id);
+			end(folder, host);
 			signal?.removeEventListener('abort', stop);
 			if (why) {
 				reject(why);
@@ -56,10 +77,10 @@ function planned(folder, path, body, signal) {
 				return resolve(response);
 			}
 			if (failed !== undefined)
-				return end(signal?.aborted ? signal.reason : Object.assign(name === 'TypeError' ? new TypeError(failed)
+				return close(signal?.aborted ? signal.reason : Object.assign(name === 'TypeError' ? new TypeError(failed)
 					: new Error(failed), { name }));
 			resolve(status >= 400 ? problem(status, error) : new Response(null, { status: 204 }));
-			end();
+			close();
 		});
 		worker.postMessage({ id, folder, path, body });
 	});
@@ -72,5 +93,5 @@ export async function answer(url, path, { body, signal } = {}) {
 		return fetch(`${url}${route || '/scene'}.json`, { signal, cache: 'no-cache' });
 	const pack = new URLSearchParams(query).get('pack') ?? (await (await fetch(`${url}/scene.json`)).json()).id;
 	signal?.throwIfAborted();
-	return planned(new URL(`${url}/${pack}/`, import.meta.url).href, path, body, signal);
+	return planned(folderOf(url, pack), path, body, signal);
 }

@@ -7,6 +7,8 @@
 
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/format/chunk/draco_shim.h"
+#include "ecofiles/format/inventory.h"
+#include "ecofiles/format/legend.h"
 #include "ecofiles/format/wire.h"
 #include "lod/plan/planner.h"
 #include "server/describe.h"
@@ -25,6 +27,7 @@ static struct {
 	uint8_t **payloads;              /* per chunk, or NULL */
 	struct planner_wanted *wanted;   uint32_t *chunks, wanted_count, wanted_capacity, chunk_capacity;
 	uint32_t there;                  /* of what is wanted */
+	struct eco_pack rows;            /* the index's pack, without a list of rows where they are not published */
 	struct eco_writer body;
 } own;
 
@@ -39,6 +42,13 @@ bool srv_trace_on(enum srv_trace_bit bit)
 void srv_trace(enum srv_trace_bit bit, const char *format, ...)
 {
 	(void)bit, (void)format;
+}
+
+/* Classes of tints are told by the legend alone. */
+const char *eco_legend_class(const json_t *meta, const struct eco_scene *scene, uint32_t list, uint64_t place)
+{
+	(void)meta, (void)scene, (void)list, (void)place;
+	return NULL;
 }
 
 /* Meshes are for who draws them. */
@@ -72,6 +82,16 @@ enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, c
 	return code;
 }
 
+/* Rows; ECO_INTERRUPTED: JavaScript fetches them first. */
+enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
+	struct eco_error *error)
+{
+	bool missing = !own.payloads[chunk];
+	enum eco_code code = srv_scene_payload(&own.index->scene, chunk, bytes, size_bytes, error);
+	(void)pack;
+	return code ? code : missing ? ECO_INTERRUPTED : ECO_OK;
+}
+
 /* ---- Opening ---- */
 
 static int status_of(enum eco_code code)
@@ -85,8 +105,13 @@ int planner_open(uint8_t *index, size_t size)
 	enum eco_code code = srv_index_read(&own.index, index, size, &own.error);
 	if (!code && !(own.payloads = calloc(own.index->pack.scene.chunk_count + 1u, sizeof *own.payloads)))
 		code = eco_no_memory(&own.error, "a published scene");
-	if (!code)
+	if (!code) {
 		own.index->pack.payloads = own.payloads;
+		own.rows = own.index->pack;
+		const struct eco_list *rows = eco_inventory_list(&own.rows.scene);
+		if (rows && own.rows.scene.chunks[rows->chunk_first].size_bytes == SRV_INDEX_NO_ROWS)
+			own.rows.scene.list_count--;
+	}
 	return status_of(code);
 }
 
@@ -94,10 +119,13 @@ const char *planner_error(void) { return own.error.text; }
 
 /* ---- Asking ---- */
 
-/* Frees what the answer before this one left. */
+static bool is_kept(enum eco_list_kind kind) { return kind == ECO_LIST_INSTANCES || kind == ECO_LIST_INVENTORY; }
+
+/* Frees what the answer before this one left, but for lists of plants and their rows. */
 static void forget(void)
 {
 	const struct eco_scene *scene = &own.index->pack.scene;
+	own.error = (struct eco_error){ 0 };     /* the first one of a request counts */
 	if (own.planned)
 		srv_stream_free(&own.stream);
 	own.planned = false;
@@ -109,7 +137,7 @@ static void forget(void)
 		if (own.index->known[g] == LOD_PLACES_WANTED)
 			own.index->known[g] = LOD_PLACES_MISSING;
 	for (uint32_t i = 0; i < scene->list_count; i++)
-		for (uint32_t c = 0; scene->lists[i].kind != ECO_LIST_INSTANCES && c < scene->lists[i].chunk_count; c++) {
+		for (uint32_t c = 0; !is_kept(scene->lists[i].kind) && c < scene->lists[i].chunk_count; c++) {
 			free(own.payloads[scene->lists[i].chunk_first + c]);
 			own.payloads[scene->lists[i].chunk_first + c] = NULL;
 		}
@@ -229,14 +257,35 @@ const char *planner_described(void)
 	return own.body.failed ? NULL : (const char *)own.body.bytes;
 }
 
-const char *planner_plant(uint32_t list, uint32_t instance)
+static enum eco_code describe_plants(struct srv_json *json)
 {
-	const struct eco_scene *scene = &own.index->pack.scene;
-	if (list >= scene->list_count || scene->lists[list].kind != ECO_LIST_INSTANCES
-			|| instance >= scene->lists[list].primitive_count)
-		return NULL;
-	const struct eco_group *group = eco_list_groups(scene, list);
-	while (instance >= group->first + group->count)
-		group++;
-	return scene->plants[group->plant].name;
+	const struct srv_scene rows = { .pack = &own.rows }, *scene = &rows;
+	struct srv_plants_query plants;
+	struct srv_find_query find;
+	const char *variables[2];
+	const struct srv_route *route = srv_route_find(&own.target, variables);
+	bool finds = route == &srv_routes[SRV_FIND];
+	enum eco_code code = finds ? srv_find_query_parse(&find, &own.target, &own.error)
+		: srv_plants_query_parse(&plants, &own.target, &own.error);
+	if (code || finds)
+		return code ? code : srv_describe_found(json, scene, own.index->known, &find, &own.error);
+	uint32_t list = route == &srv_routes[SRV_PLANTS] ? srv_plants_list(scene, variables[1]) : ECO_NONE;
+	return list == ECO_NONE ? eco_fail(&own.error, ECO_NOT_FOUND, "the scene has no such list of plants")
+		: srv_describe_plants(json, scene, list, &plants, &own.error);
+}
+
+int planner_plants(const char *target, int again)
+{
+	struct srv_json json = { .out = own.body };
+	if (!again)
+		forget();
+	enum eco_code code = again ? take_places() : srv_target_parse(&own.target, target, strlen(target), &own.error);
+	own.wanted_count = code ? own.wanted_count : 0;
+	json.out.size = 0;
+	code = code ? code : describe_plants(&json);
+	eco_write_u8(&json.out, 0);
+	own.body = json.out;
+	if (own.wanted_count || code == ECO_INTERRUPTED)
+		code = want_places();
+	return code == ECO_NOT_FOUND ? 404 : code && !own.wanted_count ? status_of(code) : own.wanted_count ? PLANNER_WANTS : own.body.failed ? 500 : 200;
 }

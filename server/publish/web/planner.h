@@ -29,9 +29,10 @@ uint32_t planner_wanted_count(void);
 /* The first `count` wanted chunks are there. Returns how many bytes of the body are final; -1: a fault. */
 double planner_part(uint32_t count);
 const uint8_t *planner_body(void);
-/* The name of the plant that an instance of a list is; NULL: there is none. */
-const char *planner_plant(uint32_t list, uint32_t instance);
 /* The plan as JSON (openapi.yaml's Plan), of a request to .../plan; NULL: a fault. */
 const char *planner_described(void);
+/* Answers .../plants/{list} and .../find. `again`: what the call before wanted is there. 200: planner_body is the JSON,
+ * and ends with a 0; PLANNER_WANTS; or why the request is refused. */
+int planner_plants(const char *target, int again);
 
 #endif
