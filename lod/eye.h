@@ -41,8 +41,8 @@ void lod_eye_make(struct lod_eye *eye, const struct eco_view *view);   /* view m
 void lod_eye_part(struct lod_eye *eye, uint32_t width, uint32_t height, const uint32_t at[2],
 	const uint32_t size[2]);
 /* The eye that takes sample `number` of each pixel. Sample 0 is the pixel's middle; the first 4, 8 and 16 are
- * spread evenly around it (lod/EXPERIMENTS.md, Samples). */
-#define LOD_SAMPLES_MAX 16u
+ * spread evenly around it (lod/EXPERIMENTS.md, Samples), and each further one lies farthest from those before. */
+#define LOD_SAMPLES_MAX 64u
 void lod_eye_sample(struct lod_eye *eye, uint32_t number);
 
 /* world = at + scale * turn(p), with x and y of p times 1 + wider */

@@ -18,6 +18,15 @@ export async function scenesHere() {
 /** The URL of a scene of this page. */
 export const sceneUrl = (name) => new URL(`${published ? '' : 'v1/scenes/'}${encodeURIComponent(name)}`, location.href).href;
 
+/** Whether rows of plants are known: a published scene has those of its columns alone. */
+export const hasRows = (url, about) => url.includes('v1/scenes/') || Boolean(about.columns);
+
+/** Says that a scene's pack is no longer asked for. */
+export async function leave(url, pack) {
+	if (!url.includes('v1/scenes/'))
+		(await import('./eco_published.mjs')).leave(url, pack);
+}
+
 /** fetch(url + path, init), url: a scene's. */
 export async function ask(url, path, init = {}) {
 	if (url.includes('v1/scenes/'))

@@ -22,7 +22,7 @@ const SUMMARIES = -1, GROUND = -2;       // web_client.h
 // a view that is out of date is given up when something of it came so long ago: else who moves on a slow line
 // would never get anything
 const PATIENCE_MS = 400;
-const SAMPLES_MAX = 16;          // lod_eye_sample has so many places in a pixel
+const SAMPLES_MAX = 64;          // lod_eye_sample has so many places in a pixel
 const FIRST_MS = 250;            // coarser pictures are shown while a view takes longer than this
 
 
@@ -139,6 +139,8 @@ export class EcoLayer {
 		this.moving = false;            // set by who draws: shadows are those of the picture before
 		this.hurried = false;           // set by who draws: moving pictures take too long, and lose their leaves
 		this.leafy = false;             // leaves are drawn on ellipsoids
+		this.samples = 16;              // that a picture at rest gets
+		this.clip = [0, 1];             // shares of the width between which the picture is shown
 		this.sampled = 0;               // samples of the picture that was drawn last
 		this.most = SAMPLES_MAX;        // of them, as far as is known
 		this.ahead = { asked: 0, aborted: 0 };   // requests that said where the eye will be
@@ -269,7 +271,7 @@ export class EcoLayer {
 
 	/** Whether the picture that was drawn last can have more samples: all of it is here. */
 	get refines() {
-		return this.complete && this.sampled < this.most;
+		return this.complete && this.sampled < Math.min(this.samples, this.most);
 	}
 
 	/** Adds a sample of each pixel's colour to the picture that was drawn last, which the next draw() of the same
@@ -316,6 +318,11 @@ export class EcoLayer {
 			}
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);
 			module.HEAPF64.set([...depth, x, y, width, height], stream.view / 8);
+			const [left, right] = this.clip.map((share) => Math.round(share * width));
+			if (right - left < width) {
+				gl.enable(gl.SCISSOR_TEST);
+				gl.scissor(x + left, y, right - left, height);
+			}
 			const [depths, area] = [stream.view, stream.view + 16];
 			module._web_present(stream.web, depths, area, this.sky ? 1 : 0, this.ground ? 1 : 0);
 		} finally {

@@ -1,7 +1,7 @@
 // A scene's stream in JavaScript: asks the server, and hands what comes to the C client (web_client.h).
 // Everything of a plan, a chunk or a picture is decided there; here are only bytes.
 
-import { ask } from './eco_ask.mjs';
+import { ask, leave } from './eco_ask.mjs';
 
 const SLICE_BYTES = 65536;      // fed at a time, so that decoding leaves time for input
 const SLICE_MS = 12;
@@ -56,6 +56,7 @@ export class EcoStream {
 	}
 
 	free() {
+		leave(this.url, this.pack).catch(() => {});
 		this.module._web_free(this.web);
 		this.module._free(this.view);
 		this.module._free(this.slice);
@@ -228,6 +229,16 @@ export class EcoStream {
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);
 		return (await answer.json()).plants;
+	}
+
+	/** Plants of all of the scene whose species, name in the pack or columns have a text, or whose row it is: openapi.yaml's
+	 * Found, from place `first` on. */
+	async find(text, first, count) {
+		const of = this.pack ? `&pack=${this.pack}` : '';
+		const answer = await ask(this.url, `/find?text=${encodeURIComponent(text)}&first=${first}&count=${count}${of}`, { headers: access(this.token) });
+		if (!answer.ok)
+			throw await problemOf(this.url, answer);
+		return answer.json();
 	}
 
 	/** Plants in view, the nearest first (web_plants). */

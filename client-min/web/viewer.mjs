@@ -15,7 +15,7 @@ const [menus, modes, layers] = ['.menu', '[data-mode]', '[data-layer]'].map((all
 const camera = new Camera();
 // vertices 0: as many as this device draws in time (`budget`); hide: layers that are not drawn
 const settings = { scene: '', mode: 'orbit', vertices: 0, bytes: -1, kind: 0, smooth: 0, sun: '',
-	shadows: 'perspective', hide: [], views: [] };
+	shadows: 'perspective', hide: [], views: [], beside: '', wipe: 0.5 };
 const BUDGET = 300000, BUDGET_LEAST = 100000, BUDGET_MOST = 3e6;
 const STILL_MS = 250, LOADING_MS = 300;
 const AHEAD_S = 1;                       // what a moving camera will need so soon is asked for, too
@@ -24,6 +24,8 @@ let ends = null, toured = null, saving = null;   // of what is measured; since w
 let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
 let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0, wasOffline = false;
 let faults = [], sunIsLinked = false;    // what the address has that cannot be read; whether it has a sun
+let scenes = [];                         // of this page: openapi.yaml's Scenes
+let besides = false;                     // the second scene is there
 let located = null;                      // the scene whose coordinates the camera has
 let budget = Number(kept('vertices')) || BUDGET;
 
@@ -142,7 +144,7 @@ function draw(now) {
 	showMeasured(ends, camera.matrix(shown[0] / shown[1]));
 	engine.postMessage({ type: 'draw', number: ++asked, still: !!still, matrix: camera.matrix(size[0] / size[1]), size,
 		moving, eye: camera.view().eye, next: nextView(now, moving), vertices: vertices || budget, bytes, shadows,
-		hide, sun: sun || null,
+		hide, sun: sun || null, wipe: settings.wipe,
 		tint: kind ? 'kind' : 'none', smooth: !!smooth, haze: camera.haze() });
 }
 
@@ -158,6 +160,7 @@ function resized() {
 	const ratio = Math.min(devicePixelRatio, 2);
 	$('still-width').value = Math.round(canvas.clientWidth * ratio);
 	$('still-height').value = Math.round(canvas.clientHeight * ratio);
+	showWipe();
 	moved();
 }
 
@@ -222,6 +225,15 @@ const heard = {
 			keep(`kept ${settings.scene}`, message.about.id);
 		if (message.about.id !== about?.id)
 			know(message.about);
+		putBeside();
+	},
+	besides({ about: other }) {
+		besides = camera.transfer(about, other, false);
+		if (!besides) {
+			setBeside('');
+			say(t('{} is not at this place.', other.name), true);
+		}
+		showWipe();
 	},
 	drawn(message) {
 		drawn = message;
@@ -254,15 +266,17 @@ const heard = {
 		({ picked } = message);
 		showPicked(picked, about.origin);
 	},
-	found({ text, found, searched }) {
+	found({ text, found }) {
+		const { eye } = camera.view(), away = ({ foot }) => Math.hypot(...foot.map((v, i) => v - eye[i]));
 		const rowOf = ({ row, file }) => file ? [t('row {} of {}', row, file)] : [];
-		showChoices($('found'), found, ({ said, height_m: height, distance_m: distance }) =>
-			[said.species ?? said.plant, metres(height), t('{} away', metres(distance)), ...rowOf(said)].join(', '), choose);
-		$('found-note').textContent = text && t('{} of the {} plants nearest to the eye', found.length, number(searched));
+		const says = ({ cells = [] }) => cells.filter((cell) => cell?.toLowerCase().includes(text.toLowerCase()));
+		showChoices($('found'), found, (plant) => [plant.said.species ?? plant.said.plant, metres(plant.height_m),
+			t('{} away', metres(away(plant))), ...rowOf(plant.said), ...says(plant.said)].join(', '), choose);
+		$('found-note').textContent = text && t(found.length < 20 ? 'Plants found: {}' : 'The first {} of more plants', found.length);
 	},
 	identified({ picked: of, plant }) {
 		if (isPicked(of))
-			showPlant(plant, of.number);
+			showPlant(plant, of.number, of.columns);
 	},
 	explained({ reasons, picked: of, ...why }) {
 		if (reasons && isPicked(of))
@@ -324,6 +338,7 @@ async function sendOpen(message, first) {
 
 function open(name) {
 	settings.scene = name;
+	showScenes();
 	about = null;
 	if (!name)
 		return;
@@ -352,6 +367,51 @@ function showSettings() {
 	for (const button of modes)
 		button.setAttribute('aria-pressed', button.dataset.mode === mode);
 	moved();
+}
+
+// ---- Several scenes of a place ----
+
+/** Seasons of the scene, and what may be beside it. */
+function showScenes() {
+	const own = scenes.find(({ name }) => name === settings.scene), others = scenes.filter((scene) => scene !== own);
+	const seasons = own?.season ? scenes.filter(({ title, season }) => season && title === own.title) : [];
+	$('season').replaceChildren(...seasons.map(({ name, season }) => new Option(t(season), name, false, name === settings.scene)));
+	$('season').hidden = seasons.length < 2;
+	$('beside').replaceChildren(new Option(t('Nothing'), ''), ...others.map(({ name }) => new Option(name)));
+	$('beside').value = settings.beside;
+	$('beside-box').hidden = !others.length;
+}
+
+/** Asks the engine for the second scene. */
+function putBeside() {
+	const { beside } = settings, url = beside && beside !== settings.scene ? sceneUrl(beside) : null;
+	besides = false;
+	showWipe();
+	engine.postMessage({ type: 'beside', url, token });
+}
+
+function setBeside(name) {
+	settings.beside = name;
+	putBeside();
+	showScenes();
+	moved();
+}
+
+function showWipe() {
+	const { wipe, scene, beside } = settings, percent = Math.round(100 * wipe), names = $('wipe').children;
+	$('wipe').hidden = !besides;
+	$('wipe').style.left = `${100 * wipe}%`;
+	$('wipe').setAttribute('aria-valuenow', percent);
+	$('wipe').setAttribute('aria-valuetext', t('{} up to {} %, then {}', scene, percent, beside));
+	[names[0].textContent, names[1].textContent] = [scene, beside];
+}
+
+function setWipe(share) {
+	settings.wipe = Math.round(Math.min(1, Math.max(0, share)) * 1000) / 1000;
+	showWipe();
+	redraw();
+	clearTimeout(moved.timer);
+	moved.timer = setTimeout(writeAddress, 300);
 }
 
 /** The sun by the solar time of the place, which needs no time zone. */
@@ -432,7 +492,7 @@ function toggleMeasure() {
 function choose({ said, ...plant }) {
 	picked = plant;
 	showPicked(picked, about.origin);
-	showPlant(said, plant.number);
+	showPlant(said, plant.number, about.columns);
 	engine.postMessage({ type: 'mark', plant });
 	orbitPicked();
 }
@@ -542,17 +602,19 @@ function toggleFull() {
 	(document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()).catch(() => {});
 }
 
-/** Reads the address: at first, and when a link is pasted over it. `scenes`: names; before they are
+/** Reads the address: at first, and when a link is pasted over it. `names`: of scenes; before they are
  * known the scene that the address names is taken on trust, so that its picture comes sooner. */
-function goToAddress(scenes) {
-	const before = settings.scene;
+function goToAddress(names) {
+	const { scene: before, beside } = settings;
 	readAddress();
-	const named = settings.scene, known = !scenes || scenes.includes(named) || token;
+	const named = settings.scene, known = !names || names.includes(named) || token;
 	if (!known)
-		[settings.scene] = scenes;
+		[settings.scene] = names;
 	$('scene').value = settings.scene;
 	if (settings.scene !== before)
 		open(settings.scene);
+	else if (settings.beside !== beside)
+		setBeside(settings.beside);
 	else if (view && about)
 		camera.look(...view);
 	showSettings();
@@ -571,14 +633,16 @@ async function start() {
 		}
 	};
 	goToAddress(null);
-	const scenes = await scenesHere().catch(() => null), names = scenes?.map(({ name }) => name);
-	if (!scenes)
+	const here = await scenesHere().catch(() => null), names = here?.map(({ name }) => name);
+	scenes = here ?? [];
+	if (!here)
 		return say(t('The server does not answer; reload the page to try again.'), true);
 	if (token && !names.includes(settings.scene))
 		names.push(settings.scene);
 	if (!names.length)
 		return say(t('This server has no scenes.'), true);
 	$('scene').replaceChildren(...names.map((name) => new Option(name)));
+	showScenes();
 	addEventListener('hashchange', () => {
 		say('');
 		goToAddress(names);
@@ -611,13 +675,14 @@ for (const button of modes)
 	button.onclick = () => set('mode', button.dataset.mode);
 for (const box of layers)
 	box.onchange = () => set('hide', layers.filter(({ checked }) => !checked).map(({ dataset }) => dataset.layer));
-$('scene').onchange = () => {
+$('season').onchange = $('scene').onchange = ({ target: { value: name } }) => {
+	$('scene').value = name;
 	[view, faults, sunIsLinked, settings.views] = [null, [], false, []];
 	// so that the browser's way back leads to the scene before
 	clearTimeout(moved.timer);
 	writeAddress();
-	history.pushState(null, '', `#scene=${encodeURIComponent($('scene').value)}`);
-	open($('scene').value);
+	history.pushState(null, '', `#scene=${encodeURIComponent(name)}`);
+	open(name);
 };
 $('vertices').oninput = () => {
 	const { value, min } = $('vertices');
@@ -641,6 +706,17 @@ $('script').onclick = () => save(`${settings.scene}.camera.json`,
 $('query').oninput = () => {
 	clearTimeout(choose.timer);
 	choose.timer = setTimeout(() => engine.postMessage({ type: 'find', text: $('query').value.trim() }), 300);
+};
+$('beside').onchange = () => setBeside($('beside').value);
+$('wipe').onpointerdown = ({ pointerId }) => $('wipe').setPointerCapture(pointerId);
+$('wipe').onpointermove = ({ buttons, clientX }) => buttons && setWipe(clientX / innerWidth);
+$('wipe').onkeydown = (event) => {
+	const { wipe } = settings, steps = { ArrowLeft: wipe - 0.02, ArrowRight: wipe + 0.02, Home: 0, End: 1 };
+	if (steps[event.key] === undefined)
+		return;
+	event.stopPropagation();
+	event.preventDefault();
+	setWipe(steps[event.key]);
 };
 $('explain').onclick = () => engine.postMessage({ type: 'explain' });
 $('card-orbit').onclick = orbitPicked;

@@ -72,7 +72,7 @@ export class Camera {
 
 	/** Takes the view from one scene (openapi.yaml's Scene) to another, if both lie at the same place: their bounds are
 	 * much the same, or, by a common CRS, the other has what is looked at. False: nothing changes. */
-	transfer(from, to) {
+	transfer(from, to, moves = true) {
 		const way = [0, 1, 2].map((i) => (from.origin?.at[i] ?? 0) - (to.origin?.at[i] ?? 0));
 		const target = sum([this.target, way]), [a, b] = [from.bounds, to.bounds];
 		const size = ({ low, high }, i) => high[i] - low[i];
@@ -82,7 +82,7 @@ export class Camera {
 			&& this.distance < 4 * Math.hypot(size(b, 0), size(b, 1));
 		if (from.origin?.crs !== to.origin?.crs || !(isSame || isWithin))
 			return false;
-		this.target = target;
+		this.target = moves ? target : this.target;
 		return true;
 	}
 

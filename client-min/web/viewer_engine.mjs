@@ -4,12 +4,15 @@
 //   { type: 'open', url, token, first }             another scene; 'opened' brings what is said of it;
 //                                                  first: EcoLayer's, or its body comes later:
 //   { type: 'answer', body }                        that
+//   { type: 'beside', url, token }                  a second scene of that place, right of `wipe`; url null: none. Then
+//                                                  'besides', with what is said of it
 //   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, smooth, sun, shadows, haze, hide,
-//     still }
+//     still, wipe }
 //                                                  the view from now on; at rest its picture gets more
 //                                                  samples, and 'sampled' says how many it has; 'paced' says
 //                                                  by which factor its vertices should change
-//   { type: 'find', text }                          plants in view of that species or row: 'found'
+//   { type: 'find', text }                          plants of that species, column or row: 'found', of those in view the nearest,
+//                                                  then others
 //   { type: 'pick', at }                            what is seen there? 'picked', then of a plant 'identified':
 //                                                  its row, and 'explained': why so. It is highlighted
 //   { type: 'mark', plant }                         highlights another, by list and index; null: none
@@ -21,7 +24,7 @@
 // and from it these answers, 'drawn' with what there is to say of the picture, and 'failed'.
 import { EcoLayer } from './eco_layer.mjs';
 // what that imports, so that all of it is fetched at once
-import './eco_ask.mjs';
+import { hasRows } from './eco_ask.mjs';
 import './eco_client.mjs';
 import './eco_keep.mjs';
 import './eco_stream.mjs';
@@ -33,6 +36,7 @@ const PART_LEAST = 50000, PART_MOST = 1e9, PART_MS = 20;
 // a moving picture, and the first one, may take so long; it has fewer pixels and no leaves for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const PACE_PICTURES = 6, PACE_FACTOR = 1.5;      // so many in turn are late, or early, and the budget changes so
+const STILL_SAMPLES = 64, REST_SAMPLES = 16;
 const NEAR_MOST = 5000, FOUND_MOST = 20, PIECE = 512;   // plants that are searched, and shown; rows that are asked for at once
 const ROWS_MAX = 40;                             // of an explanation that are shown
 const nextFrame = globalThis.requestAnimationFrame?.bind(globalThis) ?? ((f) => setTimeout(f, 16));
@@ -44,7 +48,7 @@ class Engine {
 	constructor(canvas, post) {
 		const attributes = { antialias: false, alpha: false, preserveDrawingBuffer: true };
 		this.gl = canvas.getContext('webgl2', attributes);
-		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false, stale: false,
+		Object.assign(this, { canvas, post, layer: null, other: null, wanted: null, frame: false, stale: false,
 			movingScale: 0.4, part: PART_LEAST, pictures: 0 });
 		this.gl?.clearColor(0.55, 0.6, 0.65, 1);        // of the page, until there is a picture
 		this.gl?.clear(this.gl.COLOR_BUFFER_BIT);
@@ -81,7 +85,8 @@ class Engine {
 				if (layer && layer === this.layer && !this.gl.isContextLost()) {
 					this.tell();
 					await this.offer();
-					await this.refine(layer);
+					for (const each of this.layers())
+						await this.refine(each);
 				}
 			} catch (error) {
 				// the next one may do without what was refused, as shadows
@@ -106,10 +111,14 @@ class Engine {
 		gl.deleteSync(fence);
 	}
 
+	layers() {
+		return this.other ? [this.layer, this.other] : [this.layer];
+	}
+
 	/** Adds a sample to a picture at rest, unless something comes that is to be drawn; the next frame shows it. */
 	async refine(layer) {
 		const { sampled: before, refines } = layer;
-		while (!this.stale && !this.wanted.moving && layer === this.layer && layer.sampled === before
+		while (!this.stale && !this.wanted.moving && this.layers().includes(layer) && layer.sampled === before
 				&& layer.refine(this.part)) {
 			const since = performance.now();
 			await this.finished();
@@ -146,6 +155,7 @@ class Engine {
 			first.body = new Promise((done) => { this.answered = done; });
 		this.layer?.free();
 		this.layer = null;
+		await this.beside({ url: null });
 		const onError = (error) => this.fail(error.message, error.offline), onChange = () => this.redraw();
 		const layer = new EcoLayer({ url, token, first, gl: this.gl, keep: !token, onChange,
 			onError });
@@ -162,25 +172,68 @@ class Engine {
 		this.redraw();
 	}
 
+	/** A second scene, which has the place of the first. */
+	async beside({ url, token }) {
+		this.other?.free();
+		this.other = null;
+		const main = this.layer, turn = this.turn = {};
+		const layer = url ? new EcoLayer({ url, token, gl: this.gl, keep: !token, onChange: () => this.redraw(),
+			onError: (error) => this.fail(error.message, error.offline) }) : null;
+		await layer?.ready;
+		if (this.turn !== turn || this.layer !== main)
+			return layer?.free();
+		this.other = layer;
+		if (layer)
+			this.post({ type: 'besides', about: layer.about });
+		this.redraw();
+	}
+
+	/** The scene at a share of the picture's width. */
+	at(x) {
+		return this.other && x > this.wanted.wipe ? this.other : this.layer;
+	}
+
+	/** From the first scene's coordinates to those of another. */
+	wayTo(layer) {
+		const [from, to] = [this.layer, layer].map(({ about }) => about.origin?.at ?? [0, 0, 0]);
+		return from.map((v, i) => v - to[i]);
+	}
+
+	/** Draws a scene by a camera of the first one's coordinates, between two shares of the width. */
+	drawLayer(layer, clip) {
+		const { matrix: m, eye, next, size } = this.wanted, way = this.wayTo(layer), moved = [...m];
+		const shifted = (place) => place.map((v, i) => v + way[i]);
+		for (let i = 0; i < 4; i++)
+			moved[12 + i] -= m[i] * way[0] + m[4 + i] * way[1] + m[8 + i] * way[2];
+		layer.clip = clip;
+		return layer.draw(moved, shifted(eye), size, next && { eye: shifted(next.eye), target: shifted(next.target) });
+	}
+
 	/** False: nothing is here yet. */
 	draw() {
-		const { layer, gl, canvas, wanted } = this, { matrix, eye, next, size } = wanted;
+		const { layer, other, gl, canvas, wanted } = this, { eye, size } = wanted;
 		const first = !this.drawn, moving = wanted.moving || first;
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
 		const { vertices, bytes, tint, smooth, sun, shadows, haze } = wanted;
 		const scale = wanted.still ? 1 : Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, smooth, sun, shadows, haze, moving, hurried: this.movingScale < 1,
-			scale: moving ? scale * this.movingScale : scale });
-		layer.hide(wanted.hide).catch((error) => this.fail(error.message));
+		for (const each of this.layers()) {
+			Object.assign(each, { vertices, bytes, tint, smooth, sun, shadows, haze, moving, hurried: this.movingScale < 1,
+				samples: wanted.still ? STILL_SAMPLES : REST_SAMPLES, scale: moving ? scale * this.movingScale : scale });
+			each.hide(wanted.hide).catch((error) => this.fail(error.message));
+		}
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-		const there = layer.draw(matrix, eye, size, next), { complete, offline, stream } = layer;
+		const there = this.drawLayer(layer, [0, other ? wanted.wipe : 1]), { offline, stream } = layer;
+		if (other)
+			this.drawLayer(other, [wanted.wipe, 1]);
+		const layers = this.layers(), complete = layers.every((each) => each.complete);
 		this.said = { number: wanted.number, moving, facts: layer.facts(), complete: complete && !first, offline,
-			sampled: layer.sampled, more: layer.refines, received: stream.received, ahead: layer.ahead,
+			sampled: Math.min(...layers.map(({ sampled }) => sampled)), more: layers.some(({ refines }) => refines),
+			received: stream.received, ahead: layer.ahead,
 			ground: stream.selected ? stream.ground(eye[0], eye[1]) : null };
 		return there;
 	}
@@ -205,27 +258,48 @@ class Engine {
 			this.post({ type: 'named', species });
 	}
 
-	mark({ plant }) {
-		this.layer?.mark(plant);
+	mark({ plant, of = this.layer }) {
+		for (const layer of this.layers())
+			layer?.mark(layer === of ? plant : null);
 		this.redraw();
 	}
 
-	/** Plants in view whose species, model or number of a row is looked for, the nearest first. */
+	/** Plants whose species, model, columns or number of a row is looked for: the nearest of those in view, then others of
+	 * the scene, in its order. */
 	async find({ text }) {
-		const { stream } = this.layer ?? {}, found = [], words = text.toLowerCase();
+		const { layer } = this, { stream } = layer ?? {}, found = [], words = text.toLowerCase(), known = new Set();
 		this.finding = text;
+		const add = (plant, said) => {
+			const key = `${plant.list} ${plant.index}`;
+			if (!known.has(key) && found.length < FOUND_MOST)
+				found.push({ ...plant, said });
+			known.add(key);
+		};
 		const near = text && stream?.selected ? stream.near(NEAR_MOST) : [];
 		for (const plant of near) {
-			const said = await this.rowOf(stream, plant);
-			if (this.finding !== text)
-				return;
-			const texts = [said.species ?? '', said.plant].map((name) => name.toLowerCase());
-			if (/^\d+$/.test(text) ? String(said.row) === text : texts.some((name) => name.includes(words)))
-				found.push({ ...plant, said });
-			if (found.length === FOUND_MOST)
+			const said = this.rowSaid(layer, await this.rowOf(stream, plant)), { species, cells = [] } = said;
+			if (this.finding !== text || found.length === FOUND_MOST)
 				break;
+			const has = (name) => name?.toLowerCase().includes(words);
+			if (/^\d+$/.test(text) ? String(said.row) === text || cells.includes(text) : [species, said.plant, ...cells].some(has))
+				add(plant, said);
 		}
-		this.post({ type: 'found', text, found, searched: near.length });
+		for (const one of text && stream ? await this.namesOf(layer, words) : [])
+			for (let next = 0; next !== null && found.length < FOUND_MOST && this.finding === text;) {
+				const answer = await stream.find(one, next, FOUND_MOST);
+				for (const { list, index, number, foot, height_m, ...said } of answer.plants)
+					add({ kind: 'plant', plant: said.plant, list, index, number, foot, height_m }, this.rowSaid(layer, said));
+				({ next } = answer);
+			}
+		if (this.finding === text)
+			this.post({ type: 'found', text, found });
+	}
+
+	/** Texts to ask for: where rows are not known, also the models that stand for a species of that name. */
+	async namesOf(layer, words) {
+		const models = hasRows(layer.stream.url, layer.about) ? [] : await layer.species() ?? [];
+		return [words, ...models.filter((model) => !model.plant.toLowerCase().includes(words)
+			&& model.species.some(({ species: name }) => name?.toLowerCase().includes(words))).map(({ plant }) => plant)];
 	}
 
 	/** The server's description of a plant, from the pieces of rows that were asked for. */
@@ -245,20 +319,30 @@ class Engine {
 	async pick({ at, measures }) {
 		if (!this.layer?.stream?.selected || !this.draw())
 			return;
-		const picked = this.layer.pick(...at);
+		const layer = this.at(at[0]), { stream } = layer, picked = layer.pick(...at);
+		for (const key of ['foot', 'at'])
+			if (picked?.[key])
+				picked[key] = picked[key].map((v, i) => v - this.wayTo(layer)[i]);
+		if (picked)
+			picked.columns = layer.about.columns;
 		this.post({ type: 'picked', picked });
 		if (measures)
 			return this.mark({ plant: null });
 		this.redraw();
-		if (picked.kind === 'plant')
-			this.post({ type: 'identified', picked, plant: await this.layer.stream.plant(picked) });
-		if (picked.cuts?.length)
-			this.post({ type: 'explained', picked, reasons: await this.reasonsOf(picked) });
+		if (picked?.kind === 'plant')
+			this.post({ type: 'identified', picked, plant: await this.rowSaid(layer, await stream.plant(picked)) });
+		if (picked?.cuts?.length)
+			this.post({ type: 'explained', picked, reasons: await this.reasonsOf(stream, picked) });
+	}
+
+	/** Without rows the species of a plant is what its model stands for. */
+	rowSaid({ stream, about }, { species, ...plant }) {
+		return hasRows(stream.url, about) ? { species, ...plant } : plant;
 	}
 
 	/** The row of its distance for each cut that draws a plant: its text, and its vertices. */
-	async reasonsOf({ cuts, distance_m, scale }) {
-		const { rows } = await this.layer.stream.explain();
+	async reasonsOf(stream, { cuts, distance_m, scale }) {
+		const { rows } = await stream.explain();
 		const distance = distance_m / scale;
 		return cuts.map(({ list, first, end, vertices }) => ({ ...rows
 			.filter((row) => row.list === list && row.first === first && row.end === end)

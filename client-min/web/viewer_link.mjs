@@ -56,6 +56,8 @@ const readers = {
 	sun: [time, 'a time such as 2026-06-21T10:00Z'],
 	shadows: [choice('none', 'standard', 'perspective'), 'none, standard or perspective'],
 	hide: [some('plants', 'objects', 'ground'), 'some of plants, objects, ground'],
+	beside: [text],
+	wipe: [(value) => Number(value) >= 0 && Number(value) <= 1 ? Number(value) : undefined, 'a number from 0 to 1'],
 	views: [views, 'NAME~X,Y,Z~X,Y,Z;... with eye and target'],
 	eye: [point, A_POINT],
 	target: [point, A_POINT],
@@ -83,10 +85,10 @@ export function readLink(hash) {
 }
 
 /** The link of settings, which have the names above, and a view. */
-export function writeLink({ scene, sun, views: kept, ...settings }, { eye, target }) {
+export function writeLink({ scene, sun, beside, wipe, views: kept, ...settings }, { eye, target }) {
 	const place = (v) => v.map((n) => Number(n.toFixed(3))).join(',');
 	const views = kept.map((view) => [encodeURIComponent(view.name), place(view.eye), place(view.target)].join('~'));
-	const parts = { scene: encodeURIComponent(scene), ...settings, sun: sun && `${sun}Z`, views: views.join(';'),
+	const parts = { scene: encodeURIComponent(scene), ...settings, ...beside && { beside: encodeURIComponent(beside), wipe }, sun: sun && `${sun}Z`, views: views.join(';'),
 		eye: place(eye), target: place(target) };
 	return `#${Object.entries(parts).map(([key, value]) => `${key}=${value}`).join('&')}`;
 }

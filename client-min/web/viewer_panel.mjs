@@ -22,9 +22,10 @@ function item(...cells) {
 	return li;
 }
 
-/** A table's row of cells, of texts or elements. */
+/** A table's row of cells, of texts or elements, and what it is of. */
 function row(texts) {
 	const tr = document.createElement('tr');
+	tr.dataset.of = texts.of ?? '';
 	for (const text of texts)
 		tr.insertCell().append(text);
 	return tr;
@@ -195,9 +196,9 @@ export function showPicked(picked, origin) {
 	const { height_m: height, crown_m: crown, distance_m: distance } = picked;
 	const facts = [], species = plant && speciesOf({ number: index, name: plant }), object = isObject(index);
 	if (height)
-		facts.push([t('Height'), metres(height)]);
+		facts.push(Object.assign([t('Height'), metres(height)], { of: 'height' }));
 	if (crown)
-		facts.push([t(object ? 'Width' : 'Crown width'), metres(crown)]);
+		facts.push(Object.assign([t(object ? 'Width' : 'Crown width'), metres(crown)], { of: 'crown' }));
 	if (kind === 'summary' && plant)
 		facts.push([t('Of these'), named(species)]);
 	const ground = picked.rgb && groundClass(picked.rgb);
@@ -216,8 +217,9 @@ export function showPicked(picked, origin) {
 }
 
 /** The plant by the inventory that it comes from, if it comes from one. The picture alone knows only what
- * it is shown as, which may stand for several species; and so does a published scene, where `species` is not given. */
-export function showPlant({ species, plant, class: tint, file, row: number, line }, model) {
+ * it is shown as, which may stand for several species; and so does a published scene, where `species` is not given.
+ * `columns` name the cells; two say what sizes are guessed from. */
+export function showPlant({ species, plant, class: tint, file, row: number, line, cells = [] }, model, columns = []) {
 	const title = species === undefined ? speciesOf({ number: model, name: plant }).short : species ?? t('Species not stated');
 	$('card-title').textContent = title;
 	const facts = isSame(title, plant) ? [] : [[t('Shown as'), plant]];
@@ -225,6 +227,14 @@ export function showPlant({ species, plant, class: tint, file, row: number, line
 		facts.push([t('Class'), tint]);
 	if (file)
 		facts.push([t('Row'), t('{} of {}', number, file) + (line ? t(' (line {})', line) : '')]);
+	columns.forEach((column, i) => {
+		const [size] = /^(height|crown)(?=_from$)/.exec(column) ?? [];
+		if (cells[i] && !size)
+			facts.push([column, cells[i]]);
+		else if (cells[i])
+			$('card-facts').querySelector(`[data-of=${size}]`)?.lastChild.append(Object.assign(
+				span(t(`guessed from ${cells[i]}`)), { className: 'guess' }));
+	});
 	$('card-facts').rows[0].after(...facts.map(row));
 }
 

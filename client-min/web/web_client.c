@@ -314,7 +314,7 @@ int web_sample(struct web *web, double vertices)
 {
 	forget_error(web);
 	if (!web->samples || web->samples == LOD_SAMPLES_MAX
-			|| !web_mean_prepare(&web->light.mean, &web->light.lit))
+			|| !web_mean_prepare(&web->light.mean, &web->light.lit, web->samples + 1))
 		return -1;
 	return (int)draw_sample(web, web->samples, (uint64_t)vertices);
 }

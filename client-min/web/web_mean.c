@@ -10,10 +10,12 @@ static const char text[] =
 #include "build/text/client-min/web/web_mean.glsl"
 	;
 
-/* WebGL draws half floats only where a page asks for one of these extensions. */
-static bool can_sum(void)
+/* WebGL draws floats only where a page asks for these extensions. */
+static bool can_sum(struct web_mean *mean)
 {
 	EMSCRIPTEN_WEBGL_CONTEXT_HANDLE page = emscripten_webgl_get_current_context();
+	mean->halves = !emscripten_webgl_enable_extension(page, "EXT_color_buffer_float")
+		|| !emscripten_webgl_enable_extension(page, "EXT_float_blend");
 	return emscripten_webgl_enable_extension(page, "EXT_color_buffer_float")
 		|| emscripten_webgl_enable_extension(page, "EXT_color_buffer_half_float");
 }
@@ -30,20 +32,20 @@ static bool make_sums(struct web_mean *mean, uint32_t width, uint32_t height)
 	free_sums(mean);
 	mean->width = width;
 	mean->height = height;
-	mean->sums = view_gpu_texture(GL_RGBA16F, width, height, GL_NEAREST);
+	mean->sums = view_gpu_texture(mean->halves ? GL_RGBA16F : GL_RGBA32F, width, height, GL_NEAREST);
 	glGenFramebuffers(1, &mean->framebuffer);
 	glBindFramebuffer(GL_FRAMEBUFFER, mean->framebuffer);
 	glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, mean->sums, 0);
 	return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
-bool web_mean_prepare(struct web_mean *mean, const struct web_lit *lit)
+bool web_mean_prepare(struct web_mean *mean, const struct web_lit *lit, uint32_t count)
 {
-	if (!mean->program && !mean->refused && can_sum())
+	if (!mean->program && !mean->refused && can_sum(mean))
 		mean->program = web_program(NULL, (const char *const[]){ text }, 1, "samples", NULL);
 	bool made = mean->sums && mean->width == lit->width && mean->height == lit->height;
 	mean->refused = !mean->program || (!made && !make_sums(mean, lit->width, lit->height));
-	return !mean->refused;
+	return !mean->refused && !(mean->halves && count > WEB_MEAN_HALVES_MAX);
 }
 
 static void draw(const struct web_mean *mean, const struct web_lit *lit, unsigned from, uint32_t count)
