@@ -190,6 +190,8 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, co
 	describe_drawn(json, json_object_get(scene->meta, "drawn"));
 	describe_columns(json, scene->meta);
 	describe_season(json, scene->meta);
+	if (*text_in(scene->meta, "date"))
+		srv_json_add(json, "date:%s", text_in(scene->meta, "date"));
 	srv_json_add(json, "cap_vertices:%lx cap_bytes:%lx", most->vertices, most->bytes);
 	describe_links(json, scene);
 	srv_json_add(json, "}");

@@ -524,7 +524,8 @@ function savePicture() {
 function caption() {
 	const { eye, target } = camera.view(), { vertices, predicted_q: q } = drawn.facts;
 	const sun = hasPlace() ? t('; sun of {}, {}', $('date').value, $('sun-text').textContent) : '';
-	return [`${about.title ?? settings.scene}${sun}`,
+	const date = about.date ? t('; data of {}', about.date) : '';
+	return [`${about.title ?? settings.scene}${date}${sun}`,
 		t('Eye {}; target {}', placeText(eye, about.origin), placeText(target, about.origin)),
 		t('Pack {}; {} vertices', about.id.slice(0, 8), number(vertices))
 			+ (q ? t('; expected agreement with full detail (Q) {}', fixed(q, 3)) : '')];

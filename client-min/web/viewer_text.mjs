@@ -126,6 +126,7 @@ const german = {
 	'as fast as this device: {}': 'so viele wie dieses Gerät schafft: {}',
 	'no limit': 'ohne Grenze',
 	'The picture is saved once all of it is here': 'Das Bild wird gespeichert, sobald es ganz da ist',
+	'; data of {}': '; Daten von {}',
 	'; sun of {}, {}': '; Sonne am {}, {}',
 	'Eye {}; target {}': 'Auge {}; Ziel {}',
 	'Pack {}; {} vertices': 'Paket {}; {} Eckpunkte',

@@ -60,7 +60,7 @@ PLANNER_EXPORTS := $(call exports_of,server/publish/web/planner.h,planner)
 space := $(subst ,, )
 comma_join = $(subst $(space),$(comma),$(strip $(1)))
 
-WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh %.glsl %/examples,$(wildcard client-min/web/*)))
+WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh %.glsl %/examples %/npm,$(wildcard client-min/web/*)))
 PLANNER_PAGE := $(patsubst server/publish/web/%,$(W)/site/%,$(wildcard server/publish/web/*.mjs))
 WEB_INDEX := $(W)/site/index.html
 WEB_MODULES := eco_client eco_planner
@@ -142,6 +142,15 @@ $(W)/site/%.gz: $(W)/site/%
 	@gzip -9 -n -c $< >$@
 $(W)/site/%.br: $(W)/site/%
 	@brotli -q 11 -c $< >$@
+
+# The layer for people who build pages with npm: `npm pack ./build/web/package`, or name the folder as a dependency.
+PACKAGE_FILES := $(filter eco_%,$(notdir $(WEB_FILES)))
+.PHONY: web-package
+web-package: web-site
+	@rm -rf $(W)/package && mkdir -p $(W)/package
+	@cp $(PACKAGE_FILES:%=$(W)/site/%) client-min/web/npm/README.md LICENSE $(W)/package
+	@sed 's/"version": "[^"]*"/"version": "$(VERSION).0"/' client-min/web/npm/package.json >$(W)/package/package.json
+	@echo "$(W)/package: npm pack ./$(W)/package"
 
 # Pages of other origins that have a scene as a layer: build/web/examples, for any web server, beside what they draw with, which npm fetches
 # (other packages of nodejs than Debian's bring it, and Debian's own then cannot be installed).

@@ -367,6 +367,8 @@ json_t *make_meta(const struct make *m)
 	make_columns_say(m, root);
 	if (m->options->draft)
 		json_object_set_new(root, "draft", json_true());
+	if (outer->date)
+		json_object_set_new(root, "date", json_string(outer->date));
 	if (m->options->season_given)
 		json_object_set_new(root, "season", json_string(eco_season_names[m->options->season]));
 	return root;

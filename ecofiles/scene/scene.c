@@ -26,6 +26,7 @@ static const struct eco_field scene_fields[] = {
 	ECO_OTHER("name"),
 	ECO_FIELD("crs", TEXT, 0, 0, source, crs),
 	ECO_FIELD("vertical", TEXT, 0, 0, source, vertical),
+	ECO_FIELD("date", TEXT, 0, 0, source, date),
 	ECO_FIELD("origin", NUMBERS, -1e9, 1e9, source, origin),
 	ECO_OTHER("ground"), ECO_OTHER("plants"), ECO_OTHER("instances"), ECO_OTHER("children"), ECO_OTHER("tile"),
 	ECO_OTHER("season"), NUMBER("importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST, source, importance),

@@ -75,6 +75,7 @@ struct eco_source {
 	double importance;                   /* factor of its own plants' importances */
 	enum eco_season season;              /* of plants of the library that state none */
 	char *vertical;                      /* datum of all heights; NULL: not stated */
+	char *date;                          /* of the inventory, for captions; NULL: not stated */
 	struct eco_ground_image_source ground_image;         /* file_count 0: none; as ground */
 	struct eco_draw_spec *draws; uint32_t draw_count;    /* files drawn on the ground; as ground */
 	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */

@@ -13,11 +13,13 @@
 
 static void take_column(uint8_t *to, size_t record, size_t count, unsigned width, uint8_t way, const uint8_t *planes)
 {
+	const size_t next = way < SRV_INDEX_WHOLE ? 1 : width, apart = way < SRV_INDEX_WHOLE ? count : 1;
 	uint32_t value = 0, step = 0;
+	way %= SRV_INDEX_WHOLE;
 	for (size_t i = 0; i < count; i++, to += record) {
 		uint32_t coded = 0;
 		for (unsigned k = 0; k < width; k++)
-			coded |= (uint32_t)planes[k * count + i] << 8 * k;
+			coded |= (uint32_t)planes[k * apart + i * next] << 8 * k;
 		step = way == 2 ? step + coded : coded;
 		value = way ? value + step : coded;
 		for (unsigned k = 0; k < width; k++)

@@ -17,7 +17,8 @@
  * lies in the chunks' file, which is the pack's CHUNK_DATA with the published columns of inventories' rows alone, if any.
  *
  * A table: u32 number of records, and a column for each of their values, wide ones as two: u8 way, then the lowest bytes
- * of all, the second ones, and so on. Way 0: values, 1: differences to the record before, 2: second differences.
+ * of all, the second ones, and so on. Way 0: values, 1: differences to the record before, 2: second differences; 3 to 5: the
+ * same, but whole values one after the other.
  */
 #ifndef SRV_INDEX_H
 #define SRV_INDEX_H
@@ -27,7 +28,8 @@
 #include "server/store.h"
 
 #define SRV_INDEX_MAGIC "ECOINDEX"
-#define SRV_INDEX_WAYS 3u
+#define SRV_INDEX_WHOLE 3u
+#define SRV_INDEX_WAYS (2 * SRV_INDEX_WHOLE)
 #define SRV_INDEX_NO_ROWS 1u             /* bytes of blocks that are not published, fewer than any block has */
 #define SRV_INDEX_PLAN_TIMES 5u          /* work of a plan, over that of an ordinary one: ecoserve's default */
 

@@ -15,14 +15,16 @@ struct column { const uint8_t *bytes; size_t record, count; uint8_t width; };
 /* The planes of a column's values, differences or second differences. */
 static void take_planes(const struct column *c, uint8_t *planes, uint8_t way)
 {
+	const size_t next = way < SRV_INDEX_WHOLE ? 1 : c->width, apart = way < SRV_INDEX_WHOLE ? c->count : 1;
 	uint32_t before = 0, step = 0;
 	for (size_t i = 0; i < c->count; i++) {
 		uint32_t value = 0;
 		for (size_t k = 0; k < c->width; k++)
 			value |= (uint32_t)c->bytes[i * c->record + k] << 8 * k;
-		uint32_t difference = value - before, coded = way == 2 ? difference - step : way ? difference : value;
+		uint32_t difference = value - before, coded = way % SRV_INDEX_WHOLE == 2 ? difference - step
+			: way % SRV_INDEX_WHOLE ? difference : value;
 		for (size_t k = 0; k < c->width; k++)
-			planes[k * c->count + i] = (uint8_t)(coded >> 8 * k);
+			planes[k * apart + i * next] = (uint8_t)(coded >> 8 * k);
 		before = value;
 		step = difference;
 	}
@@ -34,7 +36,7 @@ static bool find_way(const struct column *c, uint8_t *planes, uint8_t *way)
 	const size_t size = c->width * c->count;
 	uLongf least = ULONG_MAX;
 	uint8_t *packed = malloc(compressBound(size));
-	for (uint8_t w = 0; packed && w < SRV_INDEX_WAYS; w++) {
+	for (uint8_t w = 0; packed && w < SRV_INDEX_WAYS && (w < SRV_INDEX_WHOLE || c->width > 1); w++) {
 		uLongf bytes = compressBound(size);
 		take_planes(c, planes, w);
 		if (compress2(packed, &bytes, planes, size, Z_BEST_COMPRESSION) == Z_OK && bytes < least) {

@@ -100,7 +100,7 @@ jq -c 'del(.plant)' both.rows | sort | cmp - map.rows || fail "not as in the map
 # columns: none unless they are named, and of those that a pack has only those that are named again are published; no owner's name is left
 # where it was not. A part without columns is linked to one that has some
 printf 'x,y,kind,height,dbh,owner,health\n1,1,oak,4,,Anna Geheim,good\n3,1,ash,,30,Bernd Privat,\n' >c.csv
-echo "{\"plants\": {$plants}, \"crs\": \"EPSG:32632\", \"origin\": [0, 0, 0], \"instances\": [
+echo "{\"date\": \"May 2026\", \"plants\": {$plants}, \"crs\": \"EPSG:32632\", \"origin\": [0, 0, 0], \"instances\": [
 	{\"from\": \"c.csv\", \"crs\": \"EPSG:32632\", \"x\": \"x\", \"y\": \"y\", \"species\": \"kind\", \"map\": {\"oak\": \"oak\", \"*\": \"ash\"},
 	\"height_m\": [{\"column\": \"height\", \"unit\": \"m\"}, {\"from_dbh_cm\": \"dbh\", \"max\": 30, \"rate\": 0.02}]}]}" >c.json
 make c.json -o plain.eco
@@ -123,6 +123,7 @@ mkfifo said2
 "$BUILD/ecoserve" --listen 127.0.0.1:0 health=health.eco all=linked2/all.eco >said2 &
 read -r said <said2
 base=$(echo "$said" | sed -n 's/.*ready on \([^ ]*\) .*/\1/p')/v1/scenes
+[ "$(ask health | jq -r .date)" = 'May 2026' ] || fail "the date is not said"
 ask 'health/find?text=GOOD' | jq -c '[.plants[] | .species, .cells]' >found
 ask 'all/find?text=privat' | jq -c '[.plants[] | .species, .file, .row, .cells]' >>found
 printf '%s\n' '["oak",["good",null,"the model"]]' '["ash","c.csv",2,[null,"Bernd Privat","trunk diameter","the model"]]' | cmp - found ||

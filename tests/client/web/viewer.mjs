@@ -715,6 +715,27 @@ async function staysAtThePlace() {
 	}
 }
 
+/** A second scene of the place is beside the first one: here of the same pack, so the picture is the same. */
+async function wipes() {
+	const picture = async () => {
+		await browser.until(`${complete} && ${samples(16)}`);
+		await ask("document.getElementById('wipe').style.opacity = 0");
+		return browser.picture({ x: 0, y: 60, width: 320, height: 100, scale: 1 });
+	};
+	await browser.open(new URL('/#scene=park&vertices=20000&shadows=none', url).href, 320, 240);
+	const alone = await picture();
+	await choose('beside', 'dusk');
+	await browser.until("!document.getElementById('wipe').hidden");
+	expect((await picture()).equals(alone), 'two scenes of one pack show another picture than one');
+	await ask("document.getElementById('wipe').focus()");
+	await press('ArrowRight');
+	expect(await ask('viewer.settings.wipe') === 0.52, 'an arrow key does not move the handle');
+	await browser.until("location.hash.includes('beside=dusk&wipe=0.52')");
+	await choose('beside', 'bare');
+	await browser.until("document.getElementById('state').textContent === 'bare is not at this place.'");
+	expect(await hidden('wipe') && await ask('viewer.settings.beside') === '', 'a scene of another place is beside it');
+}
+
 /** On a phone, too, the first view fills much of the picture, and H shows all of the scene. */
 async function fillsAPhone() {
 	/** How much of the picture's height, and of its width, a box takes. */
@@ -839,6 +860,15 @@ async function saysAnyName() {
 	const [, , , , unstated, same] = await facts(oak, 0);
 	expect(unstated.trim().startsWith('Species not stated') && unstated.includes('Shown asoak'), `not stated: ${unstated}`);
 	expect(same.includes('OAK') && !same.includes('Shown as') && same.includes('Row3 of a'), `the same: ${same}`);
+	const card = await ask(`(async () => {
+		const { showPicked, showPlant } = await import('/viewer/viewer_panel.mjs');
+		showPicked({ kind: 'plant', plant: 'oak', number: 0, height_m: 12, crown_m: 5, foot: [0, 0, 0], distance_m: 9 });
+		showPlant({ species: 'oak', plant: 'oak', cells: ['T1', null, 'trunk diameter'] }, 0, ['nr', 'health', 'height_from', 'crown_from']);
+		document.getElementById('card').hidden = true;
+		return document.getElementById('card-facts').textContent;
+	})()`);
+	expect(card.startsWith('Height12.0 mguessed from trunk diameternrT1') && /Crown width5.00 m(?!guessed)/.test(card.replace('nrT1', ''))
+		&& !card.includes('health'), `a card with columns: ${card}`);
 	const [, none, figures] = await facts([], 5);
 	expect(none.startsWith('Only points') && figures.includes('more as points'), `only summaries: ${none}, ${figures}`);
 }
@@ -872,6 +902,7 @@ try {
 	expect(!browser.complaints.length, browser.complaints.join('\n'));
 	await readsLinks();
 	await staysAtThePlace();
+	await wipes();
 	await speaksGerman();
 	if (existsSync(axe))
 		await isAccessible();
