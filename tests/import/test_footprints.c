@@ -70,7 +70,7 @@ UNIT_TEST(the_first_source_that_tells_a_height_counts)
 	assert_int_equal(read_footprints.items[5].roof, ECO_ROOF_HIPPED);
 	assert_int_equal(read_footprints.items[3].roof, ECO_ROOF_FLAT);
 	assert_non_null(strstr(import_said, "7 footprints of 7 features"));
-	assert_non_null(strstr(import_said, "5 texts tell no height of a building"));
+	assert_non_null(strstr(import_said, "5 texts are no height of a building"));
 	assert_non_null(strstr(import_said, "\"0\", feature 4"));
 	assert_non_null(strstr(import_said, "2 of them are told no height: taken for 6 m"));
 	assert_non_null(strstr(import_said, "first: \"dome\", feature 4"));

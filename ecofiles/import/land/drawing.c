@@ -15,6 +15,7 @@
 
 #define CLASSES (sizeof ground_rows / sizeof *ground_rows)
 #define TEXEL_M 0.25         /* of the picture: a path has five */
+#define WATER 0.988          /* cover of water: alpha ECO_GROUND_WATER */
 #define FAR_M 4e6            /* from the origin the picture ends: one line across a continent spoils no scene */
 
 /* ---- Classes ---- */
@@ -113,21 +114,14 @@ uint32_t eco_land_class_of(const struct eco_land_reader *reader, const char *con
 
 struct reading { struct drawn_file *file; struct eco_land_reader reader; bool open; };
 
-static bool is_water(uint32_t class)
-{
-	static const char *const names[] = { "sea", "water", "river", "stream" };
-	bool water = false;
-	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-		water |= strcmp(ground_rows[class].name, names[i]) == 0;
-	return water;
-}
+static bool is_water(uint32_t class) { return ground_rows[class].cover == WATER; }
 
 static void set_color(struct drawn *item, uint32_t class)
 {
 	unsigned long color = strtoul(ground_rows[class].color + 1, NULL, 16);
 	for (int k = 0; k < 3; k++)
 		item->rgb[k] = (uint8_t)(color >> (16 - 8 * k));
-	item->cover = is_water(class) ? ECO_GROUND_WATER / 255.0f : (float)ground_rows[class].cover;
+	item->cover = (float)ground_rows[class].cover;
 }
 
 static float width_of(struct drawn_file *file, const struct drawn *item, const char *text)

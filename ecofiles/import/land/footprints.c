@@ -112,46 +112,28 @@ enum eco_code eco_footprints_read(struct eco_footprints *footprints, const struc
 	return code;
 }
 
-void eco_footprints_report(const struct eco_footprints *f, void (*say)(void *ctx, const char *text),
-	void *ctx)
+void eco_footprints_report(const struct eco_footprints *f, void (*say)(void *ctx, const char *text), void *ctx)
 {
+	const struct { const struct eco_footprint_note *note; const char *what; } kinds[] = {
+		{ &f->unusable, "texts are no height of a building, as they are 0, below it, above 1000 m or no number: the next source counts" },
+		{ &f->untold, "of them are told no height: taken for 6 m; a number at the end of \"height_m\" says another" },
+		{ &f->by_number, "of them have no height in a column: the number in \"height_m\" is taken" },
+		{ &f->unknown, "have a roof of a form that is not known: flat" } };
+	_Static_assert(ECO_BUILDING_MOST_M == 1000 && ECO_BUILDING_M == 6, "as the texts say");
 	char line[256], counts[2][32];
 	for (uint32_t i = 0; i < f->report.note_count; i++)
 		say(ctx, f->report.notes[i]);
-	snprintf(line, sizeof line, "%s footprint%s of %s features",
-		eco_phrase_count(f->areas.count, counts[0]), f->areas.count == 1 ? "" : "s",
-		eco_phrase_count(f->report.features, counts[1]));
+	snprintf(line, sizeof line, "%s footprint%s of %s features", eco_phrase_count(f->areas.count, counts[0]),
+		f->areas.count == 1 ? "" : "s", eco_phrase_count(f->report.features, counts[1]));
 	say(ctx, line);
 	eco_areas_report_say(&f->report, say, ctx);
-	if (f->unusable.count) {
-		snprintf(line, sizeof line,
-			"  %s text%s tell%s no height of a building, as they are 0, below it, above %g m or no number "
-			"(first: \"%s\", feature %llu): the next source counts",
-			eco_phrase_count(f->unusable.count, counts[0]), f->unusable.count == 1 ? "" : "s",
-			f->unusable.count == 1 ? "s" : "", ECO_BUILDING_MOST_M, f->unusable.example,
-			(unsigned long long)f->unusable.first_line);
-		say(ctx, line);
-	}
-	if (f->untold.count) {
-		snprintf(line, sizeof line,
-			"  %s of them are told no height: taken for %g m; a number at the end of \"height_m\" says "
-			"another (first: feature %llu)",
-			eco_phrase_count(f->untold.count, counts[0]), ECO_BUILDING_M,
-			(unsigned long long)f->untold.first_line);
-		say(ctx, line);
-	}
-	if (f->by_number.count) {
-		snprintf(line, sizeof line,
-			"  %s of them have no height in a column: the number in \"height_m\" is taken (first: feature %llu)",
-			eco_phrase_count(f->by_number.count, counts[0]), (unsigned long long)f->by_number.first_line);
-		say(ctx, line);
-	}
-	if (f->unknown.count) {
-		snprintf(line, sizeof line,
-			"  %s have a roof of a form that is not known: flat (first: \"%s\", feature %llu)",
-			eco_phrase_count(f->unknown.count, counts[0]), f->unknown.example,
-			(unsigned long long)f->unknown.first_line);
-		say(ctx, line);
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+		const struct eco_footprint_note *n = kinds[i].note;
+		const char *quote = *n->example ? "\"" : "";
+		snprintf(line, sizeof line, "  %s %s (first: %s%s%s%sfeature %llu)", eco_phrase_count(n->count, counts[0]), kinds[i].what,
+			quote, n->example, quote, *quote ? ", " : "", (unsigned long long)n->first_line);
+		if (n->count)
+			say(ctx, line);
 	}
 }
 

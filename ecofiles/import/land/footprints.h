@@ -55,10 +55,7 @@ struct eco_footprints { /* owns its arrays; zero-initialised is empty */
 	struct eco_areas_report report;
 	/* features without a height from any source, and with that of a number behind columns; texts of heights that are
 	 * none: 0, below it, above ECO_BUILDING_MOST_M, words; roof forms that are not known */
-	struct {
-		uint64_t count, first_line;
-		char example[40];
-	} untold, by_number, unusable, unknown;
+	struct eco_footprint_note { uint64_t count, first_line; char example[40]; } untold, by_number, unusable, unknown;
 };
 
 /* `frame` need not outlive it. ECO_BAD_INPUT: no polygon is in the file. Errors name the file and what to add. */
