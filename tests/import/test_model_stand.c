@@ -160,6 +160,9 @@ UNIT_TEST(objects_stand_as_their_files_say)
 	assert_true(has_place(100, 0, 5) && has_place(10, -2, 0) && has_place(150, -50, 0));
 	import_file(path, &(struct eco_model_options){ .object = true, .unit_m = 0.3048, .up = ECO_UP_Z });
 	assert_true(has_place(30.48, 1.524, 0));
+	/* a point of the file, in its units */
+	import_file(path, &(struct eco_model_options){ .object = true, .unit_m = 0.5, .up = ECO_UP_Z, .origin = { 90, 5, -50 } });
+	assert_true(has_place(5, 0, 25) && has_place(-40, -2.5, 25));
 	import_file(path, &(struct eco_model_options){ .up = ECO_UP_Z });
 	assert_false(m.object);
 	assert_true(m.triangle_count < 5);

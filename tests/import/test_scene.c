@@ -48,7 +48,7 @@ UNIT_TEST(everything_that_may_be_said_is_read)
 	parse_good(&s, "{ 'name': 'n', 'crs': 'EPSG:26917', 'origin': [747375, 4308510, 2], 'tile': "
 		"{'instances': 7},\n'ground': {'heights': 'dem.tif', 'crs': 'EPSG:26917'},\n'plants': "
 		"{'oak': {'variants': ['a.glb', '/b.obj'], 'height_m': 18, 'importance': {'flower': 3}}, "
-		"'ash': {'model': 'c.obj', 'grade': true, 'object': true}},\n'instances': [{'plant': 'ash', 'at': [1, 2, 3], 'yaw_deg': 30, "
+		"'ash': {'model': 'c.obj', 'grade': true, 'object': true, 'foot': [691000, 5334000, 510.5]}},\n'instances': [{'plant': 'ash', 'at': [1, 2, 3], 'yaw_deg': 30, "
 		"'scale': 1.5}, {'plant': 'ash', 'at': [1, 2]},\n  {'from': 't.csv', 'x': 'e', 'y': 'n', "
 		"'z': 'h', 'crs': 'EPSG:4326', 'species': 'sp', 'separator': ';',\n   'map': {'q': 'oak', "
 		"'stump': null, '*': 'ash'}, 'seed': 9, 'yaw_deg': 'y',\n   'height_m': {'from_dbh_mm': 'd', "
@@ -60,6 +60,7 @@ UNIT_TEST(everything_that_may_be_said_is_read)
 	assert_int_equal(s.tile_instances, 7);
 	assert_false(s.plants[0].grade);
 	assert_true(s.plants[s.plant_count - 1].grade && s.plants[s.plant_count - 1].object && !s.plants[0].object);
+	assert_true(s.plants[s.plant_count - 1].keep_origin && s.plants[s.plant_count - 1].foot[2] == 510.5 && !s.plants[0].keep_origin);
 	assert_string_equal(s.ground.heights[0], "dir/dem.tif");
 	assert_int_equal(s.plant_count, 3);
 	assert_string_equal(s.plants[0].models[0], "dir/a.glb");
