@@ -523,6 +523,9 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 			const struct lod_tile_choice *choice = &m->tile_choices[candidate->node];
 			uint64_t points = summary_alone(node) ? candidate->low : choice->partial[1].vertices;
 			entry.wanted = (double)points / lod_summary_hull_scale(&choice->summary, points);
+			/* from the error before like plants, half (1 - fn) + fn: see summary_hull.h */
+			double half = LOD_OWNER_WEIGHT * choice->summary.pixels;
+			entry.owners = candidate->seen * half * (1 - lod_candidate_point(candidate)->alike) / (1 - half);
 		} else {
 			const struct lod_ladder_choice *o = &m->ladder_choices[candidate->ladder_choice];
 			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];

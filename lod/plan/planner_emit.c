@@ -267,12 +267,14 @@ static struct eco_prediction rounded(const struct eco_prediction *exact)
 	return (struct eco_prediction){ eco_wire_pixels_round(exact->tp), fp, wrong - fp };
 }
 
-/* The part of the objective that differences of colors are: all but those of contrast. */
+/* The part of the objective that differences of colors are: all but those of contrast and of owners. */
 static double color_of(const struct lod_planner *p)
 {
 	double sum = p->wrong;
 	for (uint32_t i = 0; i < p->entry_count; i++) {
 		const struct lod_entry *entry = &p->entries[i];
+		if (entry->slot == ECO_NONE)
+			sum -= entry->owners;
 		if (entry->slot == ECO_NONE || !(entry->wrong > 0))
 			continue;
 		struct eco_seen seen = lod_planner_curve(p, entry, entry->vertices).seen;
@@ -281,7 +283,7 @@ static double color_of(const struct lod_planner *p)
 		all *= entry->vertices == 1 && entry->impostor != ECO_NONE ? LOD_IMPOSTOR_WRONG : 1;
 		sum -= all > 0 ? entry->wrong * (1 - color / all) : 0;
 	}
-	return sum;
+	return fmax(0, sum);
 }
 
 enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)

@@ -25,6 +25,7 @@ struct lod_entry {                   /* what is drawn of one ladder for all plan
 	double wanted;               /* points or lines to show of the whole region, cells included; of a
 	                              * summary: points are sized as if so many were drawn */
 	double pixels;               /* that one plant's organ is expected to cover */
+	double owners;               /* of a summary: the part of `wrong` that wrong owners are */
 	double wrong;                /* lod_rule_optimal: its part of the objective; of a plant as large as ... */
 	uint32_t size;               /* ... this index of eco_seen says */
 	uint32_t impostor;           /* level that one vertex is; ECO_NONE: no impostor */
