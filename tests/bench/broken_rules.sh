@@ -32,7 +32,7 @@ plan: half of the rest of a budget is left @ s,while (count && left),while (coun
 @ test_planner lod/plan/planner_optimal.c
 plan: the lambda of half the budget @ s,if (next.vertices <= (double)budget),budget /= 2; if (next.vertices <= (double)budget),
 @ test_steadiness lod/plan/allocation.c
-plan: tiles and gates switch at once @ s,if (m->few_plants || !(width > 0)),if (width >= 0),
+plan: tiles and gates switch at once @ s,if (m->few_plants || !(width > 0)),if (m->few_plants || width >= 0),
 @ test_image_choice lod/plan/image_choice.c
 plan: bytes of the ground's image cost nothing @ s,+ price \* missing_bytes,+ 0 * price * missing_bytes,
 @ test_best lod/plan/knapsack.c
@@ -40,7 +40,7 @@ plan: the last option that fits, not the best @ s,if (wrong < to\[b\]),if (wrong
 @ test_visibility lod/seen/visibility.c
 plan: crowns take no light @ s,row\[c\] \*= 1 - taken;,row[c] *= 1;,
 @ test_summary_hull lod/seen/summary_hull.c
-plan: a summary is drawn with all its area @ s,s >= LOD_SUMMARY_SCALE_LEAST; s /= 2,s >= 1; s /= 2,
+plan: half of a summary's points are never drawn @ s,>> (summary->count - 1 - i);,>> (summary->count - i);,
 @ test_best lod/plan/fill_few.c
 few plants: no ladder for the whole plant @ s,for (uint32_t k = 0\, id = s->ladder_choice_first,for (uint32_t k = s->whole_count\, id = s->ladder_choice_first,
 few plants: hull points alone @ s,if (k + 1 < hull->count),if (k + 1 < hull->count \&\& k > hull->count),
