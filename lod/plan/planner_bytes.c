@@ -64,14 +64,14 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	const bool again = !isnan(fit->octave);
 	double least = INFINITY, used = 1;
 	fit->lambda = again ? fit->lambda : low;
-	lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false }, &fit->octave);
+	lod_price_find(m, fit->lambda, target, fit->octave, &fit->octave);
 	const bool both = !again && m->cost.vertices > (double)budget;
 	double near = fit->octave;
 	/* a lambda with more vertices, about as many times as the budget has */
 	for (int i = 0; both && i <= LOD_PRICE_LAMBDAS && !(i && used >= (double)budget)
 			&& !(i > 1 && lod_planner_over(m->p, 3)); i++) {
 		double lambda = i ? fmax(low, fit->lambda * used / (double)budget) : high;
-		lod_price_find(m, lambda, target, &(struct lod_price_near){ near, true }, &near);
+		lod_price_find(m, lambda, target, near, &near);
 		if (i && (m->cost.vertices > (double)budget || lod_price_wrong(m) >= least))
 			break;
 		least = lod_price_wrong(m);
@@ -79,15 +79,12 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 		fit->lambda = lambda;
 		fit->octave = near;
 	}
-	if (both && !lod_planner_over(m->p, 3))
-		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->octave, false },
-			&fit->octave);
 	double bytes = relax_and_share(m, fit, target);
 	/* where more bytes come, a vertex may have to save more */
 	if (m->cost.vertices <= (double)budget)
 		return bytes;
 	fit->lambda = high;
-	lod_price_find(m, high, target, &(struct lod_price_near){ fit->octave, false }, &fit->octave);
+	lod_price_find(m, high, target, fit->octave, &fit->octave);
 	return relax_and_share(m, fit, target);
 }
 
@@ -109,25 +106,6 @@ static void keep_fitted(const struct lod_planner *p, uint32_t ladders, struct fi
 	mix.used = now->mix.used;
 	*best = *now;
 	best->mix = mix;
-}
-
-/* Priced bytes of the largest answer that fits and of the smallest that does not, and what these have in all. */
-struct tried { double low, high, low_size, high_size; };
-
-/* Bytes of the next answer that may be priced: what is beside these is mostly the same again. If that is not
- * between the two answers it grows with what is drawn: cuts and placements of many tiles. */
-static double next_target(struct tried *tried, double most, double bytes, double size)
-{
-	bool fits = size <= most;
-	if (fits ? bytes >= tried->low : bytes < tried->high) {
-		*(fits ? &tried->low : &tried->high) = bytes;
-		*(fits ? &tried->low_size : &tried->high_size) = size;
-	}
-	double target = most - (size - bytes);
-	if (tried->high == INFINITY || (target > tried->low && target < tried->high))
-		return target;
-	return tried->low + (tried->high - tried->low) * (most - tried->low_size)
-		/ (tried->high_size - tried->low_size);
 }
 
 static enum eco_code fill_dearer(const struct lod_lambda_search *s, struct fitted *fit, double more,
@@ -159,7 +137,6 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	const uint32_t ladders = lod_prices_ladders(m);
 	enum eco_code code = ECO_OK;
 	double most = (double)p->input->request->bytes;
-	struct tried between = { 0, INFINITY, 0, 0 };
 	bool last = false;               /* the allocation is that of the best answer */
 	for (int i = 0; i < LOD_SIZE_TRIES && !code; i++) {
 		now->first = i == 0;
@@ -176,7 +153,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 				&& !(now->size > most && now->size < most * (1 + LOD_PRICE_SLACK)))
 				|| (i > 0 && lod_planner_spent(p)))
 			break;
-		now->beside = most - next_target(&between, most, bytes, now->size) + LOD_SIZE_MARGIN * most;
+		now->beside = now->size - bytes + LOD_SIZE_MARGIN * most;
 	}
 	if (!code && !last)
 		code = fill_fitted(s, best, budget, error);
@@ -357,7 +334,7 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	octave = fmax(octave, LOD_SWEEP_FIRST);
 	while (!code && coarser->count < coarser->most && before > (double)coarser->least && octave < LOD_PRICE_HIGHEST) {
 		const bool late = lod_planner_over(m->p, 3);
-		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_LATE_STEP : LOD_SWEEP_STEP;
+		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_STEP_MOST : LOD_SWEEP_STEP;
 		step = fmax(step, least);
 		double bytes = relax_within(s, &lambda, octave + step);
 		bool steep = bytes * ratio * ratio < before && step > least;

@@ -71,25 +71,19 @@ static double beyond_at(const struct lod_allocation *m, double lambda, double ta
 	return 1;
 }
 
-/* How closely a price is searched: octaves; share of the bytes that may be left. */
-struct closely { double octaves, slack; };
-static const struct closely roughly = { 0.5, 0.1 }, exactly = { LOD_PRICE_STEP, LOD_PRICE_SLACK };
-
 /* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most
  * `target`: a secant on bytes, or their middle where that moves one end alone, until they are nearly that
  * many or the octaves are close together. */
-static double search_price(struct lod_allocation *m, double lambda, double target, const struct closely *closely,
-	double low, double high)
+static double search_price(struct lod_allocation *m, double lambda, double target, double low, double high)
 {
 	double over = beyond_at(m, lambda, target, low), under = beyond_at(m, lambda, target, high), bytes = 0;
 	int side = 0;                    /* tries that moved the same end */
-	for (int tries = 0; high - low > closely->octaves && bytes < target * (1 - closely->slack)
+	for (int tries = 0; high - low > LOD_PRICE_STEP && bytes < target * (1 - LOD_PRICE_SLACK)
 			&& (tries < LOD_PRICE_SEARCHES || !lod_planner_over(m->p, 4)); tries++) {
-		double part = over / (over + under),
-			from = low < LOD_PRICE_LITTLE && high > LOD_PRICE_LITTLE + 1 ? LOD_PRICE_LITTLE : low;
+		double part = over / (over + under);
 		bool halves = high - low < LOD_PRICE_CLOSE || abs(side) > 1;
 		part = halves ? 0.5 : part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
-		double middle = from + part * (high - from);
+		double middle = low + part * (high - low);
 		double now = lod_price_relax_alike(m, lambda, middle);
 		if (now > target) {
 			low = middle;
@@ -116,7 +110,7 @@ static void seek(struct lod_allocation *m, double lambda, double target, double 
 	while (bytes <= target && *low > LOD_PRICE_LOWEST) {
 		*high = *low;
 		*low -= step;
-		*low = *low < LOD_PRICE_LITTLE ? LOD_PRICE_LOWEST : *low;
+		*low = *low < LOD_SWEEP_FIRST ? LOD_PRICE_LOWEST : *low;
 		step *= 2;
 		bytes = lod_price_relax_alike(m, lambda, *low);
 	}
@@ -146,13 +140,12 @@ static bool recall(const struct lod_allocation *m, double lambda, double target,
 	return *low > -INFINITY && *high < INFINITY;
 }
 
-double lod_price_find(struct lod_allocation *m, double lambda, double target, const struct lod_price_near *near,
-	double *octave)
+double lod_price_find(struct lod_allocation *m, double lambda, double target, double near, double *octave)
 {
 	double low, high;
 	if (!recall(m, lambda, target, &low, &high))
-		seek(m, lambda, target, near->octave, &low, &high);
-	*octave = high > low ? search_price(m, lambda, target, near->is_enough ? &roughly : &exactly, low, high) : low;
+		seek(m, lambda, target, near, &low, &high);
+	*octave = high > low ? search_price(m, lambda, target, low, high) : low;
 	double bytes = lod_price_relax(m, lambda, *octave, NULL);
 	if (bytes > target)      /* what was computed of summaries since then changes the choice: results are obsolete */
 		m->tries.count = 0;

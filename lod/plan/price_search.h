@@ -12,13 +12,9 @@ struct lod_mix;
 double lod_price_relax(struct lod_allocation *allocation, double lambda, double octave, const struct lod_mix *mix);
 /* The same without a mix: it is remembered for lod_price_find. */
 double lod_price_relax_alike(struct lod_allocation *allocation, double lambda, double octave);
-/* Relaxes at a price whose bytes are at most `target`, and returns these bytes. */
-struct lod_price_near {
-	double octave;               /* a price that nearly fits; NAN: not known */
-	bool is_enough;              /* to fit so: within .5 octaves, or a tenth of the bytes */
-};
-double lod_price_find(struct lod_allocation *allocation, double lambda, double target,
-	const struct lod_price_near *near, double *octave);
+/* Relaxes at a price whose bytes are at most `target`, and returns these bytes. near: log2 of a price that nearly fits;
+ * NAN: not known. */
+double lod_price_find(struct lod_allocation *allocation, double lambda, double target, double near, double *octave);
 /* Wrong pixels that the last relaxation leaves. */
 double lod_price_wrong(const struct lod_allocation *allocation);
 

@@ -102,7 +102,6 @@
 #define LOD_PRICE_SLACK 0.03  /* share of the bytes that may be left */
 #define LOD_PRICE_NEAR 0.25  /* the same from a price that nearly fits */
 #define LOD_PRICE_USUAL -1.0  /* octave of the first price tried; the next is one further, then twice as far */
-#define LOD_PRICE_LITTLE -12.0  /* octaves: at lower prices hardly anything is left out */
 #define LOD_PRICE_STEP 0.1  /* octaves to which a price is searched */
 #define LOD_PRICE_CLOSE 0.45  /* octaves: nearer than that bytes come at once, and are no line */
 #define LOD_PRICE_SEARCHES 5  /* of a search, whatever work is done: the highest price draws nothing */
@@ -181,10 +180,8 @@
 #define LOD_TIMES_COARSER 4.0  /* their bytes count chunks of coarser answers that the answer lacks */
 #define LOD_SWEEP_FIRST -10.0  /* octaves: at lower prices hardly anything is left out */
 #define LOD_SWEEP_STEP 0.375  /* octaves of the price to the next one tried, at least ... */
-#define LOD_SWEEP_STEP_MOST 3.0  /* ... and at most */
-#define LOD_SWEEP_LATE_STEP LOD_SWEEP_STEP_MOST  /* the same once the work is done that a plan may take;
-				* answers then have ... */
-#define LOD_SWEEP_LATE_RATIO 2.5  /* ... so many times fewer bytes */
+#define LOD_SWEEP_STEP_MOST 3.0  /* ... and at most, and once the work is done that a plan may take: ... */
+#define LOD_SWEEP_LATE_RATIO 2.5  /* ... answers have so many times fewer bytes then */
 #define LOD_SWEEP_LAMBDA 0.25  /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
 #define LOD_SWEEP_VERTICES 0.5  /* ... where no more than this part of the budget is used */
 

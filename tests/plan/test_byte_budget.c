@@ -132,10 +132,9 @@ static void forget(struct lod_allocation *m)
 /* At the highest price nothing is drawn: however little work is left, a search goes on to one that uses bytes. */
 static void find_price(struct relaxed *r, uint32_t *searched, uint32_t *some)
 {
-	const struct lod_price_near unknown = { .octave = NAN };
 	double target = lod_price_relax(&r->m, 1e-9, -20, NULL) / 2, octave;
 	if (target > 0) {
-		double bytes = lod_price_find(&r->m, 1e-9, target, &unknown, &octave);
+		double bytes = lod_price_find(&r->m, 1e-9, target, NAN, &octave);
 		assert_true(bytes <= target);
 		*some += bytes > 0.8 * target;
 		*searched += 1;
