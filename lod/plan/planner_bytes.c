@@ -334,7 +334,7 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	octave = fmax(octave, LOD_SWEEP_FIRST);
 	while (!code && coarser->count < coarser->most && before > (double)coarser->least && octave < LOD_PRICE_HIGHEST) {
 		const bool late = lod_planner_over(m->p, 3);
-		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_STEP_MOST : LOD_SWEEP_STEP;
+		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_STEP_MOST / 2 : LOD_SWEEP_STEP;
 		step = fmax(step, least);
 		double bytes = relax_within(s, &lambda, octave + step);
 		bool steep = bytes * ratio * ratio < before && step > least;
