@@ -206,6 +206,7 @@ void scene_make(struct scene_builder *b, const struct eco_bytes *const texture[2
 		b->lists[id].unit_area = 0.06f;
 		fill_points(b, id);
 	}
+	b->lists[L_HIGH_POINTS].cover = 9;
 	fill_simple(b, L_SIMPLE);
 	fill_bush(b);
 	fill_instances(b, L_TREES, 0);
