@@ -103,14 +103,6 @@ static uint32_t rgb_of(const char *text)
 	return (uint32_t)strtoul(text + 1, NULL, 16);
 }
 
-static uint32_t mixed(uint32_t a, uint32_t b, uint32_t of_100)
-{
-	uint32_t out = 0;
-	for (int bit = 16; bit >= 0; bit -= 8)
-		out |= ((a >> bit & 255) * (100 - of_100) + (b >> bit & 255) * of_100 + 50) / 100 << bit;
-	return out;
-}
-
 static bool is_given(const char *color)
 {
 	return color[0] == '#';
@@ -121,7 +113,7 @@ static void set_season(struct gen_plant_look *look, const struct looks_row *row,
 	enum eco_season season)
 {
 	if (season == ECO_SEASON_SPRING)
-		look->leaf = mixed(look->leaf, FRESH, deciduous ? 45 : 12);
+		look->leaf = gen_mixed(look->leaf, FRESH, deciduous ? 45 : 12, 100);
 	if (season == ECO_SEASON_AUTUMN && (deciduous || is_given(row->autumn))) {
 		look->leaf = is_given(row->autumn) ? rgb_of(row->autumn) : WITHERED;
 		look->is_motley = true;
@@ -145,7 +137,7 @@ static struct gen_plant_look make_look(const struct eco_library_plant *plant, co
 		.leaf = rgb_of(row->leaf),
 		.slim = row->slim,
 		.flower =
-			is_given(row->blossom) ? rgb_of(row->blossom) : mixed(rgb_of(row->leaf), STRAW, 60) };
+			is_given(row->blossom) ? rgb_of(row->blossom) : gen_mixed(rgb_of(row->leaf), STRAW, 60, 100) };
 	look.shape = eco_flora_leaf(flora.genus, habit->like, &look.leaf_cm);
 	if (row->leaf_cm > 0)
 		look.leaf_cm = row->leaf_cm;

@@ -122,19 +122,22 @@ uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint32_t rgb, cons
 	return (uint8_t)mesh->material_count++;
 }
 
+uint32_t gen_mixed(uint32_t a, uint32_t b, uint32_t part, uint32_t of)
+{
+	uint32_t rgb = 0;
+	for (int bit = 16; bit >= 0; bit -= 8)
+		rgb |= ((a >> bit & 255) * (of - part) + (b >> bit & 255) * part + of / 2) / of << bit;
+	return rgb;
+}
+
 uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, uint32_t dark, uint32_t bright,
 	uint32_t count)
 {
 	uint8_t first = (uint8_t)mesh->material_count;
 	for (uint32_t i = 0; i < count; i++) {
 		char shade[40];
-		uint32_t rgb = 0;
-		for (int bit = 16; bit >= 0; bit -= 8) {
-			uint32_t sum = (dark >> bit & 255) * (count - 1 - i) + (bright >> bit & 255) * i;
-			rgb |= (sum + (count - 1) / 2) / (count - 1) << bit;
-		}
 		snprintf(shade, sizeof shade, "%.24s-%u", name, i);
-		gen_material(mesh, shade, rgb, NULL);
+		gen_material(mesh, shade, gen_mixed(dark, bright, i, count - 1), NULL);
 	}
 	return first;
 }

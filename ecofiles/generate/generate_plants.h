@@ -63,6 +63,8 @@ void gen_mesh_free(struct gen_mesh *mesh);
 
 /* rgb, dark, bright: 0xRRGGBB */
 uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint32_t rgb, const char *texture);
+/* The colour that is part/of of the way from a to b. */
+uint32_t gen_mixed(uint32_t a, uint32_t b, uint32_t part, uint32_t of);
 /* `count` materials from the dark colour to the bright one, named NAME-0, ...; returns the first. */
 uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, uint32_t dark, uint32_t bright,
 	uint32_t count);
