@@ -358,6 +358,16 @@ static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candida
 	return spent;
 }
 
+/* A plant by itself that `left` is too little for goes part of its step. */
+static uint64_t fill_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
+{
+	uint64_t low = candidate->low, to = candidate->count == 1 ? lod_way_floor(way_of(fill, candidate), low + left) : 0;
+	if (to <= low || !(lod_fill_error(fill, candidate, to) < lod_fill_error(fill, candidate, low)))
+		return 0;
+	lod_candidate_reach(candidate, to);
+	return to - low;
+}
+
 static uint64_t fill_summary(struct lod_candidate *candidate, uint64_t left)
 {
 	uint64_t points = left < candidate->high - candidate->low ? left : candidate->high - candidate->low;
@@ -370,7 +380,8 @@ static uint64_t fill_candidate(struct lod_fill *fill, struct lod_candidate *cand
 {
 	if (candidate->ladder_choice == ECO_NONE)
 		return fill_summary(candidate, left);
-	return fill_plants(fill, candidate, left);
+	uint64_t spent = fill_plants(fill, candidate, left);
+	return spent ? spent : fill_part(fill, candidate, left);
 }
 
 /* Greedy fill: gives the rest of the budget to candidates in falling order of slope. Sets vertices. False

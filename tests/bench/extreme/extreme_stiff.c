@@ -132,9 +132,9 @@ static void make_usual(struct scene_builder *t)
 
 /* ---- Budgets ---- */
 
-#define ROUNDING 1e-3            /* of Q: predictions travel as sixteenths of pixels */
+#define ROUNDING 1e-3            /* of what is expected to be wrong */
 
-struct sum { uint64_t vertices; double error; struct lod_planner_stats stats; };
+struct sum { uint64_t vertices; double error; struct lod_planner_stats stats; };    /* error: pixels, by what is seen */
 
 static struct sum plan_for(struct extreme *x, const struct scene_builder *t, uint64_t vertices, lod_rule *rule)
 {
@@ -148,7 +148,7 @@ static struct sum plan_for(struct extreme *x, const struct scene_builder *t, uin
 	extreme_must(x, sum.stats.converged, "budget %llu: the search did not converge",
 		(unsigned long long)vertices);
 	sum.vertices = plan.vertices;
-	sum.error = 1 - eco_predicted_q(&plan.prediction);
+	sum.error = sum.stats.wrong;
 	eco_plan_free(&plan);
 	return sum;
 }
@@ -161,12 +161,13 @@ static void tiny(struct extreme *x)
 	make_usual(&t);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
 		struct sum sum = plan_for(x, &t, budgets[i], lod_rule_optimal);
-		extreme_same(x, "vertices", sum.vertices, budgets[i]);
-		extreme_most(x, "predicted error", sum.error, last + ROUNDING);
+		extreme_must(x, budgets[i] - sum.vertices < sum.stats.cheapest, "%llu of %llu vertices used",
+			(unsigned long long)sum.vertices, (unsigned long long)budgets[i]);
+		extreme_most(x, "expected error", sum.error, last * (1 + ROUNDING));
 		plan_for(x, &t, budgets[i], lod_rule_deussen);
 		last = sum.error;
 	}
-	extreme_say(x, "0, 1, 2, 3 ... 161 vertices: all of them used, by points one by one");
+	extreme_say(x, "0, 1, 2, 3 ... 161 vertices: no step that fits is left");
 	scene_free(&t);
 }
 
@@ -177,7 +178,7 @@ static double around_step(struct extreme *x, const struct scene_builder *t, uint
 	for (uint64_t d = 0; d < 3; d++) {
 		sums[d] = plan_for(x, t, v + d - 1, deussen ? lod_rule_deussen : lod_rule_optimal);
 		if (d > 0 && !deussen)
-			extreme_most(x, "error of a vertex more", sums[d].error, sums[d - 1].error + ROUNDING);
+			extreme_most(x, "error of a vertex more", sums[d].error, sums[d - 1].error * (1 + ROUNDING));
 	}
 	extreme_must(x, deussen ? sums[1].vertices + v / 50 + 60 >= v
 		: v - sums[1].vertices < sums[1].stats.cheapest, "%llu of %llu vertices used by %s rule",
@@ -234,13 +235,13 @@ static void unbounded(struct extreme *x)
 
 /* ---- What must hold at any budget ---- */
 
-/* 1 - predicted Q of the budget before; vertices left over at most */
+/* what the budget before leaves wrong; vertices left over at most */
 struct hold { double last; uint64_t unused; };
 
 static void hold_at(struct extreme *x, const struct scene_builder *t, uint64_t budget, struct hold *h)
 {
 	struct sum sum = plan_for(x, t, budget, lod_rule_optimal);
-	extreme_most(x, "predicted error, with more budget", sum.error, h->last + ROUNDING);
+	extreme_most(x, "expected error, with more budget", sum.error, h->last * (1 + ROUNDING));
 	extreme_must(x, budget - sum.vertices < sum.stats.cheapest,
 		"budget %llu: %llu used though a step of %llu is left", (unsigned long long)budget,
 		(unsigned long long)sum.vertices, (unsigned long long)sum.stats.cheapest);
@@ -279,10 +280,10 @@ static void sweep(struct extreme *x)
 			: (uint64_t)(count / 4 * pow(3e6 / (count / 4.0),
 			(i - count / 4.0) / (count - count / 4.0)));
 		hold_at(x, &t, budget, &h);
-		rises += h.last > last + ROUNDING;
+		rises += h.last > last * (1 + ROUNDING);
 		first = i ? first : h.last;
 	}
-	extreme_say(x, "%u budgets up to 3e6, 1 - predicted Q falls from %.4f to %.4f and rises %u "
+	extreme_say(x, "%u budgets up to 3e6, expected error falls from %.0f to %.0f pixels and rises %u "
 		"times", count, first, h.last, rises);
 	scene_free(&t);
 }
@@ -361,7 +362,7 @@ static void odd_curves(struct extreme *x)
 
 const struct extreme_case extreme_stiff[] = {
 	EXTREME_CASE("budgets 0, 1, 2, 3 ...",
-		"every vertex is used where points cost one; more never predicts more error", tiny),
+		"what is left over is less than any step; more never predicts more error", tiny),
 	EXTREME_CASE("each step of V(d'), one less and one more",
 		"within the budget, error does not rise, what is left over is less than any step; by Deussen's "
 		"rule at most 2 %", steps),
