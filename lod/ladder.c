@@ -2,7 +2,7 @@
  *
  *   forms    the elements of one list in several forms: lod/forms.h
  *   levels   points or lines first, then the triangles or the levels of wood; a level that draws no more vertices
- *            than the one before it is skipped
+ *            than the one before it is skipped. Samples of the curve may stand between two of these
  *   splats   one list of points in levels: splats give way to their children one by one */
 #include "lod/ladder.h"
 
@@ -136,6 +136,64 @@ static uint64_t levels_next(const struct eco_scene *scene, const struct eco_ladd
 	return UINT64_MAX;
 }
 
+/* The cut of the points or lines, or of the level, that draws `vertices`, a value that levels_floor returns. */
+static struct eco_cut whole_cut(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
+{
+	struct eco_cut cut = { .list = first_list(scene, ladder), .scale = 1,
+		.end = (uint32_t)(vertices / first_unit(scene, ladder)) };
+	for (uint32_t level = 0; vertices > first_floor(scene, ladder, UINT64_MAX); level++)
+		if (level_vertices(scene, ladder, level) == vertices) {
+			cut.list = ladder->triangles;
+			level_range(scene, ladder, level, &cut.first, &cut.end);
+			break;
+		}
+	return cut;
+}
+
+/* The vertices of a sample of the curve that stands between two levels, and its cuts; 0: it is none. */
+static uint64_t between_levels(const struct lod_way *way, const struct eco_curve *sample, struct eco_cut cuts[2])
+{
+	const struct eco_scene *scene = way->scene;
+	const struct eco_ladder *ladder = way->ladder;
+	uint64_t v = (uint64_t)((double)sample->share * (double)way->full + 0.5);
+	if (!(sample->reach < 1) || v >= way->full || v <= first_floor(scene, ladder, UINT64_MAX))
+		return 0;
+	cuts[0] = whole_cut(scene, ladder, levels_next(scene, ladder, v));
+	cuts[1] = whole_cut(scene, ladder, levels_floor(scene, ladder, v));
+	uint64_t fine = (uint64_t)((double)sample->reach * (cuts[0].end - cuts[0].first) + 0.5),
+		unit = cuts[1].end ? eco_list_vertices(&scene->lists[cuts[1].list]) : 1, rest = v - 3 * fine;
+	if (3 * fine > v || rest % unit || rest / unit > cuts[1].end - cuts[1].first)
+		return 0;
+	cuts[0].end = cuts[0].first + (uint32_t)fine;
+	cuts[1].first = cuts[1].end - (uint32_t)(rest / unit);
+	return v;
+}
+
+/* The sample between two levels with the most vertices up to `vertices`, or, if `next`, the fewest above; 0: none. */
+static uint64_t between_at(const struct lod_way *way, uint64_t vertices, bool next, struct eco_cut cuts[2])
+{
+	const struct eco_curve *curve = way->scene->curves + way->ladder->curve_first;
+	uint32_t low = 0, high = way->ladder->curve_count;
+	while (low < high) {
+		uint32_t middle = (low + high) / 2;
+		if ((double)curve[middle].share * (double)way->full < (double)vertices + 0.5)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	for (; next && low < way->ladder->curve_count; low++) {
+		uint64_t v = between_levels(way, &curve[low], cuts);
+		if (v > vertices)
+			return v;
+	}
+	while (!next && low-- > 0) {
+		uint64_t v = between_levels(way, &curve[low], cuts);
+		if (v)
+			return v;
+	}
+	return 0;
+}
+
 uint64_t lod_way_level_above(const struct lod_way *way, uint64_t vertices)
 {
 	const struct eco_ladder *ladder = way->ladder;
@@ -172,8 +230,12 @@ uint64_t lod_way_floor(const struct lod_way *way, uint64_t vertices)
 		return way->full;
 	if (way->has_splats)
 		return splats_vertices(way->ladder, vertices, false);
-	if (!way->has_forms)
-		return levels_floor(way->scene, way->ladder, vertices);
+	struct eco_cut cuts[2];
+	if (!way->has_forms) {
+		uint64_t whole = levels_floor(way->scene, way->ladder, vertices),
+			between = between_at(way, vertices, false, cuts);
+		return between > whole ? between : whole;
+	}
 	struct lod_forms_state s = lod_forms_floor(&way->forms, vertices);
 	return lod_forms_vertices(&way->forms, &s);
 }
@@ -184,8 +246,11 @@ uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices)
 		return UINT64_MAX;
 	if (way->has_splats)
 		return splats_vertices(way->ladder, vertices, true);
-	return way->has_forms ? lod_forms_next(&way->forms, vertices)
-		: levels_next(way->scene, way->ladder, vertices);
+	if (way->has_forms)
+		return lod_forms_next(&way->forms, vertices);
+	struct eco_cut cuts[2];
+	uint64_t whole = levels_next(way->scene, way->ladder, vertices), between = between_at(way, vertices, true, cuts);
+	return between && between < whole ? between : whole;
 }
 
 /* part: of the way from a to b. */
@@ -400,12 +465,11 @@ uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double densi
 	if (vertices <= first_floor(scene, ladder, UINT64_MAX))
 		return put(cuts, first_list(scene, ladder), 0, vertices / first_unit(scene, ladder),
 			scale_at(way, vertices, density, above));
-	for (uint32_t level = 0; level < level_count(scene, ladder); level++)
-		if (level_vertices(scene, ladder, level) == vertices) {
-			uint32_t first, end;
-			level_range(scene, ladder, level, &first, &end);
-			return put(cuts, ladder->triangles, first, end, 1);
-		}
-	assert(!"vertices is not a value that lod_way_floor returns");
-	return 0;
+	if (levels_floor(scene, ladder, vertices) == vertices) {
+		cuts[0] = whole_cut(scene, ladder, vertices);
+		return 1;
+	}
+	uint64_t between = between_at(way, vertices, false, cuts);
+	assert(between == vertices);
+	return 2;
 }

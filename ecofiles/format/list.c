@@ -26,6 +26,7 @@ void eco_elements_free(struct eco_elements *elements)
 	free(elements->exact);
 	free(elements->uv);
 	free(elements->extra);
+	free(elements->part);
 	memset(elements, 0, sizeof *elements);
 }
 

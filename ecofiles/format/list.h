@@ -138,6 +138,8 @@ struct eco_elements {
 	                              * 2^ECO_EXACT_SHIFT times finer; or NULL. For encoders: decoding gives
 	                              * such elements on the finer grid, where position says or as near to
 	                              * `exact` as rounding to position could be. Decoders leave it NULL */
+	int32_t *part;               /* wood: per element, ascending in each level, or NULL. For encoders: MESH
+	                              * keeps the order of parts, not that within one. Decoders leave it NULL */
 };
 void eco_elements_free(struct eco_elements *elements);
 /* NULL, or what is wrong with decoded elements of a list: other attributes than its own, colours beyond its palette,

@@ -66,7 +66,7 @@ struct eco_anchor {
 	float radius;
 };
 
-#define ECO_LEVELS_MAX 8
+#define ECO_LEVELS_MAX 10
 enum eco_ladder_flag {
 	/* drawn where the plant's cells are not (its band: at or beyond the gate) */
 	ECO_LADDER_FAR = 1,
@@ -92,7 +92,10 @@ struct eco_seen { uint16_t color[ECO_SEEN_SIZES][2], contrast[ECO_SEEN_SIZES][2]
  *           Finer forms replace coarser ones from the front: elements [0,f) of the finer form with elements
  *           [f,e) of the coarser one, until f = e. The curve says which e belongs to a share of vertices
  *           (`reach`).
- *   wood:   the first p/2 lines -> level 0 -> ... -> the last level: triangles [level_end[i-1], level_end[i])
+ *   wood:   the first p/2 lines -> level 0 -> ... -> the last level: triangles [level_end[i-1], level_end[i]).
+ *           Between two of these stand samples of the curve with a reach below 1: the first of the finer
+ *           level's triangles, `reach` of them, with so many of the last triangles, or lines, of the coarser
+ *           one that together they have the sample's vertices: other branches
  *   plain:  the first p/3 triangles, scaled                                   (triangles only, no levels)
  *   splats: `points` with ECO_ATTR_SPLAT in levels; a level has a whole multiple, m, of the splats of the one
  *           before it, and splats [m i, m (i + 1)) stand for splat i of that one. The first p of a level
@@ -134,7 +137,8 @@ struct eco_curve {
 	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. A
 	                              * cut's scale is this / (primitives drawn / primitives of the stage).
 	                              * Bounded where s_opt is singular, so it may be interpolated */
-	float reach;                 /* leaves: share of the region's elements that are drawn in any form */
+	float reach;                 /* leaves: share of the region's elements that are drawn in any form; wood
+	                              * between two levels: share of the finer one; else 1 */
 	/* wrong pixels over covered pixels of the reference, mean over views: from all around, or from above
 	 * */
 	float fp, fn;

@@ -64,6 +64,11 @@ static bool straight(const struct lod_tube *tube, const uint32_t *chain, const u
 	return high <= SIMILAR * low;
 }
 
+double lod_bone_away(const struct lod_bone *bone, struct lod_v3 point)
+{
+	return distance_to(point, bone->end[0], bone->end[1]) - bone->width / 2;
+}
+
 struct lines { struct lod_bones *bones; uint32_t capacity, span_capacity; struct lod_arena *arena; };
 
 /* `items`, with room for one more than `count`. */
@@ -180,8 +185,7 @@ static uint32_t nearest_line(const struct through *through, const struct lod_bon
 	uint32_t nearest = ECO_NONE;
 	*away = INFINITY;
 	for (uint32_t i = through->first[piece]; i < through->first[piece + 1]; i++) {
-		const struct lod_bone *line = &bones->items[through->line[i]];
-		double d = distance_to(p, line->end[0], line->end[1]) - line->width / 2;
+		double d = lod_bone_away(&bones->items[through->line[i]], p);
 		if (d < *away) {
 			*away = d;
 			nearest = through->line[i];
@@ -315,10 +319,8 @@ static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const st
 	line->width = 2 * sqrt(square / area);
 	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
 		for (uint32_t k = 0; k < 3; k++)
-			line->error =
-				fmax(line->error,
-				distance_to(lod_mesh_corner(mesh, mesh->member[i], k), line->end[0],
-				line->end[1]) - line->width / 2);
+			line->error = fmax(line->error,
+				lod_bone_away(line, lod_mesh_corner(mesh, mesh->member[i], k)));
 		add_span(lines, mesh, lines->bones->count - 1, mesh->member[i]);
 	}
 }

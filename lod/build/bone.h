@@ -34,6 +34,9 @@ struct lod_bones {
 void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs,
 	struct lod_arena *arena);
 
+/* How far a point is from a bone's surface; negative inside. */
+double lod_bone_away(const struct lod_bone *bone, struct lod_v3 point);
+
 /* Sorts bones into drawing order: the largest (length times width) first, those of similar size (half
  * octaves) in random order, so that the first ones are spread over the plant. */
 void lod_bones_sort(struct lod_bones *bones, uint32_t seed, struct lod_arena *arena);

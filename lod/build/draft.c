@@ -234,9 +234,12 @@ uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, 
 		add_list(draft,
 		&(struct shape){ ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, kept,
 		2 * kept, ECO_NONE, false });
+	list->elements.part = eco_alloc(kept, sizeof *list->elements.part);
 	for (uint32_t i = 0; i < count; i++)
-		if (has_length(draft->mesh, &lines[i]))
+		if (has_length(draft->mesh, &lines[i])) {
+			list->elements.part[list->elements.element_count] = lines[i].limb;
 			put_line(draft, list, &lines[i], &owed);
+		}
 	return finish_in_chunks(draft, list);
 }
 
@@ -323,6 +326,14 @@ uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels
 		image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV, total, 3 * total, image, false });
 	uint32_t *ends = lod_arena_take(draft->arena, total / WOOD_CHUNK + LOD_LEVELS_SIMPLE + 2,
 		sizeof *ends);
+	if (levels->limb[levels->count])
+		list->elements.part = eco_alloc(total, sizeof *list->elements.part);
+	for (uint32_t l = 0; l <= levels->count && list->elements.part; l++) {
+		uint32_t size = l < levels->count ? levels->triangle_count[l] : count;
+		memcpy(list->elements.part + at, levels->limb[l], size * sizeof **levels->limb);
+		at += size;
+	}
+	at = 0;
 	for (uint32_t l = 0; l < levels->count; l++) {
 		for (uint32_t i = 0; i < levels->triangle_count[l]; i++) {
 			const struct lod_corner *corner = levels->corner[l] + 3 * (size_t)i;

@@ -38,7 +38,7 @@ uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struc
 	const uint32_t *items, float unit_area, uint32_t cover);
 
 /* Lines. */
-struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };
+struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; int32_t limb; };
 uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *lines,
 	const uint32_t *items);
 
@@ -62,6 +62,8 @@ struct lod_levels {
 	uint32_t count;              /* simplified levels that pay, coarse first, without full detail */
 	uint32_t triangle_count[LOD_LEVELS_SIMPLE];
 	struct lod_corner *corner[LOD_LEVELS_SIMPLE];    /* 3 per triangle */
+	/* Ascending limbs of triangles, at last of those of full detail; NULL: levels do not mix. */
+	int32_t *limb[LOD_LEVELS_SIMPLE + 1];
 };
 
 /* Wood: simplified levels, then the triangles themselves. Sets level_count and level_end of `ladder` if there

@@ -57,6 +57,7 @@ static void carry_list(struct carrier *c, struct lod_list_draft *draft)
 	carry_rows(c, &e->exact, e->corner_count, 3);
 	carry_rows(c, &e->uv, e->corner_count, 2);
 	carry_rows(c, &e->extra, e->element_count, e->extra_count);
+	carry_rows(c, &e->part, e->element_count, 1);
 }
 
 static void carry_arrays(struct carrier *c, struct lod_plant *p)

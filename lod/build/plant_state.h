@@ -64,6 +64,7 @@ struct lod_build {
 	struct lod_group *groups;
 	uint32_t *group_of_component;        /* wood's */
 	bool *cut;                   /* per component: of several cells */
+	int32_t *limb;               /* per bone, ascending; of a plant without cells */
 
 	/* leaves, per element */
 	struct lod_v3 *center;

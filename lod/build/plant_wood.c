@@ -1,5 +1,5 @@
-/* Wood: lines of the skeleton from afar, levels of the mesh nearby. A plant with cells shows its largest
- * lines until its cells take over, and each cell is complete in itself. */
+/* Wood: lines of the skeleton from afar, levels of the mesh nearby, which give way branch by branch. A plant with
+ * cells shows its largest lines until its cells take over, and each cell is complete in itself. */
 #include <string.h>
 
 #include <meshoptimizer.h>
@@ -15,10 +15,9 @@
 
 /* ---- Levels ---- */
 
-/* Simplified levels of wood by meshoptimizer, then all of its triangles. Levels are exchanged as a whole, since a missing
- * piece of branch is noticed at once. Components of similar width are simplified together, by an error in proportion to it
- * at most; borders at the end of a cell are kept. All of an object is simplified together, seams between colours with it,
- * so that its walls stay closed. */
+/* Simplified levels of wood by meshoptimizer, then all of its triangles. Components of similar width are simplified
+ * together, by an error in proportion to it at most; borders at the end of a cell are kept. All of an object is
+ * simplified together, seams between colours with it, so that its walls stay closed. */
 
 /* Triangles of the mesh that are simplified together, since they belong to components of similar width. */
 struct part {
@@ -141,6 +140,106 @@ static void make_levels(struct lod_levels *levels, const struct lod_mesh *mesh,
 	memmove(levels->triangle_count, levels->triangle_count + room, levels->count * sizeof *levels->triangle_count);
 }
 
+/* ---- Limbs ---- */
+
+/* The triangles of all levels and the lines have an order in common: by limbs, which are bones that follow each other in
+ * their order, the largest first. So a ladder may stand between two levels: limbs [0, k) are drawn by the finer one, the
+ * others by the coarser one. */
+#define LIMBS 32u                /* at most about so many; each has so large a share of the triangles at least */
+
+/* Bones along the triangles around each vertex: bone[first[v] .. first[v + 1]), some more than once. */
+struct along { uint32_t *first, *bone; };
+
+static struct along find_along(struct lod_build *b)
+{
+	const struct lod_mesh *mesh = &b->mesh;
+	const struct lod_bones *bones = &b->bones;
+	struct along a = { lod_arena_take(&b->arena, mesh->vertex_count + 2u, sizeof *a.first),
+		lod_arena_take(&b->arena, 3 * (size_t)bones->span_count, sizeof *a.bone) };
+	for (uint32_t i = 0; i < 3 * bones->span_count; i++)
+		a.first[mesh->index[3 * (size_t)bones->spans[i / 3].triangle + i % 3] + 2]++;
+	for (uint32_t v = 2; v <= mesh->vertex_count + 1; v++)
+		a.first[v] += a.first[v - 1];
+	for (uint32_t i = 0; i < 3 * bones->span_count; i++)
+		a.bone[a.first[mesh->index[3 * (size_t)bones->spans[i / 3].triangle + i % 3] + 1]++] = bones->spans[i / 3].bone;
+	return a;
+}
+
+/* The bone that a triangle's middle is nearest to, of those along its corners' triangles; 0 if there is none. */
+static uint32_t bone_of(const struct lod_build *b, const struct along *along, const uint32_t vertex[3],
+	uint32_t component)
+{
+	struct lod_v3 middle = { 0, 0, 0 };
+	double least = INFINITY;
+	uint32_t nearest = 0;
+	for (uint32_t k = 0; k < 3; k++) {
+		const float *place = b->mesh.place + 3 * (size_t)vertex[k];
+		middle = lod_v3_add(middle, (struct lod_v3){ place[0] / 3.0, place[1] / 3.0, place[2] / 3.0 });
+	}
+	for (uint32_t k = 0; k < 3; k++)
+		for (uint32_t i = along->first[vertex[k]]; i < along->first[vertex[k] + 1]; i++) {
+			const struct lod_bone *bone = &b->bones.items[along->bone[i]];
+			double away = bone->component == component ? lod_bone_away(bone, middle) : INFINITY;
+			if (away < least || (away == least && along->bone[i] < nearest)) {
+				least = away;
+				nearest = along->bone[i];
+			}
+		}
+	return nearest;
+}
+
+/* Sorts triangles, `size` bytes each, by limbs. Returns these. */
+static int32_t *sort_by_limb(struct lod_build *b, void *triangles, const uint32_t *bone, uint32_t count, size_t size)
+{
+	int32_t *limb = lod_arena_take(&b->arena, count, sizeof *limb);
+	struct lod_keyed *by = lod_arena_take(&b->arena, count, sizeof *by);
+	uint8_t *copy = lod_arena_take(&b->arena, count, size), *to = triangles;
+	memcpy(copy, triangles, count * size);
+	for (uint32_t i = 0; i < count; i++)
+		by[i] = (struct lod_keyed){ (uint64_t)b->limb[bone[i]], i };
+	lod_sort(&b->arena, by, count);
+	for (uint32_t i = 0; i < count; i++) {
+		limb[i] = (int32_t)by[i].key;
+		memcpy(to + i * size, copy + by[i].value * size, size);
+	}
+	return limb;
+}
+
+/* Bones become limbs by their triangles in full detail. */
+static void find_limbs(struct lod_build *b, const uint32_t *bone, uint32_t count)
+{
+	uint32_t *own = lod_arena_take(&b->arena, b->bones.count, sizeof *own), sum = 0;
+	int32_t limb = 0;
+	for (uint32_t i = 0; i < count; i++)
+		own[bone[i]]++;
+	for (uint32_t i = 0; i < b->bones.count; i++) {
+		b->limb[i] = limb;
+		sum += own[i];
+		limb += LIMBS * (uint64_t)sum >= count;
+		sum = LIMBS * (uint64_t)sum >= count ? 0 : sum;
+	}
+}
+
+/* Sorts the triangles of all levels, and those of full detail, by limbs. */
+static void order_levels(struct lod_build *b, struct lod_levels *levels, uint32_t *triangle, uint32_t count)
+{
+	struct along along = find_along(b);
+	const struct lod_mesh *mesh = &b->mesh;
+	uint32_t *bone = lod_arena_take(&b->arena, count, sizeof *bone);
+	for (uint32_t i = 0; i < count; i++)
+		bone[i] = bone_of(b, &along, mesh->index + 3 * (size_t)triangle[i], mesh->component[triangle[i]]);
+	find_limbs(b, bone, count);
+	levels->limb[levels->count] = sort_by_limb(b, triangle, bone, count, sizeof *triangle);
+	for (uint32_t l = 0; l < levels->count; l++) {
+		for (uint32_t i = 0; i < levels->triangle_count[l]; i++) {
+			const struct lod_corner *c = levels->corner[l] + 3 * (size_t)i;
+			bone[i] = bone_of(b, &along, (uint32_t[]){ c[0].vertex, c[1].vertex, c[2].vertex }, c->component);
+		}
+		levels->limb[l] = sort_by_limb(b, levels->corner[l], bone, levels->triangle_count[l],
+			3 * sizeof **levels->corner);
+	}
+}
+
 /* ---- Lines ---- */
 
 struct region { struct lod_line *lines; uint32_t count; double length, area, error; };
@@ -226,7 +325,8 @@ static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, u
 		if (region->count == most)
 			continue;
 		struct lod_line *line = &region->lines[region->count++];
-		*line = (struct lod_line){ .end = { bone->end[0], bone->end[1] }, .width = bone->width };
+		*line = (struct lod_line){ .end = { bone->end[0], bone->end[1] }, .width = bone->width,
+			.limb = b->limb ? b->limb[i] : 0 };
 		memcpy(line->rgb, bone->rgb, 3);
 	}
 	return found;
@@ -305,8 +405,10 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 	}
 	ladder->area = (float)area;
 	if (count) {
-		struct lod_levels levels;
+		struct lod_levels levels = { .count = 0 };
 		make_levels(&levels, mesh, parts, part_count, b->model->object, &b->arena);
+		if (b->limb)
+			order_levels(b, &levels, triangle, count);
 		ladder->triangles = lod_draft_wood(&b->draft, &levels, triangle, count, group->image, ladder);
 		if (b->model->object && ladder->level_count == 0) {      /* one level, of which no part is drawn */
 			ladder->level_count = 1;
@@ -332,6 +434,7 @@ void lod_wood_ladders(struct lod_build *b, const struct lod_group *group, bool c
 {
 	if (!cells && b->cells.count == 0) {
 		struct eco_ladder *ladder = lod_build_ladder(b, group, 0, 0);
+		b->limb = b->bones.count ? lod_arena_take(&b->arena, b->bones.count, sizeof *b->limb) : NULL;
 		add_triangles(b, group, 0, ladder);
 		add_lines(b, group, ECO_NONE, UINT32_MAX, ladder);
 	} else if (!cells) {

@@ -46,6 +46,10 @@ few plants: no ladder for the whole plant @ s,for (uint32_t k = 0\, id = s->ladd
 few plants: hull points alone @ s,if (k + 1 < hull->count),if (k + 1 < hull->count \&\& k > hull->count),
 few plants: none is ahead @ s,ahead = plants; c->count > 1,ahead = plants; c->count > 1000,
 few plants: every option costs a bin @ s,+ f->unit - 1) / f->unit,+ f->unit) / f->unit,
+@ test_ladder lod/ladder.c
+levels: the first limbs of both @ s,cuts\[1\].first = cuts\[1\].end - ,cuts[1].end = cuts[1].first + ,
+@ test_chunk_mesh ecofiles/format/chunk/chunk_mesh.c
+wood: parts as edgebreaker leaves them @ s,{ e->part\[i\]\, i },{ 0\, i },
 @ test_importance lod/plan/allocation_weights.c
 ours: importance is 1 @ s,return ladder->importance > 0 .*,return ladder->importance > 0 ? 1 : 1;,
 @ test_rules tests/bench/baseline/paper_cook.c

@@ -186,6 +186,36 @@ UNIT_TEST(levels_of_wood_leave_no_gap)
 	finish();
 }
 
+/* Branches of one welded piece each give way one by one: steps are small, and each is drawn as the curve says. */
+UNIT_TEST(levels_of_wood_give_way_in_parts)
+{
+	soup_begin(&soup);
+	uint32_t bark = soup_material(&soup, 90, 60, 40, ECO_NONE, false), mixed = 0;
+	strcpy(soup.material[bark].name, "bark");
+	for (int i = 0; i < 12; i++)
+		soup_tube(&soup, bark, (struct lod_v3){ 0, 0, 0.3 * i }, (struct lod_v3){ i % 4 - 1.5, i % 3 - 1, 1 + 0.3 * i },
+			0.2, 0.05, 12, 8);
+	for (uint32_t i = 0; i < 3 * soup.model.vertex_count; i++)
+		soup.model.position[i] += (float)soup_random(&soup, -0.01, 0.01);
+	measure(&quick);
+	const struct eco_ladder *ladder = &plant.ladders[0];
+	const struct eco_curve *curve = &plant.curves[ladder->curve_first];
+	assert_true(plant.ladder_count == 1 && ladder->level_count > 1);
+	struct lod_probe probe;
+	open_probe(&probe, 8, 128);
+	for (uint32_t i = 1; i < ladder->curve_count; i++)
+		if (curve[i].reach < 1) {
+			struct lod_probe_result drawn = draw_share(&probe, curve[i].share, curve[i].reach, 1);
+			assert_true(curve[i].share < (curve[i].share < 0.02f ? 2.5f : 1.25f) * curve[i - 1].share);
+			assert_true(error_of(&curve[i]) <= error_of(&curve[i - 1]));
+			assert_true(fabs(drawn.fp + drawn.fn - error_of(&curve[i])) < 0.02);
+			mixed++;
+		}
+	assert_true(mixed > 8);
+	lod_probe_free(&probe);
+	finish();
+}
+
 UNIT_TEST(levels_that_are_as_good_as_finer_ones_stand_for_them)
 {
 	const struct eco_ladder *ladder = measure_log(0);

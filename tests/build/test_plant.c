@@ -280,6 +280,10 @@ static void check_ladder(const struct eco_ladder *l)
 		assert_true(is_end);
 		assert_true(l->level_end[i] - last
 			> (i ? l->level_end[i - 1] - (i > 1 ? l->level_end[i - 2] : 0) : 0));
+		const int32_t *limb = draft->elements.part;
+		assert_true(!limb == (plant.plant.anchor_count > 1));
+		for (uint32_t t = last + 1; limb && t < l->level_end[i]; t++)
+			assert_true(limb[t] >= limb[t - 1]);
 		last = l->level_end[i];
 	}
 	if (l->level_count)

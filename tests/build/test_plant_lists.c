@@ -378,6 +378,9 @@ static void assert_same_list(const struct lod_list_draft *a, const struct lod_li
 	SAME(e->corners, f->corners, e->element_count);
 	SAME(e->position, f->position, 3 * e->corner_count);
 	SAME(e->extra, f->extra, e->element_count * e->extra_count);
+	assert_int_equal(e->part != NULL, f->part != NULL);
+	if (e->part)
+		SAME(e->part, f->part, e->element_count);
 	if (e->exact)
 		SAME(e->exact, f->exact, 3 * e->corner_count);
 	if (e->uv)

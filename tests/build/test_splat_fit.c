@@ -18,15 +18,15 @@ static void fit(struct lod_splats *splats, const struct eco_model *model,
 
 UNIT_TEST(levels_have_their_sizes_and_come_closer_and_closer)
 {
-	static const uint32_t ends[] = { 1, 4, 16, 64, 256 };
+	static const uint32_t ends[] = { 1, 4, 10, 22, 46, 94, 286 };
 	FREED(soup) soup;
 	FREED(lod_splats) splats;
 	soup_tree(&soup, 300, 25, false);
 	fit(&splats, &soup.model, &quick);
-	assert_in_range(splats.level_count, 5, LOD_SPLAT_LEVELS);
-	for (uint32_t level = 0; level < 5; level++) {
+	assert_in_range(splats.level_count, 7, LOD_SPLAT_LEVELS);
+	for (uint32_t level = 0; level < 7; level++) {
 		assert_int_equal(splats.level_end[level], ends[level]);
-		assert_true(!level || splats.loss[level] < splats.loss[level - 1]);
+		assert_true(level < 2 || splats.loss[level] < splats.loss[level - 2]);
 	}
 	for (uint32_t i = 0; i < splats.level_end[splats.level_count - 1]; i++) {
 		const struct lod_splat *splat = &splats.items[i];

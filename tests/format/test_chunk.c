@@ -105,7 +105,7 @@ UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
 			.columns = columns };
 		FREED_MEMORY uint8_t *corners = calloc(count, 1), *bytes;
 		FREED_MEMORY int32_t *position = calloc(3 * (size_t)count, sizeof *position);
-		struct eco_elements in = { count, count, count, 0, corners, position, NULL, NULL, NULL }, out;
+		struct eco_elements in = { count, count, count, 0, corners, position, NULL, NULL, NULL, NULL }, out;
 		for (uint32_t i = 0; i < count; i++) {
 			uint32_t x = i % columns, y = i / columns, border = x == 0 || y == 0
 				|| x == columns - 1 || y == cases[c].rows - 1;
@@ -183,7 +183,7 @@ UNIT_TEST(a_small_chunk_is_the_golden_one)
 	int32_t position[33] = { 0, 0, 0, 9, 0, 0, 9, 9, 1, 0, 9, 1, 100, 50, -3, 110, 50, -3, 105, 60, 0, 5,
 		5, 5, 5, 14, 5, 5, 14, 15, 5, 5, 14 };
 	int32_t color[3] = { 2, 0, 1 };
-	struct eco_elements in = { 3, 11, 5, 1, corners, position, NULL, color, NULL }, out;
+	struct eco_elements in = { 3, 11, 5, 1, corners, position, NULL, color, NULL, NULL }, out;
 	const struct eco_chunk_input input = { &list, &in, 0, 3, 0 };
 	const struct kind k = { "golden", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 3, 4, 3, 0,
 		0, SCATTERED };

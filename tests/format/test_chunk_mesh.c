@@ -47,6 +47,36 @@ UNIT_TEST(connected_wood_is_small_and_keeps_its_texture)
 	assert_same_elements(&k, &in, 0, in.element_count, &out, NULL);
 }
 
+/* Rows of quads are parts: they come back in their order, whatever edgebreaker makes of the triangles. */
+UNIT_TEST(parts_of_wood_keep_their_order)
+{
+	const struct kind k = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3,
+		3, 0, 0, 0, SCATTERED };
+	const struct eco_list list = kind_list(&k);
+	FREED(eco_elements) in = make_bark(40), out;
+	const struct eco_chunk_input input = { &list, &in, 0, in.element_count, 2 };
+	FREED_MEMORY uint8_t *bytes;
+	size_t size, without;
+	assert_good(eco_chunk_encode(&input, &bytes, &without, NULL, &cause));
+	free(bytes);
+	in.part = malloc(in.element_count * sizeof *in.part);
+	for (uint32_t i = 0; i < in.element_count; i++)
+		in.part[i] = (int32_t)(i / 400);
+	assert_good(eco_chunk_encode(&input, &bytes, &size, NULL, &cause));
+	assert_int_equal(bytes[1], ECO_CODER_MESH);
+	assert_true(size < without + 200);       /* half a bit a triangle */
+	struct eco_chunk chunk = kind_chunk(&in, 0, in.element_count, size);
+	assert_good(eco_chunk_decode(&list, &chunk, 2, bytes, size, &out, &cause));
+	assert_same_elements(&k, &in, 0, in.element_count, &out, NULL);
+	assert_null(out.part);
+	for (uint32_t i = 0; i < out.element_count; i++) {
+		const int32_t *y = out.position + 9 * (size_t)i + 1;
+		int32_t low = y[0] < y[3] ? y[0] : y[3];
+		low = low < y[6] ? low : y[6];
+		assert_int_equal(low / 50, (int)i / 400);     /* 5 rows of 80 triangles, 10 high each */
+	}
+}
+
 /* Edgebreaker alone loses duplicates and tangles; the chunk must not. */
 UNIT_TEST(no_wood_triangle_is_lost)
 {
@@ -66,7 +96,8 @@ UNIT_TEST(no_wood_triangle_is_lost)
 		const struct eco_list list = kind_list(&k);
 		uint8_t threes[4] = { 3, 3, 3, 3 };
 		int32_t position[36], color[4] = { 5, 6, 7, 8 };
-		struct eco_elements in = { 4, 12, 4, 1, threes, position, NULL, color, NULL }, out;
+		int32_t part[4] = { 0, 3, 4, 9 };
+		struct eco_elements in = { 4, 12, 4, 1, threes, position, NULL, color, NULL, part }, out;
 		const struct eco_chunk_input input = { &list, &in, 0, 4, 0 };
 		struct eco_chunk chunk;
 		FREED_MEMORY uint8_t *bytes;
@@ -77,6 +108,7 @@ UNIT_TEST(no_wood_triangle_is_lost)
 		chunk = kind_chunk(&in, 0, 4, size);
 		assert_good(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &cause));
 		assert_same_elements(&k, &in, 0, 4, &out, NULL);
+		assert_memory_equal(out.extra, color, sizeof color);     /* each is a part */
 		eco_elements_free(&out);
 	}
 }

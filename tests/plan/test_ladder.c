@@ -147,6 +147,51 @@ UNIT_TEST(splats_give_way_to_their_children)
 	assert_true(tried > 2000);
 }
 
+/* Wood with lines and two levels. A sample of the curve stands between two of these: the first of the finer one with
+ * the last of the coarser one. One that is not to be drawn is not there. */
+UNIT_TEST(wood_gives_way_in_parts)
+{
+	uint32_t tried = 0;
+	for (uint64_t seed = 1; seed < 40; seed++) {
+		random_scene_make(&scene, seed, 0);
+		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
+			struct eco_ladder ladder = scene.ladders[l];
+			uint32_t lines = ladder.lines == ECO_NONE ? 0 : scene.lists[ladder.lines].primitive_count,
+				coarse = ladder.level_end[0], fine = ladder.level_end[1] - coarse;
+			if (ladder.organ != ECO_ORGAN_WOOD || ladder.level_count != 2 || lines < 2 || coarse < 4
+					|| 2 * lines > 3 * coarse - 6)
+				continue;
+			ladder.curve_first = 0;
+			ladder.flags = 0;
+			float full = (float)(3 * fine), last = full - 3;
+			uint32_t first = 2 * (lines / 2) + 3 * (coarse - 2), second = 3 * 2 + 3 * (coarse - 1);
+			set_curve(&ladder, (struct eco_curve[]){
+				SCENE_CURVE((float)first / full, 1, (float)(coarse - 2) / (float)coarse, 0.3f, 0.3f),
+				SCENE_CURVE((float)(second - 1) / full, 1, 2 / (float)fine, 0.2f, 0.2f),
+				SCENE_CURVE((float)second / full, 1, 2 / (float)fine, 0.2f, 0.2f),
+				SCENE_CURVE(last / full, 1, 0.001f, 0.1f, 0.1f), SCENE_CURVE(1, 1, 1, 0, 0) }, 5);
+			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+			if (first > 2 * lines && first < 3 * coarse) {
+				assert_int_equal(lod_way_floor(way_of(&ladder), 3 * coarse - 1), first);
+				assert_int_equal(lod_way_cuts(way_of(&ladder), first, 1, 0, cuts), 2);
+				assert_true(cuts[0].list == ladder.triangles && cuts[0].first == 0
+					&& cuts[0].end == coarse - 2);
+				assert_true(cuts[1].list == ladder.lines && cuts[1].first == lines - lines / 2
+					&& cuts[1].end == lines);
+				tried++;
+			}
+			assert_int_equal(lod_way_next(way_of(&ladder), 3 * coarse), second);
+			assert_int_equal(lod_way_next(way_of(&ladder), second), 3 * fine);
+			assert_int_equal(lod_way_floor(way_of(&ladder), 3 * fine - 1), second);
+			assert_int_equal(lod_way_cuts(way_of(&ladder), second, 1, 0, cuts), 2);
+			assert_true(cuts[0].first == coarse && cuts[0].end == coarse + 2 && cuts[1].first == 1
+				&& cuts[1].end == coarse && cuts[1].list == ladder.triangles);
+			tried++;
+		}
+	}
+	assert_true(tried > 20);
+}
+
 static double elements_of(const struct eco_list *list, double primitives)
 {
 	double elements = 0;

@@ -21,8 +21,10 @@
  *   KD        corners = 1; predictors 0
  *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, a stream
  *             of corners = 1 comes before it: one row a triangle in the order that the mesh decodes to;
- *             columns: uv of each corner (2 values, less the last uv of the corner's vertex, or else the last
- *             uv of all), then the extra values (1 each); flags and predictors 0
+ *             columns: if predictors is 1 the part of the triangle, less that of the last one: parts follow
+ *             each other in draw order, triangles of a part as they decode; uv of each corner (2 values, less
+ *             the last uv of the corner's vertex, or else the last uv of all), then the extra values (1 each);
+ *             flags 0
  *   SHAPES    no stream records (s = 0). The rest, followed by as many zeros as byte 3 says, is one
  *             range-coded stream of all elements in the stored order of ELEMENTS, read by
  *             eco_shapes_code_head and eco_shapes_code_leaf (chunk_shapes.c). It begins with a table of
@@ -32,8 +34,8 @@
  *             shape.h and chunk_shapes.h define the values.
  *
  * A chunk of an ELEMENTS list of triangles has coder SHAPES where that is smaller. A chunk of a MESH list
- * has coder ELEMENTS (corners = 3, drawn in stored order) where edgebreaker would lose or alter a triangle, or is
- * larger.
+ * has coder ELEMENTS (corners = 3, drawn in stored order, which is that of parts) where edgebreaker would lose
+ * or alter a triangle, or is larger.
  *
  * A small payload can claim to be huge. So before Draco sees a byte, sizes and counts must match the
  * caller's (from the hashed list and chunk records), each Draco header must have the version, method and
@@ -63,6 +65,10 @@ struct eco_chunk_input {
 };
 enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes,
 	uint32_t *order, struct eco_error *error);
+
+/* Whether elements [first, end) as a chunk of coder ELEMENTS are decoded in the order of the input, if all have
+ * the same number of corners. */
+bool eco_chunk_keeps_order(uint32_t first, uint32_t end);
 
 /* Encodes another form of the partner's elements [first, end). `partner` is the input that the partner's
  * chunk was encoded from, `list` the form's list (coder FORM). Element i of `forms` is the form of the

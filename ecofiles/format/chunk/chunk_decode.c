@@ -60,7 +60,7 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		const struct eco_stream *s = &payload->streams[i];
 		bool side = mesh && s->corners == 1;
 		bool allowed = side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
-		if (!allowed || (mesh && (s->predictors != 0 || (s->zeros != 0 && !side)))
+		if (!allowed || (mesh && (s->predictors > side || (s->zeros != 0 && !side)))
 				|| (s->shift != 0
 				&& (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
 				|| (s->uv_shift != 0 && (mesh || !(list->attributes & ECO_ATTR_UV))))

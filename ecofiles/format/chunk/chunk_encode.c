@@ -28,6 +28,8 @@ static int compare_stored(const void *left, const void *right)
 	int axis = -1;
 	if (a->corners != b->corners)
 		return a->corners < b->corners ? -1 : 1;
+	if (a->part != b->part)
+		return a->part < b->part ? -1 : 1;
 	for (int i = 0; i < 3; i++) {
 		uint32_t d = a->key[i] ^ b->key[i];
 		if (difference < d && difference < (difference ^ d)) {
@@ -59,10 +61,12 @@ static void keep_order(struct eco_stored *stored, uint32_t count, uint32_t ordin
 	free(sorted);
 }
 
+bool eco_chunk_keeps_order(uint32_t first, uint32_t end) { return first < KEPT_FIRST && end - first <= KEPT_MOST; }
+
 static void sort_elements(const struct eco_chunk_input *input, struct eco_stored *stored)
 {
 	uint32_t count = input->end - input->first;
-	if (input->list->coder == ECO_CODER_ELEMENTS && input->first < KEPT_FIRST && count <= KEPT_MOST)
+	if (input->list->coder == ECO_CODER_ELEMENTS && eco_chunk_keeps_order(input->first, input->end))
 		keep_order(stored, count, input->ordinal);
 	else
 		qsort(stored, count, sizeof *stored, compare_stored);
@@ -126,7 +130,8 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct e
 			return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of element %u exceeds %d; "
 				"choose a coarser grid", input->ordinal, input->first + i,
 				ECO_ROWS_VALUE_MAX);
-		stored[i] = (struct eco_stored){ .corners = corners, .element = i, .corner_at = corner_at };
+		stored[i] = (struct eco_stored){ .corners = corners, .element = i, .corner_at = corner_at,
+			.part = e->part && input->list->coder == ECO_CODER_MESH ? e->part[input->first + i] : 0 };
 		for (int axis = 0; axis < 3; axis++)
 			low[axis] = i == 0 || position[axis] < low[axis] ? position[axis] : low[axis];
 		corner_at += corners;

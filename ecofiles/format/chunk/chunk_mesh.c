@@ -147,11 +147,11 @@ static struct match *encode_positions(const int32_t *position, uint32_t triangle
 	return matches;
 }
 
-/* ---- The stream beside a mesh: uv of three corners, then the extra values, in decoded order ---- */
+/* ---- The stream beside a mesh: parts, uv of three corners, then the extra values, in decoded order ---- */
 
 struct side {
 	struct eco_chunk_rows rows;
-	uint32_t uv_columns;
+	uint32_t part_columns, uv_columns;
 	int32_t (*uv)[2];            /* by vertex: its last one, which predicts the next; or else ... */
 	bool *seen;
 	int32_t last[2];             /* ... the last of all */
@@ -160,10 +160,12 @@ struct side {
 static bool side_make(struct side *s, const struct eco_list *list, const struct eco_stream *stream)
 {
 	struct eco_chunk_rows *rows = &s->rows;
-	*s = (struct side){ .rows.stream = *stream };
+	*s = (struct side){ .rows.stream = *stream, .part_columns = stream->predictors };
+	for (uint32_t i = 0; i < s->part_columns; i++)
+		rows->columns[rows->column_count++] = (struct eco_column){ .components = 1 };
 	for (uint32_t c = 0; c < 3 && (list->attributes & ECO_ATTR_UV); c++)
 		rows->columns[rows->column_count++] = (struct eco_column){ .components = 2 };
-	s->uv_columns = rows->column_count;
+	s->uv_columns = rows->column_count - s->part_columns;
 	for (uint32_t i = 0; i < eco_list_extra_count(list); i++)
 		rows->columns[rows->column_count++] = (struct eco_column){ .components = 1 };
 	rows->storage = eco_rows_storage(rows->columns, rows->column_count, stream->elements);
@@ -194,9 +196,14 @@ static bool code_value(int32_t *column, int32_t known, int32_t *value, bool writ
 /* Values of e->uv and e->extra to columns, if `writing`, or back. False: some are out of bounds. */
 static bool code_side(struct side *s, const struct eco_elements *e, const uint32_t *vertex, bool writing)
 {
-	const struct eco_column *columns = s->rows.columns;
+	const struct eco_column *columns = s->rows.columns + s->part_columns;
 	bool good = true;
+	int32_t last = 0;
 	for (size_t i = 0; i < e->element_count; i++) {
+		if (s->part_columns) {
+			good &= code_value(&s->rows.columns->values[i], last, &e->part[i], writing);
+			last = e->part[i];
+		}
 		for (uint32_t c = 0; c < s->uv_columns; c++) {
 			uint32_t v = vertex[3 * i + c];
 			int32_t *uv = e->uv + 2 * (3 * i + c), *known = s->seen[v] ? s->uv[v] : s->last;
@@ -220,7 +227,8 @@ static void encode_side(const struct eco_chunk_input *input, const struct match 
 	uint32_t triangles = input->end - input->first;
 	struct eco_elements ordered = { .element_count = triangles, .extra_count = e->extra_count,
 		.uv = eco_alloc(triangles, 6 * sizeof *e->uv),
-		.extra = eco_alloc((size_t)triangles * e->extra_count, sizeof *e->extra) };
+		.extra = eco_alloc((size_t)triangles * e->extra_count, sizeof *e->extra),
+		.part = eco_alloc(triangles, sizeof *e->part) };
 	struct side side;
 	for (size_t i = 0; i < triangles; i++) {
 		size_t triangle = input->first + (size_t)matches[i].triangle;
@@ -229,6 +237,8 @@ static void encode_side(const struct eco_chunk_input *input, const struct match 
 				+ (c + matches[i].corner) % 3), 2 * sizeof *e->uv);
 		for (uint32_t k = 0; k < e->extra_count; k++)
 			ordered.extra[e->extra_count * i + k] = e->extra[e->extra_count * triangle + k];
+		ordered.part[i] = e->part ? e->part[triangle] : 0;
+		stream->predictors |= ordered.part[i] != ordered.part[0];
 	}
 	if (!side_make(&side, input->list, stream))
 		eco_end("no memory");
@@ -256,17 +266,57 @@ bool eco_mesh_encode(const struct eco_chunk_input *input, struct eco_payload *pa
 	return matches != NULL;
 }
 
+struct parted { int32_t part; uint32_t index; };
+
+static int compare_parted(const void *left, const void *right)
+{
+	const struct parted *a = left, *b = right;
+	return a->part != b->part ? a->part < b->part ? -1 : 1 : a->index < b->index ? -1 : a->index > b->index;
+}
+
+/* Puts values, `size` bytes for each of the triangles, into their order. False: no memory. */
+static bool put_by(const struct parted *order, uint32_t triangles, void *values, size_t size)
+{
+	uint8_t *copy = malloc(triangles * size), *to = values;
+	for (uint32_t i = 0; copy && i < triangles; i++)
+		memcpy(copy + i * size, to + order[i].index * size, size);
+	if (copy)
+		memcpy(to, copy, triangles * size);
+	free(copy);
+	return copy;
+}
+
+static bool sort_parts(struct eco_elements *e)
+{
+	uint32_t triangles = e->element_count;
+	struct parted *order = malloc(triangles * sizeof *order);
+	for (uint32_t i = 0; order && i < triangles; i++)
+		order[i] = (struct parted){ e->part[i], i };
+	if (order)
+		qsort(order, triangles, sizeof *order, compare_parted);
+	bool good = order && put_by(order, triangles, e->position, 9 * sizeof *e->position)
+		&& (!e->uv || put_by(order, triangles, e->uv, 6 * sizeof *e->uv))
+		&& (!e->extra || put_by(order, triangles, e->extra, e->extra_count * sizeof *e->extra));
+	free(order);
+	free(e->part);
+	e->part = NULL;
+	return good;
+}
+
 static enum eco_code decode_side(const struct eco_list *list, const struct eco_stream *stream,
 	const uint32_t *vertex, struct eco_elements *e, struct eco_error *error)
 {
 	struct side side;
-	enum eco_code code = side_make(&side, list, stream) ? ECO_OK
+	e->part = stream->predictors ? malloc(e->element_count * sizeof *e->part) : NULL;
+	enum eco_code code = side_make(&side, list, stream) && (e->part || !stream->predictors) ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for attributes of %u triangles",
 		e->element_count);
 	if (!code)
 		code = eco_columns_decode(&side.rows, error);
 	if (!code && !code_side(&side, e, vertex, false))
 		code = eco_fail(error, ECO_DAMAGED, "chunk: an attribute of the mesh is out of bounds");
+	if (!code && e->part && !sort_parts(e))
+		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for parts of %u triangles", e->element_count);
 	side_free(&side);
 	return code;
 }

@@ -40,6 +40,7 @@ bool eco_list_level_known(const struct eco_list *list);
 struct eco_stored {
 	uint8_t corners;
 	uint32_t key[3];             /* first corner relative to the chunk's least: small steps */
+	int32_t part;                /* MESH: eco_elements.part, else 0 */
 	uint32_t element;            /* relative to the input's first */
 	size_t corner_at;            /* index of its first corner among all corners */
 };

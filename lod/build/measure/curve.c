@@ -19,6 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/chunk/chunk.h"
 #include "lod/build/grid.h"
 #include "lod/build/impostor/impostor_make.h"
 #include "lod/build/splat/splat_fit.h"
@@ -69,7 +70,55 @@ static void sample_geometrically(struct lod_curve_organ *curve, double all, doub
 			add_sample(curve, (double)(uint64_t)(n + 0.5) * per, curve->scaled);
 }
 
-/* Lines or points one by one, then the beginning of each level of the largest ladder. */
+#define MIXED_STEP 1.09              /* of vertices, from a state between two levels to the next */
+
+/* Elements of a cut in limbs below `limb`. */
+static uint32_t in_limbs(const int32_t *part, const struct eco_cut *cut, int32_t limb)
+{
+	uint32_t i = cut->first;
+	while (i < cut->end && part[i] < limb)
+		i++;
+	return i - cut->first;
+}
+
+/* Whether decoding leaves the elements before `at` before it: in the midst of a chunk lines may change places. */
+static bool may_begin(const struct lod_list_draft *draft, uint32_t at)
+{
+	uint32_t chunk = 0;
+	while (draft->ends[chunk] < at)
+		chunk++;
+	return draft->list.coder == ECO_CODER_MESH || draft->ends[chunk] == at
+		|| eco_chunk_keeps_order(chunk ? draft->ends[chunk - 1] : 0, draft->ends[chunk]);
+}
+
+/* Between two levels: limbs [0, k) of the finer one with the others of the coarser one. */
+static void sample_mixed(struct lod_curve_organ *curve, const struct lod_way *way, uint64_t from, uint64_t to)
+{
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX], coarse, fine;
+	lod_way_cuts(way, from, 1, 0, cuts);
+	coarse = cuts[0];
+	lod_way_cuts(way, to, 1, 0, cuts);
+	fine = cuts[0];
+	const struct lod_list_draft *lists = curve->probe->plant->lists;
+	const int32_t *a = lists[fine.list].elements.part, *b = lists[coarse.list].elements.part;
+	uint32_t unit = eco_list_vertices(&lists[coarse.list].list);
+	double least = MIXED_STEP * (double)from;
+	for (int32_t limb = 1; a && b && limb <= a[fine.end - 1]; limb++) {
+		uint32_t drawn = in_limbs(a, &fine, limb), left = coarse.end - coarse.first - in_limbs(b, &coarse, limb);
+		double v = 3.0 * drawn + (double)unit * left;
+		if (v < least || v * MIXED_STEP > (double)to || !drawn || !left
+				|| !may_begin(&lists[coarse.list], coarse.end - left))
+			continue;
+		uint32_t count = curve->sample_count;
+		add_sample(curve, v / curve->full, false);
+		if (curve->sample_count > count)
+			curve->samples[count].reach = (double)drawn / (fine.end - fine.first);
+		least = MIXED_STEP * v;
+	}
+}
+
+/* Lines or points one by one, then each level of the largest ladder. A ladder that shares its curve with none also
+ * stands between two levels. */
 static void sample_levels(struct lod_curve_organ *curve)
 {
 	const struct eco_scene *scene = &curve->probe->scene;
@@ -77,14 +126,19 @@ static void sample_levels(struct lod_curve_organ *curve)
 	for (uint32_t i = 1; i < curve->member_count; i++)
 		if (lod_ladder_full(scene, lod_curve_member(curve, i)) > lod_ladder_full(scene, largest))
 			largest = lod_curve_member(curve, i);
+	struct eco_ladder bare = *largest;
 	struct lod_way way;
-	lod_way_begin(&way, scene, largest);
+	bare.curve_count = 0;        /* whole levels alone */
+	lod_way_begin(&way, scene, &bare);
 	uint64_t first = lod_way_stage_end(&way), unit = lod_way_next(&way, 0);
 	if (first)
 		sample_geometrically(curve, (double)first / (double)unit, lod_way_share(&way, unit));
 	add_sample(curve, lod_way_share(&way, first), curve->scaled);
 	for (uint64_t v = first; v < way.full;) {
-		v = lod_way_next(&way, v);
+		uint64_t next = lod_way_next(&way, v);
+		if (v && curve->member_count == 1)
+			sample_mixed(curve, &way, v, next);
+		v = next;
 		add_sample(curve, lod_way_share(&way, v), false);
 	}
 	add_sample(curve, 1, false);

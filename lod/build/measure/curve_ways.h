@@ -11,7 +11,7 @@
 #define LOD_CURVE_STEP_LOW (-16)
 #define LOD_CURVE_STEP_HIGH 24
 #define LOD_CURVE_FORMS_MAX 4
-#define LOD_CURVE_SAMPLES_MAX 48u
+#define LOD_CURVE_SAMPLES_MAX 96u
 /* Reaches tried at a share: from all in full detail (0) to all in the coarsest form. */
 #define LOD_CURVE_WAYS_MAX 8
 

@@ -18,7 +18,7 @@
  * is cut into up to LEVEL_CHUNKS chunks of at least LEAST_CHUNK splats. */
 #define LEVEL_CHUNKS 16u
 #define LEAST_CHUNK 48u
-#define LEVELS_DRAFT 6u
+#define LEVELS_DRAFT 8u
 #define COLORS 16u               /* more would be no better to see: lod/EXPERIMENTS.md, Splats, Colours */
 
 static struct eco_list list_of(const struct lod_splats *splats, uint32_t count)

@@ -27,7 +27,7 @@
 #define PRICED 192u
 #define MOST_SIBLINGS 4u
 
-static const uint32_t usual_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072, 12288 };
+static const uint32_t usual_size[LOD_SPLAT_LEVELS] = { 1, 3, 6, 12, 24, 48, 192, 768, 3072, 12288 };
 #define SPARSE 0.4               /* cover: blades stand apart (splat_blades.c) */
 #define CHANCE_FEW 0.1f          /* at least, for levels of at most so many splats */
 #define FEW_SPLATS 12u

@@ -15,7 +15,7 @@
 #include "lod/build/organ/organ.h"
 #include "lod/build/plant.h"
 
-#define LOD_SPLAT_LEVELS 8u              /* most; usually 1, 3, 12, 48, 192, 768, 3072, 12288 splats */
+#define LOD_SPLAT_LEVELS 10u             /* most; usually 1, 3, 6, 12, 24, 48, 192, 768, 3072, 12288 splats */
 
 struct lod_splat {
 	int32_t at[3];                   /* centre = origin + at * step; 0 <= at < LOD_SPLAT_GRID */
