@@ -162,7 +162,7 @@ static uint64_t between_levels(const struct lod_way *way, const struct eco_curve
 	cuts[1] = whole_cut(scene, ladder, levels_floor(scene, ladder, v));
 	uint64_t fine = (uint64_t)((double)sample->reach * (cuts[0].end - cuts[0].first) + 0.5),
 		unit = cuts[1].end ? eco_list_vertices(&scene->lists[cuts[1].list]) : 1, rest = v - 3 * fine;
-	if (3 * fine > v || rest % unit || rest / unit > cuts[1].end - cuts[1].first)
+	if (!fine || 3 * fine >= v || rest % unit || rest / unit > cuts[1].end - cuts[1].first)
 		return 0;
 	cuts[0].end = cuts[0].first + (uint32_t)fine;
 	cuts[1].first = cuts[1].end - (uint32_t)(rest / unit);
