@@ -187,6 +187,12 @@ UNIT_TEST(wood_gives_way_in_parts)
 			assert_true(cuts[0].first == coarse && cuts[0].end == coarse + 2 && cuts[1].first == 1
 				&& cuts[1].end == coarse && cuts[1].list == ladder.triangles);
 			tried++;
+			/* nothing is left of what is before the first level */
+			ladder.lines = ladder.points = ECO_NONE;
+			set_curve(&ladder, (struct eco_curve[]){ SCENE_CURVE(6 / full, 1, 2 / (float)coarse, 0.2f, 0.2f),
+				SCENE_CURVE(1, 1, 1, 0, 0) }, 2);
+			assert_int_equal(lod_way_floor(way_of(&ladder), 3 * coarse - 1), 0);
+			assert_int_equal(lod_way_next(way_of(&ladder), 0), 3 * coarse);
 		}
 	}
 	assert_true(tried > 20);
