@@ -8,7 +8,7 @@
  *   eco_inventory_free(&block);
  *
  * Nothing that is drawn needs it, so no stream has it: a server reads a block where somebody asks for a plant.
- * A pack keeps it as a list of kind INVENTORY, the last of all, so that the numbers of the others stay;
+ * A pack keeps it as a list of kind INVENTORY, the last of all, its chunks too, so that the numbers of the others stay;
  * where nothing is to be said of any plant there is none. Chunk k is block k: places [4096 k, 4096 (k + 1)).
  * Each has names of its own and its own hash, so that damage ends where its block does.
  *

@@ -591,10 +591,11 @@ static enum eco_code check_ground_images(const struct eco_scene *s, struct eco_e
 /* The last list alone may hold rows, with a block for each ECO_INVENTORY_PLACES places. */
 static const char *inventory_fault(const struct eco_scene *s, uint32_t id)
 {
+	const struct eco_list *list = &s->lists[id];
 	uint64_t blocks = (s->place_count + ECO_INVENTORY_PLACES - 1) / ECO_INVENTORY_PLACES;
-	return s->lists[id].kind == ECO_LIST_INVENTORY
-		&& (id + 1 < s->list_count || s->lists[id].chunk_count != blocks)
-		? "rows of plants are not the last list, or not in a block for so many places" : NULL;
+	return list->kind == ECO_LIST_INVENTORY && (id + 1 < s->list_count || list->chunk_count != blocks || !blocks
+			|| list->chunk_first + list->chunk_count != s->chunk_count)
+		? "rows of plants are not the last list and chunks, or not in a block for so many places" : NULL;
 }
 
 /* Everything present but impostors must be among the needs: a reader skips what is not listed. */

@@ -20,7 +20,7 @@
 	}
 #define BREAK(id, what) BREAK_OF(false, id, what)
 #define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
-#define BREAKS 165
+#define BREAKS 169
 
 static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
@@ -167,6 +167,16 @@ BREAK(simple_of_other, l->ladders[0].points = ECO_NONE; l->ladders[0].triangles 
 BREAK(simple_kind, l->ladders[0].simple = 2)
 BREAK(reach, l->curves[1].reach = 1.1f)
 BREAK(reach_nan, l->curves[1].reach = NAN)
+BREAK(cover_all, l->lists[2].cover = ECO_COVER_ONE)
+BREAK(cover_of_summary, l->lists[9].cover = 8)
+BREAK(cover_of_triangles, l->lists[11].cover = 8)
+BREAK(rows_before_other_chunks, struct eco_list *rows = &l->lists[l->scene.list_count - 1];
+	struct eco_chunk chunk = l->chunks[rows->chunk_first];
+	memmove(l->chunks + 1, l->chunks, rows->chunk_first * sizeof chunk);
+	l->chunks[0] = chunk;
+	for (uint32_t i = 0; i + 1 < l->scene.list_count; i++)
+		l->lists[i].chunk_first++;
+	rows->chunk_first = 0)
 
 /* ---- Splats ---- */
 
