@@ -129,10 +129,12 @@ static bool place_tile(const struct eco_scene *s, uint32_t tile, struct eco_plac
 			tile = t;
 			break;
 		}
+	if (tile != s->root)
+		return false;
 	*placement = (struct eco_placement){ .scale = 1 };
 	while (depth)
 		*placement = eco_placement_inside(placement, path[--depth]);
-	return tile == s->root;
+	return true;
 }
 
 static void add_found(struct find *f, const struct eco_group *group, uint64_t place, const struct eco_inventory_row *row)

@@ -63,11 +63,9 @@ static enum eco_code plan_rest(struct srv_stream *stream, struct srv_stream *fir
 		join(stream, first, &rest);
 	else if (!code && rest.cut_short)
 		keep(stream, first, rest.work);
-	if (!code && stream->step_count)
-		code = srv_size_all(stream, error);
 	if (!code)
 		srv_stream_free(&rest);
-	return code;
+	return !code && stream->step_count ? srv_size_all(stream, error) : code;
 }
 
 enum eco_code srv_plan_first(struct srv_stream *stream, struct eco_error *error)
