@@ -162,7 +162,7 @@
 #define LOD_FINER_WORK 4  /* of a finer level, over that of a level */
 #define LOD_PASSES_VERTICES 74  /* over all choices, in a plan for vertices */
 #define LOD_PASSES_BYTES 172  /* the same within bytes */
-#define LOD_PASSES_EVERYTHING 8  /* no search: the ends of the grid, what they predict, and the fill */
+#define LOD_PASSES_EVERYTHING 8  /* no search: an end of the grid, the fill, and its prediction */
 #define LOD_NODE_BYTES 2  /* times that a tile is passed in each of these */
 #define LOD_HIDDEN_MOST 0.05  /* of what a picture has */
 #define LOD_TALLIES_UNCHANGED 2  /* one of so many tallies is summed again, for the others nothing changed */
