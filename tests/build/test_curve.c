@@ -211,7 +211,7 @@ UNIT_TEST(levels_of_wood_give_way_in_parts)
 			assert_true(fabs(drawn.fp + drawn.fn - error_of(&curve[i])) < 0.02);
 			mixed++;
 		}
-	assert_true(mixed > 8);
+	assert_true(mixed > 8 && curve[ladder->curve_count - 1].share == 1);
 	lod_probe_free(&probe);
 	finish();
 }

@@ -103,8 +103,11 @@ static void sample_mixed(struct lod_curve_organ *curve, const struct lod_way *wa
 	const int32_t *a = lists[fine.list].elements.part, *b = lists[coarse.list].elements.part;
 	uint32_t unit = eco_list_vertices(&lists[coarse.list].list);
 	double least = MIXED_STEP * (double)from;
-	for (int32_t limb = 1; a && b && limb <= a[fine.end - 1]; limb++) {
-		uint32_t drawn = in_limbs(a, &fine, limb), left = coarse.end - coarse.first - in_limbs(b, &coarse, limb);
+	/* levels come after these, and none may lack a sample */
+	const uint32_t most = LOD_CURVE_SAMPLES_MAX - ECO_LEVELS_MAX;
+	for (int32_t limb = 1; a && b && limb <= a[fine.end - 1] && curve->sample_count < most; limb++) {
+		uint32_t drawn = in_limbs(a, &fine, limb),
+			left = coarse.end - coarse.first - in_limbs(b, &coarse, limb);
 		double v = 3.0 * drawn + (double)unit * left;
 		if (v < least || v * MIXED_STEP > (double)to || !drawn || !left
 				|| !may_begin(&lists[coarse.list], coarse.end - left))
