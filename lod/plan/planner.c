@@ -75,6 +75,7 @@ static enum eco_code plan_smallest(struct lod_planner *p, struct eco_plan *plan,
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory");
 	plan->placements[plan->placement_count++] = (struct eco_placement){ .scale = 1 };
 	plan->prediction.fn = (double)view->width * view->height;
+	plan->m16 = eco_wire_m16_round(LOD_SEEN_NOTHING / LOD_SEEN_COLOR);
 	p->ground_px = ECO_GROUND_PX_MAX;
 	if (p->input->explanation)
 		lod_explain_begin(p->input->explanation, p->input->work_max);

@@ -46,6 +46,16 @@ static void assert_same(const struct eco_plan *a, const struct eco_plan *b)
 	}
 }
 
+/* All of the picture is expected to be wrong if nothing fits. */
+static void check_nothing(const struct eco_scene *scene, const struct eco_view *view)
+{
+	struct eco_plan plan;
+	plan_it(&plan, scene, view, 5000, 0, NULL);
+	assert_true(plan.vertices == 0 && plan.m16 > 1);
+	assert_true(plan.prediction.fn == (double)view->width * view->height);
+	eco_plan_free(&plan);
+}
+
 /* A plan that is held needs no chunks. */
 static void check_held(const struct eco_scene *scene, const struct eco_view *view)
 {
@@ -87,6 +97,7 @@ UNIT_TEST(never_above_the_bytes_most_of_them_used_and_more_predict_a_better_pict
 			plans++;
 		}
 		check_held(scene, &view);
+		check_nothing(scene, &view);
 		random_pack_free(pack);
 	}
 	print_message("used %.3f of the bytes; %u of %u plans predict a higher Q than one with fewer bytes, %u a lower one\n",
