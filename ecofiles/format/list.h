@@ -93,9 +93,9 @@ struct eco_list {
 	                              * texel of the last level */
 	float unit_area;             /* points and summaries: projected area (m^2, random
 	                              * orientation: area / 2) of one point when all are drawn, over the share
-	                              * `cover`: it is a ball whose disc has the area unit_area * scale. Splats: the square of
-	                              * their unit of length. Images, outlines: what a texel of
-	                              * the last level covers on the plant, in the mean; 0: not known */
+	                              * `cover`: it is a ball whose disc has the area unit_area * scale.
+	                              * Splats: the square of their unit of length. Images, outlines: what a
+	                              * texel of the last level covers on the plant, in the mean; 0: not known */
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or a texture's outline; or ECO_NONE */
 	uint32_t partner;            /* FORM: list id of the elements in their finest form; else ECO_NONE */

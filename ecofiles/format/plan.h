@@ -97,8 +97,8 @@ struct eco_plan {                /* owns its arrays */
 	double sample_distance;
 	double ground_px;            /* how far its ground may be from where it is; not sent */
 	struct eco_prediction prediction;
-	/* expected mean CIELAB distance, to full detail, of mean colors of blocks of 16 x 16 pixels; 0 with Deussen's
-	 * rule, which knows no errors that are seen */
+	/* expected mean CIELAB distance, to full detail, of mean colors of blocks of 16 x 16 pixels; 0 with
+	 * Deussen's rule, which knows no errors that are seen */
 	double m16;
 	struct eco_placement *placements; uint32_t placement_count;   /* [0] is the scene itself */
 	struct eco_run *runs;             uint32_t run_count;

@@ -33,7 +33,8 @@
  * field that is said differs from what is expected of it. Everything else is refused. Figures that only a server
  * reports (visible plants, the sample distance) do not travel. A usual cut takes 3 to 6 bytes, a plant none.
  *
- *   v vertices   pixels in sixteenths: v tp, v fp, v fn   v m16 in thousandths   v counts: placements, runs, gates, cuts; then these
+ *   v vertices   pixels in sixteenths: v tp, v fp, v fn   v m16 in thousandths
+ *   v counts: placements, runs, gates, cuts; then these
  *   placement    v fields: 1, 2, 4: the axis is no whole millimetre; 8, 16: turn, path are not 0; 32: scale is
  *                not 1 but an f32; 64: but an f64. 3 axes: f64, or z millimetres less the axis's last whole ones.
  *                v turn, v path, scale: v bits of the f32, or f64; if they are there
@@ -99,8 +100,9 @@ uint64_t eco_wire_plan_bytes(const struct eco_plan *plan);
 void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes);
 
 /* The nearest scale with 6 bits behind the leading one: a relative error of at most 1/128, which is 1/256 of
- * a length; other scales travel exactly. Pixels in sixteenths, from 0 to 1e14, and m16 in thousandths, from 0 to 1000: no
- * plan with others is written. All take few bits; a planner rounds them, so that client and planner use the same. */
+ * a length; other scales travel exactly. Pixels in sixteenths, from 0 to 1e14, and m16 in thousandths, from 0 to
+ * 1000: no plan with others is written. All take few bits; a planner rounds them, so that client and planner use
+ * the same. */
 float eco_wire_scale_round(float scale);
 double eco_wire_pixels_round(double pixels);
 double eco_wire_m16_round(double m16);

@@ -50,7 +50,7 @@ static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladde
 	return cost;
 }
 
-/* Are a far plant's organs all that there is of it? Of a plant with cells they are coarse. */
+/* Whether a far plant's organs are all that there is of it; those of a plant with cells are coarse. */
 static bool is_whole_detail(const struct lod_allocation *m, const struct lod_slot *slot)
 {
 	return slot->band < m->gates_counted[slot->plant] || m->p->scene->plants[slot->plant].anchor_count < 2;

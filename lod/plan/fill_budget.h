@@ -1,6 +1,6 @@
 /* Uses a budget to the last vertex that gains, with tiles and gates fixed. First come the hull points of a lambda
  * that fits: the dual solution. The rest of the budget goes to further steps in falling order of slope (greedy fill,
- * as in the linear relaxation of the knapsack), down to steps of single plants.
+ * as in the linear relaxation of the knapsack), down to steps of single plants; a plant by itself goes part of its step.
  *
  *   lod_allocation_fix(&allocation);                      tiles, gates, counts
  *   lod_fill_make(&fill, &allocation, &error);            the candidates

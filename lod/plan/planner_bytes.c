@@ -1,4 +1,5 @@
-/* Answers within bytes: a price at which the answer has no more than may be sent; and answers at higher prices, coarser ones on the way to it. */
+/* Answers within bytes: a price at which the answer has no more than may be sent; and answers at higher prices,
+ * coarser ones on the way to it. */
 #include "lod/plan/allocation.h"
 
 #include <math.h>
@@ -174,7 +175,8 @@ static enum eco_code fit_bytes(const struct lod_lambda_search *s, uint64_t budge
 	uint32_t *limits = lod_arena_try(&a, 2 * ladders, sizeof *limits);
 	bool *off = lod_arena_try(&a, 2 * plants, 1);
 	uint8_t *levels = lod_arena_try(&a, 2 * plants, 1);
-	struct fitted now = { .lambda = lod_lambda_at(s->last), .octave = NAN, .mix = { limits, off, levels, false } }, best = now;
+	struct fitted now = { .lambda = lod_lambda_at(s->last), .octave = NAN, .mix = { limits, off, levels, false } };
+	struct fitted best = now;
 	best.mix.limits += ladders;
 	best.mix.off += plants;
 	best.mix.levels += plants;
@@ -208,8 +210,8 @@ static enum eco_code fill_few(const struct lod_lambda_search *s, double lambda, 
 }
 
 /* Between two prices an answer may fall from too many bytes to nothing. Fewer vertices without a price draw
- * something then: those of the lowest lambda of the grid that fits, else a few of those of the next. Textures and the image of the ground are as at the highest
- * price. An empty answer that is left keeps the image that it has. */
+ * something then: those of the lowest lambda of the grid that fits, else a few of those of the next. Textures and
+ * the image of the ground are as at the highest price. An empty answer that is left keeps the image that it has. */
 static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;

@@ -141,8 +141,8 @@ static enum eco_code fix_structure(const struct lod_lambda_search *s, double lam
 }
 
 /* The lambda that uses the budget, between two of the grid (regula falsi); *below: one that uses more, 0: there is no
- * need. From one grid lambda to the next
- * many tiles open and gates rise at once; along this lambda they do so one by one as a camera moves. */
+ * need. From one grid lambda to the next many tiles open and gates rise at once; along this lambda they do so one by
+ * one as a camera moves. */
 static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget, double *below)
 {
 	double high = lod_lambda_at(s->index), low = lod_lambda_at(index_after(s, s->index));

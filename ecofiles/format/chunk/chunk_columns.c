@@ -122,7 +122,8 @@ static uint32_t code_value(struct eco_range *r, struct learnt *l, const struct h
 }
 
 /* Counting ends where bytes would be `most` or more. */
-static bool code_component(struct eco_range *r, const struct columns *columns, uint32_t index, struct head *h, size_t most)
+static bool code_component(struct eco_range *r, const struct columns *columns, uint32_t index, struct head *h,
+	size_t most)
 {
 	const struct component *c = &columns->items[index];
 	struct learnt l;
@@ -201,7 +202,8 @@ static void try_way(struct choice *choice, const struct columns *columns, uint32
 }
 
 /* Counts a field for all numbers of modelled bits at once: their models learn the same. */
-static void count_fields(struct eco_range ranges[MODELLED_STEPS], const struct columns *columns, uint32_t index, struct head h)
+static void count_fields(struct eco_range ranges[MODELLED_STEPS], const struct columns *columns, uint32_t index,
+	struct head h)
 {
 	const struct component *c = &columns->items[index];
 	struct eco_bit models[MODELS];
@@ -213,7 +215,8 @@ static void count_fields(struct eco_range ranges[MODELLED_STEPS], const struct c
 	}
 	eco_bits_start(models, MODELS);
 	for (uint32_t i = difference; i < c->rows; i++)
-		eco_range_fields(ranges, MODELLED_STEPS, MODELLED_STEP, models, h.bits, (value_at(c, i, difference) - h.low) >> h.shift);
+		eco_range_fields(ranges, MODELLED_STEPS, MODELLED_STEP, models, h.bits,
+			(value_at(c, i, difference) - h.low) >> h.shift);
 }
 
 /* Other components: those of one value a row. Of values of many bits, models would learn nothing. */

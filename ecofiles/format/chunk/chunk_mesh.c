@@ -316,7 +316,8 @@ static enum eco_code decode_side(const struct eco_list *list, const struct eco_s
 	if (!code && !code_side(&side, e, vertex, false))
 		code = eco_fail(error, ECO_DAMAGED, "chunk: an attribute of the mesh is out of bounds");
 	if (!code && e->part && !sort_parts(e))
-		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for parts of %u triangles", e->element_count);
+		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for parts of %u triangles",
+			e->element_count);
 	side_free(&side);
 	return code;
 }

@@ -7,11 +7,12 @@
  * tried, and the chosen sequence has the least total loss without dropping or coarsening an element (dynamic
  * programming). Ladders of cells share the curve of the whole.
  *
- * When all curves are there the errors that are seen are measured, of samples that are far enough apart (seen.h): of an organ among
- * the others, of a ladder for the whole plant alone. Others lie between.
+ * When all curves are there the errors that are seen are measured, of samples that are far enough apart (seen.h): of
+ * an organ among the others, of a ladder for the whole plant alone. Others lie between.
  *
  * Scales are smoothed over neighbouring shares, and errors made non-increasing (pool adjacent violators). All is
- * +, -, *, / and sqrt in fixed order: the same curves on every machine. */
+ * +, -, *, / and sqrt in fixed order: the same curves on every machine. Longer than 600 lines: samples, search and
+ * smoothing work on the same curves. */
 #include "ecofiles/base/memory.h"
 #include "lod/build/measure/curve_ways.h"
 #include "lod/build/measure/seen.h"
