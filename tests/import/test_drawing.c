@@ -178,6 +178,11 @@ UNIT_TEST(the_sea_lies_to_the_right_of_coastlines)
 	import_says("the sea is not drawn, as its coastlines have gaps");
 	assert_null(eco_drawing_ground(d));
 	eco_drawing_close(d);
+	/* a coast beyond the box around the sea: the box has an inside yet */
+	d = drawn("beyond.json", COAST("[[300000,0],[400000,10]]"), (struct eco_draw_spec){ .line = 1 });
+	for (int k = 0; k < 2; k++)
+		assert_true(eco_drawing_ground(d)->low[k] < eco_drawing_ground(d)->high[k]);
+	eco_drawing_close(d);
 }
 
 UNIT_TEST(still_water_is_level_and_a_river_is_not)

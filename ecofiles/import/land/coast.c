@@ -11,7 +11,8 @@
 #define BEYOND_M 2000.0      /* beyond what is drawn, the sea goes on */
 #define COAST_MOST_M 200000.0 /* from the origin a corner of it lies: products of two are exact enough, and the picture ends */
 
-struct piece { const struct eco_edge *edges; uint32_t count, next; bool ended, used; };     /* next: ECO_NONE: it ends */
+/* next: ECO_NONE: it ends; leave: of a chain's first one, the mark of its end */
+struct piece { const struct eco_edge *edges; uint32_t count, next, leave; bool ended, used; };
 struct mark { double at; uint32_t piece; bool leaves; };    /* along the box's sides, clockwise from the south-west */
 struct coast {
 	struct piece *pieces; uint32_t count, capacity;
@@ -25,8 +26,9 @@ static bool same(const double a[2], const double b[2]) { return a[0] == b[0] && 
 static void widen(struct coast *c, const double at[2])
 {
 	for (int k = 0; k < 2; k++) {
-		c->low[k] = fmin(c->low[k], fmax(at[k], -COAST_MOST_M));
-		c->high[k] = fmax(c->high[k], fmin(at[k], COAST_MOST_M));
+		double near = fmin(fmax(at[k], -COAST_MOST_M), COAST_MOST_M);
+		c->low[k] = fmin(c->low[k], near);
+		c->high[k] = fmax(c->high[k], near);
 	}
 }
 
@@ -163,20 +165,20 @@ static bool add_open(struct coast *c)
 			add_mark(c, end_of(&c->pieces[last]), i, true);
 		}
 	qsort(c->marks, c->mark_count, sizeof *c->marks, by_way);
-	for (uint32_t i = 0; i < c->mark_count; i++)
+	for (uint32_t i = 0; i < c->mark_count; i++) {
 		good = good && c->marks[i].leaves != c->marks[(i + 1) % c->mark_count].leaves;
+		if (c->marks[i].leaves)
+			c->pieces[c->marks[i].piece].leave = i;
+	}
 	for (uint32_t i = 0; i < c->mark_count && good; i++)
 		for (uint32_t m = i; !c->marks[m].leaves && !c->pieces[c->marks[m].piece].used;) {
-			const double *start = c->pieces[c->marks[m].piece].edges->a;
-			meet(c, start, in);
-			add_edge(c, in, start);
+			const struct piece *first = &c->pieces[c->marks[m].piece];
+			meet(c, first->edges->a, in);
+			add_edge(c, in, first->edges->a);
 			const double *end = end_of(&c->pieces[add_chain(c, c->marks[m].piece, &none)]);
-			uint32_t leave = 0;
-			while (!(c->marks[leave].leaves && c->marks[leave].piece == c->marks[m].piece))
-				leave++;
 			double from = meet(c, end, out);
 			add_edge(c, end, out);
-			m = (leave + 1) % c->mark_count;
+			m = (first->leave + 1) % c->mark_count;
 			meet(c, c->pieces[c->marks[m].piece].edges->a, in);
 			add_sides(c, from, c->marks[m].at, out, in);
 		}
