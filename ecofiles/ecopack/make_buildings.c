@@ -123,7 +123,7 @@ static void cover(struct make *m, uint64_t first)
 		all[i].count = kept;
 	}
 	if (twins)
-		main_note("%s footprints are left out: others, as high, stand on the same", eco_phrase_count(twins, count));
+		main_note("footprints left out, as others, as high, stand on the same: %s", eco_phrase_count(twins, count));
 }
 
 void make_buildings_read(struct make *m)

@@ -12,10 +12,11 @@
 #define LEAST_M 0.01           /* shorter stretches stay as they are */
 #define BELOW_M 0.05           /* a flat roof in the plane of another is moved down */
 #define PITCH_MOST 2.0         /* a pitched roof at most doubles the height of the eaves (buildings.c) */
-#define LOOKS_MAX 1000000000u  /* pairs of walls that are looked at: what is left flickers */
+#define LOOKS_MAX 1000000000u  /* pairs of walls, or of corners, that are looked at: what is left flickers */
+#define COVERS_MAX 1024u       /* of a building; the other walls flicker */
 
 struct wall { double a[2], b[2], low[2], high[2]; uint32_t building; bool first; };
-struct sweep { struct eco_building *const *buildings; struct wall *walls; uint32_t count; };
+struct sweep { struct eco_building *const *buildings; struct wall *walls; uint32_t count; uint64_t looks; };
 
 static int by_west(const void *a, const void *b)
 {
@@ -108,7 +109,7 @@ static bool same_corners(const struct eco_building *a, const struct eco_building
 
 static void meet(struct sweep *s, const struct wall *p, const struct wall *q)
 {
-	double at[2], length = along(p, q, at), from = fmax(fmin(at[0], at[1]), 0), to = fmin(fmax(at[0], at[1]), length);
+	double at[2] = { 0, 0 }, length = along(p, q, at), from = fmax(fmin(at[0], at[1]), 0), to = fmin(fmax(at[0], at[1]), length);
 	struct eco_building *pair[2] = { s->buildings[p->building], s->buildings[q->building] };
 	const struct eco_building *const seen[2] = { pair[0], pair[1] };
 	if (!(length > 0) || !(to - from > LEAST_M) || pair[0] == pair[1])
@@ -117,17 +118,23 @@ static void meet(struct sweep *s, const struct wall *p, const struct wall *q)
 	if (above == 2)
 		return;
 	struct eco_building *under = pair[1 - above];
-	add_cover(under, p, length, from, to);
-	if (least_top(pair[above]) == most_top(under) && one_side(seen, p, length, (from + to) / 2)) {
+	if (under->twin)
+		return;
+	if (under->cover_count < COVERS_MAX)
+		add_cover(under, p, length, from, to);
+	bool level = least_top(pair[above]) == most_top(under), corner = (above ? p : q)->first;
+	s->looks += level ? 4 * ((uint64_t)pair[0]->edge_count + pair[1]->edge_count) : 0;
+	if (level && one_side(seen, p, length, (from + to) / 2)) {
+		s->looks += corner ? (uint64_t)pair[0]->edge_count * pair[1]->edge_count : 0;
 		under->level = true;
-		under->twin = under->twin || ((above ? p : q)->first && same_corners(seen[0], seen[1]));
+		under->twin = corner && same_corners(seen[0], seen[1]);
 	}
 }
 
 void eco_buildings_cover(struct eco_building *const *buildings, uint32_t count)
 {
 	struct sweep s = { .buildings = buildings };
-	uint64_t walls = 0, looks = 0;
+	uint64_t walls = 0;
 	for (uint32_t i = 0; i < count; i++)
 		walls += buildings[i]->edge_count;
 	s.walls = eco_alloc(walls + 1, sizeof *s.walls);
@@ -145,7 +152,7 @@ void eco_buildings_cover(struct eco_building *const *buildings, uint32_t count)
 		}
 	qsort(s.walls, s.count, sizeof *s.walls, by_west);
 	for (uint32_t i = 0; i < s.count; i++)
-		for (uint32_t k = i + 1; k < s.count && s.walls[k].low[0] <= s.walls[i].high[0] && looks < LOOKS_MAX; k++, looks++)
+		for (uint32_t k = i + 1; k < s.count && s.walls[k].low[0] <= s.walls[i].high[0] && s.looks < LOOKS_MAX; k++, s.looks++)
 			if (s.walls[k].low[1] <= s.walls[i].high[1] && s.walls[i].low[1] <= s.walls[k].high[1])
 				meet(&s, &s.walls[i], &s.walls[k]);
 	for (uint32_t i = 0; i < count; i++) {

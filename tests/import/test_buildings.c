@@ -385,6 +385,29 @@ UNIT_TEST(a_wall_of_several_buildings_is_drawn_once)
 	assert_true(all[0].cover_count == 0 && all[1].cover_count == 0 && twins == 0);
 }
 
+UNIT_TEST(many_copies_of_a_building_have_few_covers)
+{
+	enum { COPIES = 3000 };
+	FREED_MEMORY struct eco_building *copies = calloc(COPIES, sizeof *copies);
+	FREED_MEMORY struct eco_building **all = calloc(COPIES, sizeof *all);
+	uint64_t covers = 0, twins = 0;
+	edge_count = 0;
+	box(0, 0, 10, 8);
+	for (uint32_t i = 0; i < COPIES; i++) {
+		copies[i] = house(0, 9);
+		all[i] = &copies[i];
+	}
+	eco_buildings_cover(all, COPIES);
+	for (uint32_t i = 0; i < COPIES; i++) {
+		covers += copies[i].cover_count;
+		twins += copies[i].twin;
+		assert_true(copies[i].cover_count <= 1024);
+		free(copies[i].covers);
+	}
+	assert_true(twins == COPIES - 1 && covers > 0);
+	edge_count = 0;
+}
+
 UNIT_TEST(forms_of_roofs_are_told_by_words)
 {
 	const struct {
