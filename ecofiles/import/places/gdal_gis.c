@@ -183,12 +183,25 @@ static OGRGeometryH line_of(const struct eco_point_table *table, const struct ec
 	return line;
 }
 
-/* Rings stand side by side if GEOS knows no difference, as of those that cross. */
+/* What an odd number of polygons cover, halves first, as each step takes as long as what is there; NULL: GEOS does not know, as of
+ * rings that cross. */
+static OGRGeometryH odd_of(OGRGeometryH polygons, int first, int count)
+{
+	if (count == 1)
+		return OGR_G_Clone(OGR_G_GetGeometryRef(polygons, first));
+	OGRGeometryH halves[2] = { odd_of(polygons, first, count / 2), odd_of(polygons, first + count / 2, count - count / 2) };
+	OGRGeometryH odd = halves[0] && halves[1] ? OGR_G_SymDifference(halves[0], halves[1]) : NULL;
+	OGR_G_DestroyGeometry(halves[0]);
+	OGR_G_DestroyGeometry(halves[1]);
+	return odd;
+}
+
+/* Rings stand side by side where their odd parts are not known. */
 static OGRGeometryH shape_of(const struct eco_point_table *table, const struct eco_shape *s)
 {
-	OGRGeometryH all = OGR_G_CreateGeometry(s->ring_edges ? wkbMultiPolygon : wkbMultiLineString), odd = NULL;
 	const bool rings = s->ring_edges > 0;
 	const uint32_t most = rings ? s->ring_edges : s->edge_count;
+	OGRGeometryH all = OGR_G_CreateGeometry(rings ? wkbMultiPolygon : wkbMultiLineString);
 	for (uint32_t i = 0; i < most;) {
 		OGRGeometryH part = line_of(table, s, i, most, rings ? wkbLinearRing : wkbLineString, &i);
 		if (rings) {
@@ -196,12 +209,9 @@ static OGRGeometryH shape_of(const struct eco_point_table *table, const struct e
 			OGR_G_AddGeometryDirectly(polygon, part);
 			part = polygon;
 		}
-		OGRGeometryH next = odd && rings ? OGR_G_SymDifference(odd, part) : NULL;
-		if (odd)
-			OGR_G_DestroyGeometry(odd);
-		odd = rings ? next ? next : OGR_G_GetGeometryCount(all) ? NULL : OGR_G_Clone(part) : NULL;
 		OGR_G_AddGeometryDirectly(all, part);
 	}
+	OGRGeometryH odd = rings && most ? odd_of(all, 0, OGR_G_GetGeometryCount(all)) : NULL;
 	if (!odd)
 		return all;
 	OGR_G_DestroyGeometry(all);
