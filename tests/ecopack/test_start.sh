@@ -517,6 +517,12 @@ is '.plants | [.map.object, .map.up, .map.foot, .own.foot, .own.up, .a.object, .
 is '.plants.stieleiche.object' null
 is '[(.instances[1].at[0] + .origin[0]), .instances[2].at, (.instances | length)]' '[691640,[0,0],5]'
 "$PACK" map "$DIR/my/scene.json" -o "$DIR/map.png" >"$DIR/out" 2>&1 && grep -q '34 plants' "$DIR/out" || complain "objects: $(cat "$DIR/out")"
+# a long name is cut after a whole character; one that is no UTF-8 is refused
+long="$DIR/Das Rathaus der Stadtverwaltungen Südtü.obj" odd="$DIR/$(printf 'h\377').obj"
+cp "$DIR/own.obj" "$long"; cp "$DIR/own.obj" "$odd"
+start 0 'building .*Rathaus' trees.csv "$long" --crs EPSG:25832
+is '.instances[1].plant' '"Das Rathaus der Stadtverwaltungen Südt"'
+start 1 'a building, as .*its name is no UTF-8, .*rename it' trees.csv "$odd" --crs EPSG:25832
 start 1 'far.obj: a building, as .* it lies 200 km from the trees.*in which CRS is it' trees.csv "$DIR/far.obj" --crs EPSG:25832
 # a preview beside folders of models is no terrain
 mkdir -p "$DIR/sorts/oak" && cp "$DIR/models/stieleiche.obj" "$DIR/sorts/oak" && : >"$DIR/sorts/preview.jpg"

@@ -18,6 +18,7 @@
 #define SQUARE_LEAST 0.5     /* of its walls go two ways that cross squarely, as those of a block do, and of a stem do not */
 #define WIDE_M 60.0          /* they need not where it is wider than a crown */
 #define REACH_M 50000.0      /* as far from the trees at most */
+#define NAME_BYTES 40u       /* that a plant's name takes from its file's */
 #define ZERO_NEAR 0.05       /* of the height, its foot is from the file's zero */
 
 struct look { double plane[3], square[3]; int words[2]; bool cutout; double low[3], high[3]; };
@@ -85,14 +86,12 @@ static bool read_object(struct look *look, const char *path, struct eco_model *m
 /* Why a model is none of a plant, by what is in it; "": it may be one. */
 static void why_object(const struct look *look, char why[120])
 {
-	double plane = 0, wide = fmax(look->high[0] - look->low[0], look->high[1] - look->low[1]), away = 0;
+	double plane = 0, wide = fmax(look->high[0] - look->low[0], look->high[1] - look->low[1]);
 	bool square = wide > WIDE_M;
 	for (int k = 1; k < 3; k++) {
 		plane = fmax(plane, look->plane[k]);
 		square |= look->square[k] > SQUARE_LEAST && look->plane[k] > PLANE_LEAST;
 	}
-	for (int k = 0; k < 2; k++)
-		away = fmax(away, fmax(fabs(look->low[k]), fabs(look->high[k])));
 	*why = 0;
 	if (look->words[0] > look->words[1])
 		snprintf(why, 120, "%d name%s of its file, materials and parts %s of buildings", look->words[0],
@@ -111,6 +110,8 @@ static bool take_file(struct start *s, const char *path)
 	char why[120] = "";
 	if (read_object(&look, path, &m))
 		why_object(&look, why);
+	if (*why && !eco_utf8_valid(path, strlen(path)))
+		eco_stop(ECO_BAD_INPUT, "%.300s: a building, as %s; its name is no UTF-8, which a scene's names are: rename it", path, why);
 	if (*why)
 		json_array_append_new(s->objects, json_pack("{s:s, s:s, s:[f,f,f], s:[f,f,f], s:f, s:b}", "path", path, "why", why,
 			"low", look.low[0], look.low[1], look.low[2], "high", look.high[0], look.high[1], look.high[2], "unit", m.scale,
@@ -204,6 +205,12 @@ void start_objects_place(struct start *s)
 		place(s, o);
 }
 
+/* Of a model's file, which begins a plant's name: as many whole characters as it has room for. */
+static int name_bytes(const char *last)
+{
+	return (int)eco_utf8_cut(last, strcspn(last, "."), NAME_BYTES);
+}
+
 void start_objects_add(const struct start *s, json_t *plants, json_t *instances)
 {
 	size_t i;
@@ -212,9 +219,9 @@ void start_objects_add(const struct start *s, json_t *plants, json_t *instances)
 		const char *path = json_string_value(json_object_get(o, "path")), *last = eco_path_last(path);
 		char *seen = start_path(s, path), name[64];
 		json_t *at = json_object_get(o, "at"), *foot = json_object_get(o, "foot");
-		snprintf(name, sizeof name, "%.*s", (int)fmin(40, strcspn(last, ".")), last);
+		snprintf(name, sizeof name, "%.*s", name_bytes(last), last);
 		for (unsigned n = 2; json_object_get(plants, name); n++)
-			snprintf(name, sizeof name, "%.*s building %u", (int)fmin(40, strcspn(last, ".")), last, n);
+			snprintf(name, sizeof name, "%.*s building %u", name_bytes(last), last, n);
 		json_object_set_new(plants, name, json_pack("{s:s, s:b, s:s*, s:O*}", "model", seen, "object", 1, "up",
 			json_is_true(json_object_get(o, "z up")) ? "z" : NULL, "foot", foot));
 		json_array_append_new(instances, json_pack("{s:s, s:o}", "plant", name, "at", at ? json_incref(at) :
