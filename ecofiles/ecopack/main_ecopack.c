@@ -54,10 +54,11 @@ static enum eco_code read_columns(const char *text, void *value, struct eco_erro
 {
 	struct eco_string_pool *columns = value;
 	eco_string_pool_free(columns);
-	for (const char *end; *text; text = *end ? end + 1 : end) {
+	for (const char *end = text; text == end || *end; text = end + 1) {
 		char name[ECO_INVENTORY_NAME_MAX + 1];
 		end = text + strcspn(text, ",");
-		if (end == text || end - text > (ptrdiff_t)ECO_INVENTORY_NAME_MAX || columns->count == ECO_CELLS_MAX)
+		if (end == text || end - text > (ptrdiff_t)ECO_INVENTORY_NAME_MAX || columns->count == ECO_CELLS_MAX
+				|| !eco_utf8_valid(text, (size_t)(end - text)))
 			return eco_fail(error, ECO_BAD_USAGE, "--columns: must be 1 to %u names of columns with commas between",
 				ECO_CELLS_MAX);
 		snprintf(name, sizeof name, "%.*s", (int)(end - text), text);

@@ -108,6 +108,10 @@ make c.json --columns health,owner -o owners.eco
 make c.json --columns health --no-rows -o health.eco
 "$BUILD/ecopack" make c.json --columns nothing -o no.eco --draft -q 2>err && fail "a column that no inventory has"
 grep -q 'no inventory of the scene has a column "nothing"' err || fail "a missing column: $(cat err)"
+for names in '' 'health,' "$(printf 'h\377')" a,b,c,d,e,f,g,h,i; do
+	"$BUILD/ecopack" make c.json --columns "$names" -o no.eco --draft -q 2>err && fail "--columns '$names'"
+	grep -q 'must be 1 to 8 names of columns' err || fail "--columns '$names': $(cat err)"
+done
 grep -aq Geheim plain.eco health.eco && fail "an owner's name in a pack that was made without"
 grep -aq 'Anna Geheim' owners.eco || fail "the owners' column is not in the pack"
 mkdir viewer && printf '<meta charset="utf-8">\n' >viewer/index.html && gzip -k viewer/index.html && cp viewer/index.html.gz viewer/index.html.br
