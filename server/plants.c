@@ -183,7 +183,7 @@ enum eco_code srv_describe_found(struct srv_json *json, const struct srv_scene *
 	struct eco_inventory_block block = { 0 };
 	struct eco_error own = { 0 };
 	uint64_t next = query->first, left = s->place_count - next, most = SRV_FIND_BLOCKS * (uint64_t)ECO_INVENTORY_PLACES;
-	if (next >= s->place_count)
+	if (next && next >= s->place_count)
 		return eco_fail(error, ECO_BAD_INPUT, "parameter 'first': the scene has %llu plants, the first is 0",
 			(unsigned long long)s->place_count);
 	uint64_t end = next + (left < most ? left : most);

@@ -115,7 +115,7 @@ static enum eco_code parse_path(struct srv_target *target, const char *raw, size
 	return ECO_OK;
 }
 
-/* `text` is for words of people: UTF-8, with spaces. */
+/* `text` is for words of people: UTF-8, with spaces, which forms write as plus signs. */
 static enum eco_code parse_value(const char *raw, size_t size, const char *name, char **out,
 	struct eco_error *error)
 {
@@ -129,10 +129,12 @@ static enum eco_code parse_value(const char *raw, size_t size, const char *name,
 					"parameter '%.40s': '%%' must be followed by two hex digits", name);
 			c = (char)(hex_digit(raw[at + 1]) * 16 + hex_digit(raw[at + 2]));
 			at += 2;
+		} else if (words && c == '+') {
+			c = ' ';
 		}
 		if (words ? (c >= 0 && c < 0x20) || c == 0x7f : c <= 0x20 || c >= 0x7f)
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s': only printable ASCII "
-				"without spaces is allowed", name);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s': %s", name, words ? "control characters are not allowed"
+				: "only printable ASCII without spaces is allowed");
 		*(*out)++ = c;
 	}
 	if (words && !eco_utf8_valid(first, (size_t)(*out - first)))

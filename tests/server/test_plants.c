@@ -100,8 +100,25 @@ UNIT_TEST(plants_are_found_by_species_model_and_row)
 	assert_code(srv_describe_found(&json, other.scenes[0], NULL, &(struct srv_find_query){ "oak", .first = 7, .count = 1 },
 		&cause), ECO_BAD_INPUT, "has 7 plants");
 	eco_writer_free(&json.out);
+	/* a scene without plants is no fault */
+	struct eco_pack bare = *other.scenes[0]->pack;
+	struct srv_json none = { 0 };
+	bare.scene.place_count = bare.scene.group_count = 0;
+	cause = (struct eco_error){ 0 };
+	assert_good(srv_describe_found(&none, &(struct srv_scene){ .pack = &bare }, NULL, &(struct srv_find_query){ "oak", .count = 1 }, &cause));
+	eco_writer_free(&none.out);
 	srv_store_free(&other);
 	unlink(path);
+}
+
+UNIT_TEST(a_plus_sign_in_a_text_is_a_space)
+{
+	static const char asked[] = "/v1/scenes/x/find?text=wild+oak%2B";
+	struct srv_target target;
+	struct srv_find_query query;
+	assert_good(srv_target_parse(&target, asked, strlen(asked), &cause));
+	assert_good(srv_find_query_parse(&query, &target, &cause));
+	assert_string_equal(query.text, "wild oak+");
 }
 
 UNIT_TEST(damaged_rows_are_an_error_of_these_alone)
@@ -158,7 +175,7 @@ UNIT_TEST(what_is_asked_for_must_be_there)
 		{ BASE "/find", 400, "'text' is missing" },
 		{ BASE "/find?text=%20&count=65", 400, "from 1 to 64" },
 		{ BASE "/find?text=%ff", 400, "no UTF-8" },
-		{ BASE "/find?text=%0a", 400, "'text'" },
+		{ BASE "/find?text=%0a", 400, "'text': control characters are not allowed" },
 		{ BASE "/find?text=a%20B%c3%a4um&first=0&count=1", 200, "\"plants\":[]" },
 		{ BASE "/find?text=x&pack=00000000000000000000000000000000", 409, "numbers" },
 	};
