@@ -712,7 +712,8 @@ $('beside').onchange = () => setBeside($('beside').value);
 $('wipe').onpointerdown = ({ pointerId }) => $('wipe').setPointerCapture(pointerId);
 $('wipe').onpointermove = ({ buttons, clientX }) => buttons && setWipe(clientX / innerWidth);
 $('wipe').onkeydown = (event) => {
-	const { wipe } = settings, steps = { ArrowLeft: wipe - 0.02, ArrowRight: wipe + 0.02, Home: 0, End: 1 };
+	const { wipe } = settings, back = wipe - 0.02, on = wipe + 0.02;
+	const steps = { ArrowLeft: back, ArrowDown: back, ArrowRight: on, ArrowUp: on, Home: 0, End: 1 };
 	if (steps[event.key] === undefined)
 		return;
 	event.stopPropagation();

@@ -36,6 +36,7 @@ const PART_LEAST = 50000, PART_MOST = 1e9, PART_MS = 20;
 // a moving picture, and the first one, may take so long; it has fewer pixels and no leaves for it
 const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const PACE_PICTURES = 6, PACE_FACTOR = 1.5;      // so many in turn are late, or early, and the budget changes so
+const FIND_BYTES = 100;          // of openapi.yaml's `text`
 const STILL_SAMPLES = 64, REST_SAMPLES = 16;
 const NEAR_MOST = 5000, FOUND_MOST = 20, PIECE = 512;   // plants that are searched, and shown; rows that are asked for at once
 const ROWS_MAX = 40;                             // of an explanation that are shown
@@ -179,7 +180,12 @@ class Engine {
 		const main = this.layer, turn = this.turn = {};
 		const layer = url ? new EcoLayer({ url, token, gl: this.gl, keep: !token, onChange: () => this.redraw(),
 			onError: (error) => this.fail(error.message, error.offline) }) : null;
-		await layer?.ready;
+		await layer?.ready.catch((error) => {
+			if (this.turn !== turn)
+				return;
+			layer.free();
+			throw error;
+		});
 		if (this.turn !== turn || this.layer !== main)
 			return layer?.free();
 		this.other = layer;
@@ -295,11 +301,13 @@ class Engine {
 			this.post({ type: 'found', text, found });
 	}
 
-	/** Texts to ask for: where rows are not known, also the models that stand for a species of that name. */
+	/** Texts to ask for: where rows are not known, also the models that stand for a species of that name; none that the
+	 * server refuses as too long. */
 	async namesOf(layer, words) {
 		const models = hasRows(layer.stream.url, layer.about) ? [] : await layer.species() ?? [];
 		return [words, ...models.filter((model) => !model.plant.toLowerCase().includes(words)
-			&& model.species.some(({ species: name }) => name?.toLowerCase().includes(words))).map(({ plant }) => plant)];
+			&& model.species.some(({ species: name }) => name?.toLowerCase().includes(words))).map(({ plant }) => plant)]
+			.filter((one) => new TextEncoder().encode(one).length <= FIND_BYTES);
 	}
 
 	/** The server's description of a plant, from the pieces of rows that were asked for. */

@@ -730,6 +730,9 @@ async function wipes() {
 	await ask("document.getElementById('wipe').focus()");
 	await press('ArrowRight');
 	expect(await ask('viewer.settings.wipe') === 0.52, 'an arrow key does not move the handle');
+	for (const key of ['ArrowUp', 'ArrowDown'])
+		await press(key);
+	expect(await ask('viewer.settings.wipe') === 0.52, 'arrows up and down do not move the handle there and back');
 	await browser.until("location.hash.includes('beside=dusk&wipe=0.52')");
 	await choose('beside', 'bare');
 	await browser.until("document.getElementById('state').textContent === 'bare is not at this place.'");
