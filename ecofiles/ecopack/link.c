@@ -455,6 +455,15 @@ static bool has_draft(const struct link *l)
 	return any;
 }
 
+/* What all parts have; NULL: they differ, or have none. */
+static json_t *season_of(const struct link *l)
+{
+	json_t *season = json_object_get(l->parts[0].meta, "season");
+	for (uint32_t i = 1; i < l->count && season; i++)
+		season = json_equal(season, json_object_get(l->parts[i].meta, "season")) ? season : NULL;
+	return season;
+}
+
 static json_t *whole_meta(const struct link *l)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
@@ -473,6 +482,8 @@ static json_t *whole_meta(const struct link *l)
 	make_columns_say(&l->m, root);
 	if (has_draft(l))
 		json_object_set_new(root, "draft", json_true());
+	if (season_of(l))
+		json_object_set(root, "season", season_of(l));
 	return root;
 }
 

@@ -43,6 +43,10 @@ make both.json -o both.eco
 make both.json --no-rows -o bare.eco
 mkdir linked && "$BUILD/ecopack" link a.eco b.eco -o linked/both.eco -q || fail "link"
 cmp both.eco linked/both.eco || fail "the linked pack is not that of a scene that nests its parts"
+for scene in a b both; do
+	make $scene.json --season winter -o winter-$scene.eco
+done
+mkdir winter && "$BUILD/ecopack" link winter-a.eco winter-b.eco -o winter/both.eco -q && cmp winter-both.eco winter/both.eco || fail "link of winters"
 "$BUILD/ecopack" verify both.eco -q || fail "verify"
 
 # a drawing's bytes do not depend on rows: all chunks but those of rows are the same, and streams have no other
