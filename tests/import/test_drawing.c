@@ -158,10 +158,11 @@ static bool sea_at(double x, double y) { return at(x, y)[3] == ECO_GROUND_WATER 
 
 UNIT_TEST(the_sea_lies_to_the_right_of_coastlines)
 {
-	/* in two parts, in any order; an island */
+	/* in two parts, in any order; an island; and copies, as of two extracts */
 	struct eco_drawing *d = drawn("coast.json", COAST("[[32,32],[32,64]]") "," COAST("[[40,0],[32,32]]") ","
-		COAST("[[50,20],[60,20],[60,30],[50,30],[50,20]]"), (struct eco_draw_spec){ .line = 1 });
-	import_says("coastline 3");
+		COAST("[[50,20],[60,20],[60,30],[50,30],[50,20]]") "," COAST("[[50,20],[60,20],[60,30],[50,30],[50,20]]") ","
+		COAST("[[32,32],[32,64]]"), (struct eco_draw_spec){ .line = 1 });
+	import_says("coastline 5");
 	import_says("drawn: sea 1");
 	paint(d, 0);
 	assert_true(!sea_at(20, 10) && !sea_at(20, 60) && sea_at(50, 10) && sea_at(50, 60) && !sea_at(55, 25));

@@ -50,18 +50,37 @@ static void take_file(struct coast *c, const struct drawn_file *file, uint32_t c
 	}
 }
 
+static int by_place(const double p[2], const double q[2])
+{
+	return p[0] != q[0] ? (p[0] > q[0] ? 1 : -1) : (p[1] > q[1]) - (p[1] < q[1]);
+}
+
 static int by_start(const void *a, const void *b)
 {
-	const double *p = ((const struct piece *)a)->edges->a, *q = ((const struct piece *)b)->edges->a;
-	return p[0] != q[0] ? (p[0] > q[0] ? 1 : -1) : (p[1] > q[1]) - (p[1] < q[1]);
+	return by_place(((const struct piece *)a)->edges->a, ((const struct piece *)b)->edges->a);
 }
 
 static const double *end_of(const struct piece *p) { return p->edges[p->count - 1].b; }
 
-/* The piece that begins where another ends; of several the first. */
+/* 0: one is a copy of the other, by their ends, second corners and numbers of edges. */
+static int by_line(const void *a, const void *b)
+{
+	const struct piece *p = a, *q = b;
+	int order = by_start(a, b);
+	order = order ? order : by_place(p->edges->b, q->edges->b);
+	order = order ? order : by_place(end_of(p), end_of(q));
+	return order ? order : (p->count > q->count) - (p->count < q->count);
+}
+
+/* The piece that begins where another ends. Copies are left out, as extracts that overlap have the same coast. */
 static void join(struct coast *c)
 {
-	qsort(c->pieces, c->count, sizeof *c->pieces, by_start);
+	uint32_t kept = 0;
+	qsort(c->pieces, c->count, sizeof *c->pieces, by_line);
+	for (uint32_t i = 0; i < c->count; i++)
+		if (!kept || by_line(&c->pieces[kept - 1], &c->pieces[i]))
+			c->pieces[kept++] = c->pieces[i];
+	c->count = kept;
 	for (uint32_t i = 0; i < c->count; i++) {
 		struct eco_edge at = { { end_of(&c->pieces[i])[0], end_of(&c->pieces[i])[1] }, { 0, 0 } };
 		const struct piece key = { .edges = &at }, *found = bsearch(&key, c->pieces, c->count, sizeof key, by_start);
