@@ -522,6 +522,9 @@ long="$DIR/Das Rathaus der Stadtverwaltungen Südtü.obj" odd="$DIR/$(printf 'h\
 cp "$DIR/own.obj" "$long"; cp "$DIR/own.obj" "$odd"
 start 0 'building .*Rathaus' trees.csv "$long" --crs EPSG:25832
 is '.instances[1].plant' '"Das Rathaus der Stadtverwaltungen Südt"'
+cp "$DIR/own.obj" "$DIR/..obj"
+start 0 'building .*obj' trees.csv "$DIR/..obj" --crs EPSG:25832
+is '.instances[1].plant' '"obj"'
 start 1 'a building, as .*its name is no UTF-8, .*rename it' trees.csv "$odd" --crs EPSG:25832
 start 1 'far.obj: a building, as .* it lies 200 km from the trees.*in which CRS is it' trees.csv "$DIR/far.obj" --crs EPSG:25832
 # a preview beside folders of models is no terrain

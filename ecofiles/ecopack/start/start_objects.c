@@ -217,6 +217,7 @@ void start_objects_add(const struct start *s, json_t *plants, json_t *instances)
 	const json_t *o;
 	json_array_foreach(s->objects, i, o) {
 		const char *path = json_string_value(json_object_get(o, "path")), *last = eco_path_last(path);
+		last += strspn(last, ".");
 		char *seen = start_path(s, path), name[64];
 		json_t *at = json_object_get(o, "at"), *foot = json_object_get(o, "foot");
 		snprintf(name, sizeof name, "%.*s", name_bytes(last), last);
