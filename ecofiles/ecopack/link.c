@@ -455,7 +455,7 @@ static bool has_draft(const struct link *l)
 	return any;
 }
 
-/* What all parts have; NULL: they differ, or have none. */
+/* The value that all parts have; NULL: they differ, or have none. */
 static json_t *season_of(const struct link *l)
 {
 	json_t *season = json_object_get(l->parts[0].meta, "season");

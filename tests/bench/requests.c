@@ -7,7 +7,7 @@
  *   undrawn      an answer that draws nothing brings chunks of its ground only; a budget of bytes in which
  *                some answer draws something has no answer that draws nothing
  *   same         the same request has the same answer
- *   rises        more vertices never leave more wrong, by the errors that are seen
+ *   rises        more vertices hardly ever leave more wrong, by the errors that are seen
  *   unused       budget is left over only where it buys nothing: no remaining step that gains is as cheap,
  *                and no better plan of a greater budget fits
  *   whole        next to nothing is expected to be wrong where every plant in view is drawn whole
@@ -50,7 +50,10 @@ static const char *const violation_names[] = { "vertices", "bytes", "twice", "un
  * hash cannot be told apart, and the rest of a budget is spent on the next step, however little of it fits.
  */
 #define WORSE_MOST 0.01
-#define RISE_MOST 0.02           /* from one budget to a greater one, at one level of tiles: others expect other errors */
+/* From one budget to a greater one, at one level of tiles, since others expect other errors: where all vertices are
+ * asked for, plants are drawn that expect more to be wrong than the summary does in their place. */
+#define RISE_MOST 0.1
+#define RISE_PIXELS 4
 #define WHOLE_MOST 0.05          /* of the pixels that are covered, and one more */
 
 struct run {
@@ -351,9 +354,9 @@ static void check_chain(struct run *run)
 			return;
 	for (uint32_t i = 0; i < CHAIN; i++) {
 		if (i > 0 && rungs[i].stats.level == rungs[i - 1].stats.level
-			&& rungs[i].stats.wrong > rungs[i - 1].stats.wrong + RISE_MOST * rungs[0].stats.wrong)
-			violated(run, RISES, "%g wrong pixels at %llu vertices, %g at %llu", rungs[i - 1].stats.wrong,
-				rungs[i - 1].budget, rungs[i].stats.wrong, rungs[i].budget);
+			&& rungs[i].stats.wrong > rungs[i - 1].stats.wrong + RISE_MOST * rungs[0].stats.wrong + RISE_PIXELS)
+			violated(run, RISES, "%g wrong pixels at %llu vertices, %g at %llu, of %g", rungs[i - 1].stats.wrong,
+				rungs[i - 1].budget, rungs[i].stats.wrong, rungs[i].budget, rungs[0].stats.wrong);
 		check_unused(run, rungs, i);
 	}
 	const struct rung *all = &rungs[CHAIN - 1];

@@ -205,7 +205,7 @@ void start_objects_place(struct start *s)
 		place(s, o);
 }
 
-/* Of a model's file, which begins a plant's name: as many whole characters as it has room for. */
+/* The start of a plant's name, from its model's file: as many whole characters as it has room for. */
 static int name_bytes(const char *last)
 {
 	return (int)eco_utf8_cut(last, strcspn(last, "."), NAME_BYTES);

@@ -183,7 +183,7 @@ static OGRGeometryH line_of(const struct eco_point_table *table, const struct ec
 	return line;
 }
 
-/* What an odd number of polygons cover, halves first, as each step takes as long as what is there; NULL: GEOS does not know, as of
+/* The area that an odd number of polygons cover, halves first, since a step costs what is there; NULL: GEOS does not know, as for
  * rings that cross. */
 static OGRGeometryH odd_of(OGRGeometryH polygons, int first, int count)
 {
