@@ -76,6 +76,10 @@ printf '#include "lod/plan/planner.h"\nstruct grid *planned;\n' >"$DIR/lod/plan/
 layers && complain "is content with a compiled fault"
 names lod/plan/planner lod/build/grid.h "$may_not lod/plan may not include"
 
+# The top level holds the five rooms and nothing that was built.
+stray=$(git ls-files 2>/dev/null | grep -vE '^(\.|LICENSE$|Makefile$|README\.md$|(ecofiles|lod|server|client-min|tests)/)')
+[ -z "$stray" ] || complain "at the top level: $stray"
+
 # The table holds what DESIGN says: build and plan never meet, nothing includes ecopack, server and client know neither import nor build.
 awk -F '|' '
 	/^#/ || NF < 3 { next }
