@@ -311,7 +311,7 @@ UNIT_TEST(rings_that_cross_themselves_and_each_other_leave_finite_meshes)
 /* Area of upright triangles, and the number of buildings that stand on others. */
 static double walls_of(struct eco_building *buildings, uint32_t count, uint32_t *twins)
 {
-	struct eco_building *all[8];
+	struct eco_building *all[8] = { NULL };
 	double sum = 0;
 	*twins = 0;
 	for (uint32_t i = 0; i < count; i++)
