@@ -61,7 +61,7 @@ static struct eco_request request_of(const double eye[3], const double target[3]
 
 static void show(struct bench *bench, const char *file, struct view_picture *pictures, uint32_t count, const char *says)
 {
-	const uint8_t *rgb[WOODS];
+	const uint8_t *rgb[WOODS] = { NULL };
 	for (uint32_t i = 0; i < count; i++)
 		rgb[i] = pictures[i].rgb;
 	bench_pictures_write(bench, file, pictures[0].width, pictures[0].height, rgb, count);
