@@ -1,6 +1,7 @@
 /* Wood of library plants: stems, boughs, twigs and shoots, each a bent path that ends at the crown's edge (after Weber
  * and Penn 1995, with lengths from a profile of the crown instead of curves for each species). All differences between
- * habits are columns of words/habits.tsv. The wood is scaled so that its leaves end where the plant does. */
+ * habits are columns of words/habits.tsv. The wood is scaled so that its leaves end where the plant does.
+ * Longer than 600 lines: all orders of branches grow by the same paths. */
 #include "ecofiles/generate/generate_growth.h"
 
 #include <math.h>
