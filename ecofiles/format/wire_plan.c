@@ -93,34 +93,25 @@ float eco_wire_scale_round(float scale)
 /* A rounded scale is a small number. */
 static uint32_t rotate(uint32_t v, uint32_t left) { return v << left | v >> (32 - left); }
 
-#define PIXELS_MAX 1e14
+/* A number that travels as a whole one of so many parts; at most `most`. */
+struct fixed { double most, parts; };
+static const struct fixed pixels_code = { 1e14, 16 }, m16_code = { 1000, 1000 };
 
-double eco_wire_pixels_round(double pixels)
+static double fixed_round(struct fixed f, double value)
 {
-	return floor(fmin(fmax(pixels, 0), PIXELS_MAX) * 16 + 0.5) / 16;
+	return floor(fmin(fmax(value, 0), f.most) * f.parts + 0.5) / f.parts;
 }
 
-static double code_pixels(struct coder *c, double value)
-{
-	c->bad |= c->w && !(value >= 0 && value <= PIXELS_MAX);
-	uint64_t sixteenths = code_number(c, c->bad ? 0 : (uint64_t)floor(value * 16 + 0.5));
-	c->bad |= sixteenths > (uint64_t)(16 * PIXELS_MAX);
-	return (double)sixteenths / 16;
-}
+double eco_wire_pixels_round(double pixels) { return fixed_round(pixels_code, pixels); }
 
-#define M16_MAX 1000.0
+double eco_wire_m16_round(double m16) { return fixed_round(m16_code, m16); }
 
-double eco_wire_m16_round(double m16)
+static double code_fixed(struct coder *c, struct fixed f, double value)
 {
-	return floor(fmin(fmax(m16, 0), M16_MAX) * 1000 + 0.5) / 1000;
-}
-
-static double code_m16(struct coder *c, double value)
-{
-	c->bad |= c->w && !(value >= 0 && value <= M16_MAX);
-	uint64_t thousandths = code_number(c, c->bad ? 0 : (uint64_t)floor(value * 1000 + 0.5));
-	c->bad |= thousandths > (uint64_t)(1000 * M16_MAX);
-	return (double)thousandths / 1000;
+	c->bad |= c->w && !(value >= 0 && value <= f.most);
+	uint64_t parts = code_number(c, c->bad ? 0 : (uint64_t)floor(value * f.parts + 0.5));
+	c->bad |= parts > (uint64_t)(f.parts * f.most);
+	return (double)parts / f.parts;
 }
 
 /* ---- Items ---- */
@@ -272,10 +263,10 @@ static void code_head(struct coder *c, struct eco_plan *plan)
 {
 	uint32_t *const counts[] = { &plan->placement_count, &plan->run_count, &plan->gate_count, &plan->cut_count };
 	plan->vertices = code_number(c, plan->vertices);
-	plan->prediction.tp = code_pixels(c, plan->prediction.tp);
-	plan->prediction.fp = code_pixels(c, plan->prediction.fp);
-	plan->prediction.fn = code_pixels(c, plan->prediction.fn);
-	plan->m16 = code_m16(c, plan->m16);
+	plan->prediction.tp = code_fixed(c, pixels_code, plan->prediction.tp);
+	plan->prediction.fp = code_fixed(c, pixels_code, plan->prediction.fp);
+	plan->prediction.fn = code_fixed(c, pixels_code, plan->prediction.fn);
+	plan->m16 = code_fixed(c, m16_code, plan->m16);
 	for (int i = 0; i < 4; i++)
 		*counts[i] = code_u32(c, *counts[i]);
 }
