@@ -38,8 +38,10 @@ export class RangeFile {
 		return this.probed;
 	}
 
+	/** A query that hosts of files ignore gives each part a name of its own: browsers fetch one name once at a time. */
 	async ask(at, end, signal) {
-		const answer = await fetch(this.url, { signal, headers: { Range: `bytes=${at}-${end - 1}` } });
+		const range = `bytes=${at}-${end - 1}`;
+		const answer = await fetch(`${this.url}?${range}`, { signal, headers: { Range: range } });
 		if (!answer.ok)
 			throw refused(this.url, answer);
 		return answer;
