@@ -1,7 +1,6 @@
 /* Questions to a server beside pictures: the scene's place on Earth, what its plants are, the height of its
  * ground, and why a plan is what it is. */
-#ifndef VIEW_ASK_H
-#define VIEW_ASK_H
+#pragma once
 
 #include <jansson.h>
 #include <stdio.h>
@@ -80,5 +79,3 @@ enum eco_code view_geojson_make(const struct view_geojson_job *job, json_t **out
 /* The same as DIR/frame-0000.geojson. */
 enum eco_code view_geojson_save(const struct view_geojson_job *job, const char *dir, uint32_t frame,
 	struct eco_error *error);
-
-#endif

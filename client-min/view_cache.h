@@ -13,8 +13,7 @@
  *   view_cache_add(&cache, list); ... view_list_push(list, ...); view_cache_charge(&cache, list, before);
  *   view_cache_touch(&cache, list, chunks);         a plan needs these
  *   view_cache_free(&cache); */
-#ifndef VIEW_CACHE_H
-#define VIEW_CACHE_H
+#pragma once
 
 #include "client-min/view_list.h"
 #include "client-min/view_table.h"
@@ -56,5 +55,3 @@ void view_cache_want_nothing(struct view_cache *cache);
 uint64_t view_cache_wanted_bytes(const struct view_cache *cache);
 /* True once `bytes` fit. `all`: chunks that came for the next plan may go, too, in the same order. */
 bool view_cache_make_room(struct view_cache *cache, uint64_t bytes, bool all);
-
-#endif

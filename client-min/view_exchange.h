@@ -11,8 +11,7 @@
  *   view_exchange_free(x);
  *
  * Hosts of chunks may redirect, a few times, by http and https. */
-#ifndef VIEW_EXCHANGE_H
-#define VIEW_EXCHANGE_H
+#pragma once
 
 #include <curl/curl.h>
 
@@ -92,5 +91,3 @@ void view_exchange_salvage(struct view_exchange *x);
 enum eco_code view_exchange_check_chunks(const char *url, struct eco_error *error);
 double view_plan_ms_read(const char *value);     /* plan_ms of a header's value */
 int view_url_length(const char *url);            /* without slashes at its end */
-
-#endif

@@ -11,8 +11,7 @@
  * is whole. Problem documents (RFC 9457) become errors with their title and detail. Everything is bounded:
  * the body, its rate, the time. Bodies that are held whole have smaller bounds: descriptions of a scene or of
  * plants 8 MiB, explanations 64 MiB, streams with names 256 MiB. */
-#ifndef VIEW_FETCH_H
-#define VIEW_FETCH_H
+#pragma once
 
 #include <signal.h>
 
@@ -109,5 +108,3 @@ enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco
  */
 enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
 	uint32_t first, uint32_t count, char **text, struct eco_error *error);
-
-#endif

@@ -4,8 +4,7 @@
  * All tiles share one grid of samples. A sample is drawn at (whole number - `anchor`) * `step` from the world
  * position `at`, the sample nearest to the eye: exact where it matters, and the same floats for a sample that
  * two tiles share, so that between them there is no gap of even one pixel. */
-#ifndef VIEW_GROUND_H
-#define VIEW_GROUND_H
+#pragma once
 
 #include "client-min/view_store.h"
 #include "lod/ground_choice.h"
@@ -85,5 +84,3 @@ struct view_image_spot { double at[2], along[2], across_m; };
  * 0 where none are. Threads may ask at a time. */
 struct view_image_color { float light[3], alpha, texel_m; };
 struct view_image_color view_image_at(const struct view_image *image, const struct view_image_spot *spot);
-
-#endif

@@ -5,8 +5,7 @@
  *   view_list_push(list, &piece, &chunk, &error);           the piece becomes chunk list->chunk_count
  *   view_list_pop(list);                                    the last chunk goes, and its memory with it
  *   view_piece_free(&piece);                                in any case */
-#ifndef VIEW_LIST_H
-#define VIEW_LIST_H
+#pragma once
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
@@ -99,5 +98,3 @@ struct view_mark view_list_before(const struct view_list *list, uint32_t ordinal
 
 /* Elements of chunks [first, end) as a view into the list's arrays: nothing is copied, nothing to free. */
 struct eco_elements view_list_chunks(const struct view_list *list, uint32_t first, uint32_t end);
-
-#endif

@@ -1,7 +1,6 @@
 /* Measures of a picture's error, and the truth that its colours are judged by: full detail, the mean light of 64
  * samples a pixel. Samples are drawn in software, whatever drew the picture. */
-#ifndef VIEW_MEASURE_H
-#define VIEW_MEASURE_H
+#pragma once
 
 #include "client-min/view_reference.h"
 #include "lod/raster/blocks.h"
@@ -37,5 +36,3 @@ void view_measure_pair(const struct view_picture *picture, const struct view_pic
  * drawing, kept with it. */
 enum eco_code view_truth_draw(const struct view_draw_job *job, const char *dir, struct view_picture *picture,
 	double *cpu_ms, struct eco_error *error);
-
-#endif

@@ -1,8 +1,7 @@
 /* The command line of ecoview.
  *
  *   view_options_read(argc, argv, &options, &error); */
-#ifndef VIEW_OPTIONS_H
-#define VIEW_OPTIONS_H
+#pragma once
 
 #include "client-min/view_fetch.h"
 #include "client-min/view_select.h"
@@ -33,5 +32,3 @@ enum eco_code view_options_read(int argc, char **argv, struct view_options *opti
 /* Reads a time such as 2026-06-21T10:00Z, 2026-06-21T10:00:30Z or 2026-06-21T12:00+02:00 into *unix_s, a
  * double. ECO_BAD_USAGE. */
 enum eco_code view_time_read(const char *text, void *unix_s, struct eco_error *error);
-
-#endif

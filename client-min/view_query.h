@@ -1,6 +1,5 @@
 /* A request as the query string of a URL: what view_fetch.h and a browser ask a server. */
-#ifndef VIEW_QUERY_H
-#define VIEW_QUERY_H
+#pragma once
 
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/view.h"
@@ -11,5 +10,3 @@
 #define VIEW_QUERY_BYTES 960
 size_t view_query_write(const struct eco_request *request, const struct eco_chunk_id *pack, char *out,
 	size_t room);
-
-#endif

@@ -15,8 +15,7 @@
  * code is the growth code of the triangle's element (ECO_GROWTH_PLAIN where the list has none), the size code
  * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16, and VIEW_WOOD of wood. The shader gets the meaning of codes in
  * uniforms that eco_growth and eco_size filled: neither is written twice. */
-#ifndef VIEW_RECORD_H
-#define VIEW_RECORD_H
+#pragma once
 
 #include "client-min/view_select.h"
 
@@ -64,5 +63,3 @@ uint32_t view_impostor_surface(const struct eco_list *list);
 #define VIEW_INSTANCE_TEXELS 4
 void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struct view_instance *instance,
 	const struct view_plant *plant);
-
-#endif

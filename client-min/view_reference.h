@@ -1,8 +1,7 @@
 /* Drawing a selection in software: the reference that pictures are scored against, and what draws where there
  * is no OpenGL. Plants front to back, hidden ones skipped, by several threads: the same pixels whatever their
  * number. */
-#ifndef VIEW_REFERENCE_H
-#define VIEW_REFERENCE_H
+#pragma once
 
 #include "client-min/draw/view_light.h"
 #include "client-min/draw/view_picture.h"
@@ -25,5 +24,3 @@ struct view_coverage {
 };
 enum eco_code view_reference_count(const struct view_draw_job *job, struct view_coverage *coverage,
 	struct eco_error *error);
-
-#endif

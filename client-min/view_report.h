@@ -1,7 +1,6 @@
 /* Figures of a frame, as a line for people and as report.json for scripts. NaN is null: not applicable, or
  * not measured. */
-#ifndef VIEW_REPORT_H
-#define VIEW_REPORT_H
+#pragma once
 
 #include <signal.h>
 #include <stdbool.h>
@@ -79,5 +78,3 @@ const char *view_report_score(char text[VIEW_SCORE_BYTES], double v);
 /* Set by Ctrl-C or SIGTERM once view_catch_signals was called; a second signal ends the program at once. */
 extern volatile sig_atomic_t view_interrupted;
 void view_catch_signals(void);
-
-#endif

@@ -10,8 +10,7 @@
  *
  * The same pairs in both orders: the GPU wants few batches, the software rasteriser wants plants front to
  * back. */
-#ifndef VIEW_SELECT_H
-#define VIEW_SELECT_H
+#pragma once
 
 #include "client-min/view_ground.h"
 #include "client-min/view_store.h"
@@ -109,5 +108,3 @@ uint64_t view_summary_owner(const struct view_list *list, uint32_t index, uint32
 #define VIEW_DIGEST_BYTES 34             /* elements-cuts, 16 hexadecimal digits each, and 0 */
 enum eco_code view_digest_write(char out[VIEW_DIGEST_BYTES], const struct view_store *store,
 	const struct view_selection *selection, struct eco_error *error);
-
-#endif

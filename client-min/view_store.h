@@ -13,8 +13,7 @@
  * Everything a stream says is checked against what is already held: a chunk sent twice, a chunk out of order,
  * a count that does not fit its list's or a colour outside the palette is ECO_DAMAGED. One thread
  * at a time. */
-#ifndef VIEW_STORE_H
-#define VIEW_STORE_H
+#pragma once
 
 #include "client-min/view_list.h"
 #include "ecofiles/format/wire.h"
@@ -102,5 +101,3 @@ struct view_store_stats view_store_stats(const struct view_store *store);
 
 /* Monotonic milliseconds; only for measuring. */
 double view_clock_ms(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* A map from ids to positions in an array. Open addressing; a multiplicative hash spreads ids, so that a
  * hostile stream makes it at worst slow in its own linear size. */
-#ifndef VIEW_TABLE_H
-#define VIEW_TABLE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -14,5 +13,3 @@ uint32_t view_table_get(const struct view_table *table, uint64_t key);
 bool view_table_put(struct view_table *table, uint64_t key, uint32_t value);
 void view_table_remove(struct view_table *table, uint64_t key);  /* a key that is not there is fine */
 void view_table_free(struct view_table *table);
-
-#endif

@@ -5,8 +5,7 @@
  *
  * Tokens are read from files, as everybody sees what a program is started with; they are compared in a time
  * that says nothing about them, and printed nowhere. */
-#ifndef SRV_ACCESS_H
-#define SRV_ACCESS_H
+#pragma once
 
 #include "ecofiles/format/view.h"
 #include "server/describe.h"
@@ -62,5 +61,3 @@ bool srv_access_has_private(const struct srv_access *access);    /* any scene */
  * have the same, it does not depend on the request. */
 const char *srv_access_origin(const struct srv_access *access, const char *origin);
 bool srv_access_origins_vary(const struct srv_access *access);
-
-#endif

@@ -12,8 +12,7 @@
  * Threads: one accepts; a pool polls, reads requests and sends answers; work threads plan; one
  * watches deadlines. The library's parser only splits heads that are known to be well: see framing.h
  * and target.h. */
-#ifndef SRV_DAEMON_H
-#define SRV_DAEMON_H
+#pragma once
 
 #include <netdb.h>
 #include <stdbool.h>
@@ -97,5 +96,3 @@ void srv_daemon_quiesce(struct srv_daemon *daemon);
 /* requests that have begun and are not answered yet */
 uint32_t srv_daemon_busy(const struct srv_daemon *daemon);
 void srv_daemon_stop(struct srv_daemon *daemon);                 /* ends what still runs; NULL is fine */
-
-#endif

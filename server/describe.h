@@ -1,6 +1,5 @@
 /* Scenes, plans and plants as JSON; the fields are specified in openapi.yaml. */
-#ifndef SRV_DESCRIBE_H
-#define SRV_DESCRIBE_H
+#pragma once
 
 #include "server/request/json.h"
 #include "server/request/query.h"
@@ -30,5 +29,3 @@ enum eco_code srv_describe_found(struct srv_json *json, const struct srv_scene *
 	const struct srv_find_query *query, struct eco_error *error);
 /* Species that each plant stands for, by the pack's META; a plant without any stands for the species of its name. */
 void srv_describe_species(struct srv_json *json, const struct srv_scene *scene);
-
-#endif

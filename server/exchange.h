@@ -6,8 +6,7 @@
  *
  * exchange.c receives and sends, exchange_answer.c decides on answers, answer.c makes responses. The polling
  * thread owns an exchange, except between srv_work_submit and MHD_resume_connection, when the work thread does. */
-#ifndef SRV_EXCHANGE_H
-#define SRV_EXCHANGE_H
+#pragma once
 
 #include <pthread.h>
 
@@ -189,5 +188,3 @@ void srv_plan_cache_put(struct srv_plan_cache *cache, const char *etag, const st
 bool srv_plan_cache_get(struct srv_plan_cache *cache, const char *etag, struct srv_kept_answer *kept);
 /* Memory of all that is kept. */
 uint64_t srv_plan_cache_bytes(struct srv_plan_cache *cache);
-
-#endif

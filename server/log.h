@@ -3,8 +3,7 @@
  * obeys, are written as '?' or escaped.
  *
  * Nobody waits for the reader of stderr: lines that find no room there are dropped and counted. */
-#ifndef SRV_LOG_H
-#define SRV_LOG_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -124,5 +123,3 @@ struct srv_gauges {
 };
 /* The text format 0.0.4 of Prometheus. */
 void srv_metrics_write(struct eco_writer *out, struct srv_metrics *metrics, const struct srv_gauges *gauges);
-
-#endif

@@ -20,8 +20,7 @@
  *
  * An entry is opened when the connection starts, and closed before its socket is (so that a number that the
  * system gave to another socket is never shut down). All functions may be called from any thread. */
-#ifndef SRV_REAPER_H
-#define SRV_REAPER_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdint.h>
@@ -93,5 +92,3 @@ void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease);
 
 uint64_t srv_clock_us(void);                             /* monotonic */
-
-#endif

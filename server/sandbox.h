@@ -10,8 +10,7 @@
  * of root: at most to pass over the permissions of files, if packs or copies need that and Landlock keeps it
  * to them. A reload works within this; a pack that lies elsewhere by then is refused. A kernel that has only
  * a part of it gives that part. It cannot be undone. */
-#ifndef SRV_SANDBOX_H
-#define SRV_SANDBOX_H
+#pragma once
 
 #include <stdbool.h>
 #include <sys/types.h>
@@ -40,5 +39,3 @@ struct srv_sandbox {
 /* Strings and lists of the sources must live as long as the process. Logs what this system does not have;
  * `required`: returns ECO_UNSUPPORTED instead. */
 enum eco_code srv_sandbox_enter(const struct srv_sandbox *sandbox, struct eco_error *error);
-
-#endif

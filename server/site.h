@@ -1,8 +1,7 @@
 /* The viewer's files (make web), read whole at start, so that no request reaches a file system. Each has its
  * compressed forms NAME.gz and NAME.br beside it. The file `version` names the content of all of them: the
  * page's addresses have it (/viewer/VERSION/NAME), so that browsers keep files for good. */
-#ifndef SRV_SITE_H
-#define SRV_SITE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -45,5 +44,3 @@ const struct srv_site_file *srv_site_find(const struct srv_site *site, const cha
 
 /* The form that takes least bytes of those that an Accept-Encoding header (NULL: none) takes. */
 enum srv_form srv_site_form(const struct srv_site_file *file, const char *accept_encoding);
-
-#endif

@@ -18,8 +18,7 @@
  * A request holds the edition that it found when it came; later ones find the next. Editions share the scenes
  * whose files have not changed: each counts as a holder. Scenes that only the edition before had are kept for
  * a stated time, so that a client that was just told of a chunk still gets it. */
-#ifndef SRV_STORE_H
-#define SRV_STORE_H
+#pragma once
 
 #include <jansson.h>
 #include <pthread.h>
@@ -150,5 +149,3 @@ bool srv_sources_name(const struct srv_sources *sources, const char *scene);
  * be are an error, too. Without any scene it fails as the first of its packs did. */
 enum eco_code srv_sources_load(const struct srv_sources *sources, const struct srv_store *before,
 	struct srv_store *store, struct srv_reload *report, struct eco_error *error);
-
-#endif

@@ -26,8 +26,7 @@
  * count their bytes as if they were carried.
  *
  * The same input gives the same bytes: no clock, no history, nothing shared. */
-#ifndef SRV_STREAM_H
-#define SRV_STREAM_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -139,5 +138,3 @@ uint64_t srv_work_left(const struct srv_stream *stream);         /* of the answe
 uint64_t srv_typical_find(struct srv_scene *scene, const atomic_bool *cancelled);
 /* Finds that of all scenes of a store. */
 bool srv_typical_find_all(const struct srv_store *store, const atomic_bool *cancelled);
-
-#endif

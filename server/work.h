@@ -6,8 +6,7 @@
  * Three of four jobs that are begun are of the address that holds least. The fourth is the next in turn: each
  * further job of an address is a turn later than the one before it (start-time fair queueing, Goyal and
  * others 1996, jobs of equal cost), so no address starves. */
-#ifndef SRV_WORK_H
-#define SRV_WORK_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -41,5 +40,3 @@ bool srv_work_has_room(struct srv_work *work);
 void srv_work_stop(struct srv_work *work);
 /* stops it where that has not been done; NULL is fine */
 void srv_work_free(struct srv_work *work);
-
-#endif

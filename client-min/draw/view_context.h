@@ -1,7 +1,6 @@
 /* An OpenGL context without a window, a display server or a surface: by view_egl.c EGL on a device, or Mesa's
  * surfaceless platform; in a browser, by web/web_context.c, the page's own. */
-#ifndef VIEW_CONTEXT_H
-#define VIEW_CONTEXT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -20,5 +19,3 @@ struct view_context {
 enum eco_code view_context_open(struct view_context *context, struct eco_error *error);
 void view_context_use(const struct view_context *context);    /* makes it current on this thread */
 void view_context_close(struct view_context *context);
-
-#endif

@@ -9,8 +9,7 @@
  * One pass writes what view_light.h needs; the mask is "owner is not 0", so it cannot depend on shading. No
  * multisampling, depth is near / distance (reversed, infinite far plane), formulas are those of
  * lod/raster/raster.h. One thread. */
-#ifndef VIEW_GL_H
-#define VIEW_GL_H
+#pragma once
 
 #include "client-min/draw/view_light.h"
 #include "client-min/draw/view_picture.h"
@@ -74,5 +73,3 @@ struct view_gl_map {
 	uint32_t size;
 };
 enum eco_code view_gl_cast(struct view_gl *gl, const struct view_gl_map *map, struct eco_error *error);
-
-#endif

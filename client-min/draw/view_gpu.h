@@ -3,8 +3,7 @@
  *
  * Texels that are read by number lie row by row in a 2D texture as wide as a power of two: WebGL has no
  * buffer textures. Texel i is at (i & (width - 1), i >> shift). */
-#ifndef VIEW_GPU_H
-#define VIEW_GPU_H
+#pragma once
 
 #include "client-min/view_select.h"
 
@@ -66,5 +65,3 @@ enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stre
 double view_extent_ellipses(const struct lod_eye *eye, const struct view_selection *selection,
 	const struct view_gpu_list *g, const struct view_list *list, const struct eco_cut *cut,
 	const uint32_t *members, uint32_t count);
-
-#endif

@@ -12,8 +12,7 @@
  *
  * Only +, -, *, / and square roots of floats in a fixed order: the same pixels give the same bytes
  * everywhere. */
-#ifndef VIEW_LIGHT_H
-#define VIEW_LIGHT_H
+#pragma once
 
 #include <signal.h>
 
@@ -106,5 +105,3 @@ void view_shade_free(struct view_shade *shade);
 /* Metres after which haze hides all but 1/e, where it is `sea_m` at z = 0: air thins with height, so from far
  * above all of it is looked through within the last kilometres. */
 double view_shade_haze_m(double sea_m, double eye_z);
-
-#endif

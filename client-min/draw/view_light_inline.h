@@ -1,6 +1,5 @@
 /* view_light.glsl as C, for view_light.c and its test. */
-#ifndef VIEW_LIGHT_INLINE_H
-#define VIEW_LIGHT_INLINE_H
+#pragma once
 
 #include "client-min/draw/view_light.h"
 #include "ecofiles/format/ground_tile.h"
@@ -31,5 +30,3 @@ static inline float noise_at(ground_place at, int which, int finer)
 	j -= p[1] < (double)j;
 	return noise_in((uint32_t)i, (uint32_t)j, (float)(p[0] - (double)i), (float)(p[1] - (double)j));
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* The geometry of a cut in memory, for drawing in software: made once, shared by all plants that draw it; and
  * how a primitive of it looks at a pixel where it is nearest. */
-#ifndef VIEW_MESH_H
-#define VIEW_MESH_H
+#pragma once
 
 #include "client-min/view_select.h"
 #include "lod/geometry.h"
@@ -36,5 +35,3 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 	uint8_t rgb[3], uint32_t *surface);
 /* Gives its own colour an instance's tint (lod/tint.h), which wood does not take. */
 void view_mesh_tint(const struct view_mesh *mesh, uint32_t primitive, uint32_t tint, uint8_t rgb[3]);
-
-#endif

@@ -1,7 +1,6 @@
 /* A drawn frame in memory, by any renderer: colours, the mask of covered pixels, whose they are, and what
  * light needs to know of them (view_light.h). Row 0 is the top. */
-#ifndef VIEW_PICTURE_H
-#define VIEW_PICTURE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -55,5 +54,3 @@ uint32_t view_thread_count(uint32_t wanted);
 /* work(ctx, n) for each n below `count` (a view_thread_count), each on a thread of its own, 0 on the
  * caller's. The caller also does the shares whose threads the system refuses. Returns when all are done. */
 void view_threads_run(uint32_t count, void (*work)(void *ctx, uint32_t number), void *ctx);
-
-#endif

@@ -1,6 +1,5 @@
 /* The programs that draw, each compiled when something first needs it. */
-#ifndef VIEW_SHADER_H
-#define VIEW_SHADER_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -42,5 +41,3 @@ struct view_shader_text {
 };
 /* 0, with *error: the driver refuses it. */
 unsigned view_shader_link(const struct view_shader_text *text, const char *what, struct eco_error *error);
-
-#endif

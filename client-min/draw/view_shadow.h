@@ -27,8 +27,7 @@
  * casts no shadow. Where a map lies and how it is looked up is one text for C and GLSL (view_shadow.glsl).
  * Casters are drawn in software (view_shadow_cast.c), so that it is the same for every engine of ecoview; in
  * a browser, where no pixel is read, by OpenGL (view_gl_cast). */
-#ifndef VIEW_SHADOW_H
-#define VIEW_SHADOW_H
+#pragma once
 
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
@@ -80,5 +79,3 @@ double view_shadow_sharpness(const struct view_shadow *shadow, const struct view
  * triangles, with what their textures cut out, lines, points, splats and impostors. */
 enum eco_code view_shadow_cast(struct view_shadow *shadow, const struct view_shadow_job *job,
 	struct eco_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* From the rooms' codes and errors to those of ecostream.h, which are the same ones under public names. */
-#ifndef ECOSTREAM_STATUS_H
-#define ECOSTREAM_STATUS_H
+#pragma once
 
 #include "client-min/library/ecostream.h"
 #include "ecofiles/base/status.h"
@@ -11,5 +10,3 @@ enum ecostream_code library_done(struct ecostream_error *error, enum eco_code co
 	const struct eco_error *own);
 
 struct eco_view library_view_of(const struct ecostream_request *request);
-
-#endif

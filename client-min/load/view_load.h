@@ -7,8 +7,7 @@
  * Clients that only count what they get share one thread; those that decode it share one a processor, so that
  * decoding delays no one else's answers. A client (view_session.c) asks one thing at a time. Lack of memory
  * ends the program (memory.h), except while a stream is read. */
-#ifndef VIEW_LOAD_H
-#define VIEW_LOAD_H
+#pragma once
 
 #include <curl/curl.h>
 #include <jansson.h>
@@ -178,5 +177,3 @@ double view_session_wakes_ms(const struct view_session *session);
 void view_session_wake(struct view_session *session);
 /* Whatever is due and has not come never will. */
 void view_session_give_up(struct view_session *session);
-
-#endif

@@ -1,6 +1,5 @@
 /* Arrays that grow, and texts each kept once. */
-#ifndef ECO_ARRAY_GROW_H
-#define ECO_ARRAY_GROW_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,5 +33,3 @@ struct eco_string_pool {
 /* The number of a text, which is copied where it is new. False: no memory. */
 bool eco_string_pool_add(struct eco_string_pool *texts, const char *text, uint32_t *number);
 void eco_string_pool_free(struct eco_string_pool *texts); /* leaves a zeroed one, which may be freed, too */
-
-#endif

@@ -1,8 +1,7 @@
 /* Little-endian reading and writing, byte by byte, with bounds. A reader that runs out sets `failed` and
  * returns zeros from then on: check it once at the end. A writer grows its buffer; `failed` means out of
  * memory. */
-#ifndef ECO_BYTES_H
-#define ECO_BYTES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -33,5 +32,3 @@ void eco_write_bytes(struct eco_writer *w, const void *bytes, size_t count);
 /* Text, printf-like, without an ending 0: cut to 511 bytes. */
 void eco_write_format(struct eco_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void eco_writer_free(struct eco_writer *w);
-
-#endif

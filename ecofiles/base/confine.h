@@ -8,8 +8,7 @@
  * By Landlock, for the calling thread and for the threads and children that it starts afterwards: call it
  * before any. It cannot be undone. Once a program is confined, children of guard.h may not even read what
  * is writable, and refuse to run without their filter. */
-#ifndef ECO_CONFINE_H
-#define ECO_CONFINE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -37,5 +36,3 @@ bool eco_confined_may_read(const char *path);
  * memory and start threads, but write no files, use no network and start no programs: these fail with EPERM.
  * Open files stay open. False where the kernel or a container allows no filters: then only the limits hold. */
 bool eco_guard_filter(void);
-
-#endif

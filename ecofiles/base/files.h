@@ -1,6 +1,5 @@
 /* Files that are written whole or not at all, and private copies. */
-#ifndef ECO_FILES_H
-#define ECO_FILES_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -55,5 +54,3 @@ int eco_file_nameless(const char *folder);
  * no such folder; the text says which. ECO_INTERRUPTED: *cancelled was set; NULL: it never is. */
 enum eco_code eco_private_copy(int *copy, int file, const char *name, const char *folder,
 	const atomic_bool *cancelled, struct eco_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Polygons to triangles, and clusters of points. */
-#ifndef ECO_GEOMETRY_H
-#define ECO_GEOMETRY_H
+#pragma once
 
 #include <stdint.h>
 
@@ -23,5 +22,3 @@ struct eco_cluster { double middle[2]; uint32_t count; };  /* the mean of a squa
 uint32_t eco_clusters_find(double (*points)[2], uint32_t count, double side, struct eco_cluster *out);
 /* The cluster nearest to `at` among those at least half as large as the largest; NULL: there are none. */
 const struct eco_cluster *eco_cluster_near(const struct eco_cluster *crowds, uint32_t count, const double at[2]);
-
-#endif

@@ -5,8 +5,7 @@
  * descriptors but standard error's, and where the kernel allows (confine.h) it cannot open a file for
  * writing, a socket or a program. It may read whatever the user may read, as models name textures
  * anywhere, unless the program is confined (confine.h). Trust its result as little as the file. */
-#ifndef ECO_GUARD_H
-#define ECO_GUARD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -72,5 +71,3 @@ void eco_guard_no_memory(void);
 /* Ends all children that run now, within a tenth of a second; their parents' calls return ECO_INTERRUPTED.
  * Async-signal-safe, for signal handlers. */
 void eco_guard_interrupt(void);
-
-#endif

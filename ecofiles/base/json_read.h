@@ -10,8 +10,7 @@
  *
  * Functions that return bool return false after an error; an absent optional field leaves *out alone and
  * is true. Texts returned live as long as the root. */
-#ifndef ECO_JSON_READ_H
-#define ECO_JSON_READ_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -86,5 +85,3 @@ bool eco_json_is_text(const struct eco_json *at, size_t bytes_max);
 void eco_json_watch(void);
 /* Has jansson lacked memory in this thread? */
 bool eco_json_lost(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* Memory, or the end of the program; work that stops at the first failure. For programs that run once, and for their
  * rooms: the daemon, the library and what reads a server's answers return errors instead (array_grow.h). */
-#ifndef ECO_MEMORY_H
-#define ECO_MEMORY_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -33,5 +32,3 @@ void eco_grow(void *array, uint32_t *capacity, uint32_t count, size_t size);
 
 /* The number of a text in a pool, which has it from then on. */
 uint32_t eco_string_number(struct eco_string_pool *texts, const char *text);
-
-#endif

@@ -12,8 +12,7 @@
  * as seen from the executable (../lib/ecostream). It is linked with the parts of ecofiles that it needs and
  * sees nothing of the executable. The tables are plain C; each module defines its own under the name in the
  * comment. */
-#ifndef ECO_MODULE_H
-#define ECO_MODULE_H
+#pragma once
 
 #include <limits.h>
 #include <stdbool.h>
@@ -170,5 +169,3 @@ struct eco_proj_module {                 /* eco_proj_module */
  * "", or "/" and what follows; the last one is followed by NULL. False where it is in none, or /proc is not
  * there. */
 bool eco_data_path(const char *const *places, const char *file, char path[PATH_MAX]);
-
-#endif

@@ -16,8 +16,7 @@
  *
  * Read as --name VALUE, --name=VALUE, -l VALUE, -lVALUE. Options may stand anywhere; after -- there are none.
  * The last one given holds. */
-#ifndef ECO_OPTIONS_H
-#define ECO_OPTIONS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -107,5 +106,3 @@ int eco_command_end(const struct eco_command *command, enum eco_code code, const
 /* Prints `text` in lines of at most ECO_HELP_COLUMNS, the first from column `at` on, which is where the
  * cursor is, the others from column `indent` on; a newline in it is one. Ends with a newline. */
 void eco_help_wrap(FILE *out, const char *text, unsigned at, unsigned indent);
-
-#endif

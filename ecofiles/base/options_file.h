@@ -10,8 +10,7 @@
  *
  * All become arguments in front of those that the program was started with, the file's before the
  * environment's, so that what is said later holds. */
-#ifndef ECO_OPTIONS_FILE_H
-#define ECO_OPTIONS_FILE_H
+#pragma once
 
 #include "ecofiles/base/options.h"
 
@@ -33,5 +32,3 @@ enum eco_code eco_settings_read(const struct eco_command *command, const struct 
  * for the message. */
 enum eco_code eco_open_regular(FILE **file, const char *path, const char *what, struct eco_error *error);
 void eco_arguments_free(struct eco_arguments *arguments);
-
-#endif

@@ -5,8 +5,7 @@
  *   eco_progress("reading models", path, 0.3);
  *   eco_progress_note("%s: 3 rows are left out", path);     a line for people, which does not spoil the bar
  *   eco_progress_end();                             before other output: removes the bar */
-#ifndef ECO_PROGRESS_H
-#define ECO_PROGRESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <time.h>
@@ -21,5 +20,3 @@ void eco_progress_note(const char *format, ...) __attribute__((format(printf, 1,
 
 /* Seconds of a clock of <time.h>. */
 double eco_clock_s(clockid_t clock);
-
-#endif

@@ -1,7 +1,6 @@
 /* Random numbers that are the same on every machine: SplitMix64 (Steele, Lea, Flood 2014), a counter of
  * full period and a good mixer, in integers only. */
-#ifndef ECO_RANDOM_H
-#define ECO_RANDOM_H
+#pragma once
 
 #include <stdint.h>
 
@@ -46,5 +45,3 @@ static inline uint16_t eco_random_angle16(uint64_t seed, uint64_t number)
 {
 	return (uint16_t)eco_random(seed, number);
 }
-
-#endif

@@ -9,8 +9,7 @@
  * It needs no tables: a model starts even and learns by counting (Krichevsky and Trofimov 1981). So even
  * chunks of a few dozen elements get smaller, where tables of symbols would cost more than they save.
  * Reading beyond the end gives zeros; whatever the bytes say, every value stays within its bits. */
-#ifndef ECO_RANGE_H
-#define ECO_RANGE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -87,5 +86,3 @@ struct eco_scale { struct eco_bit sign; uint16_t level, seen; };
 void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count);
 /* Any number of magnitude < 2^31. */
 int32_t eco_range_near(struct eco_range *range, struct eco_near *near, struct eco_scale *kind, int32_t value);
-
-#endif

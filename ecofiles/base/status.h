@@ -3,8 +3,7 @@
  * Every fallible function returns an eco_code and takes a struct eco_error (may be NULL). The first
  * failure writes the text; later ones on the way out do not overwrite it. A bug is an assert (kept in
  * release); bad input is a status. */
-#ifndef ECO_STATUS_H
-#define ECO_STATUS_H
+#pragma once
 
 #include <stdint.h>
 
@@ -51,5 +50,3 @@ const char *eco_code_name(enum eco_code code);
 
 /* Exit status of a program that ends with `code`: 0, 1 or 2 (usage). */
 int eco_exit_status(enum eco_code code);
-
-#endif

@@ -1,6 +1,5 @@
 /* Texts: UTF-8, parts of messages, cells of tables. */
-#ifndef ECO_TEXT_H
-#define ECO_TEXT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -52,5 +51,3 @@ const char *eco_path_last(const char *path);
  * would run a text that begins as a formula does (=, +, -, @, a tab or the end of a line), so an apostrophe
  * comes before it. Numbers are written by other means: -1 is one. */
 void eco_csv_write_text(FILE *out, const char *text);
-
-#endif

@@ -1,7 +1,6 @@
 /* Union-find over numbers: parent[i] = i at first. The smaller root wins, so that a set is named by its
  * first member whatever the order of joining. */
-#ifndef ECO_UNION_H
-#define ECO_UNION_H
+#pragma once
 
 #include <stdint.h>
 
@@ -18,5 +17,3 @@ static inline void eco_union_join(uint32_t *parent, uint32_t a, uint32_t b)
 	b = eco_union_root(parent, b);
 	parent[a < b ? b : a] = a < b ? a : b;
 }
-
-#endif

@@ -14,8 +14,7 @@
  *
  * The time of an entry's last use is the file's modification time. All functions but open and close may be
  * called by any thread. */
-#ifndef ECO_MAIN_CACHE_H
-#define ECO_MAIN_CACHE_H
+#pragma once
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -61,5 +60,3 @@ bool main_cache_key(struct main_cache_key *key, const struct eco_model *model, c
 bool main_cache_get_plant(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model,
 	const char *name, struct lod_plant *plant);
 void main_cache_put_plant(struct main_cache *cache, const struct main_cache_key *key, const struct lod_plant *plant);
-
-#endif

@@ -2,8 +2,7 @@
  * and plants, and shapes and texts on a canvas of cairo (cairo_land.c).
  *
  * Texts are the same everywhere: DejaVu Sans, without hinting, smoothed in gray. */
-#ifndef ECO_CAIRO_MAP_H
-#define ECO_CAIRO_MAP_H
+#pragma once
 
 #include <cairo/cairo.h>
 
@@ -70,5 +69,3 @@ struct ticks ticks_between(double low, double high, uint32_t most);
 void land_ground(struct map *m, cairo_t *canvas);          /* hillshade, and the image on it */
 void land_plants(struct map *m, cairo_t *canvas);                /* dots or density; areas, outlines */
 double land_radius(const struct map *m, double height_m);        /* pixels; height 0: not known */
-
-#endif

@@ -1,7 +1,6 @@
 /* The commands of ecopack. Each states its usage and its options; the longer ones have files of their own,
  * NAME_command.c and the like. */
-#ifndef ECO_MAIN_COMMAND_H
-#define ECO_MAIN_COMMAND_H
+#pragma once
 
 #include "ecofiles/base/options.h"
 
@@ -21,5 +20,3 @@ extern const struct eco_option main_common[];        /* --quiet, of all commands
 enum eco_code main_read(const struct main_command *command, int argc, char **argv, struct eco_error *error);
 
 extern bool main_is_quiet;
-
-#endif

@@ -1,8 +1,7 @@
 /* Foliage in colors that no leaf has. Leaves reflect 5 to 15 % of visible light, and let half as much through;
  * light takes a model's color for both (client-min/draw/view_light.glsl). Models for pictures of single plants
  * are often pastel, or of twice or four times that light, and then glare beside others. */
-#ifndef ECO_GRADE_H
-#define ECO_GRADE_H
+#pragma once
 
 #include "ecofiles/format/model.h"
 
@@ -15,5 +14,3 @@ uint8_t *grade_organs(const struct eco_model *model);
 double grade_light(const struct eco_model *model, const uint8_t *organ);
 /* Darkens materials and images that are mostly on foliage, if that is brighter than GRADE_MOST. */
 void grade_foliage(struct eco_model *model);
-
-#endif

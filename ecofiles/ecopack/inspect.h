@@ -1,6 +1,5 @@
 /* Looking into packs and models: `ecopack info`, `ecopack verify` and the text of `ecopack model`. */
-#ifndef ECO_MAIN_INSPECT_H
-#define ECO_MAIN_INSPECT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -28,5 +27,3 @@ void inspect_lines(FILE *out, const json_t *facts, const char *keys);
  * records, no table. */
 #define INSPECT_ROWS 40u
 void inspect_table(FILE *out, const char *title, const json_t *records, const char *keys);
-
-#endif

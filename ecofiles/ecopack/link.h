@@ -1,7 +1,6 @@
 /* `ecopack link`: packs that were built apart become one. Stored lists are copied; only the tiles above
  * them are made. */
-#ifndef ECO_MAIN_LINK_H
-#define ECO_MAIN_LINK_H
+#pragma once
 
 #include <jansson.h>
 
@@ -59,5 +58,3 @@ void link_plants(struct link *l, struct link_part *part);
 struct eco_list link_list(const struct link_part *part, uint32_t list);
 /* Copies a part's list without decoding it; part->list_of has its number then. */
 void link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record);
-
-#endif

@@ -14,8 +14,7 @@
  *   commit      tables, META, rename                                                         make_inventory.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */
-#ifndef ECO_MAIN_MAKE_H
-#define ECO_MAIN_MAKE_H
+#pragma once
 
 #include <jansson.h>
 
@@ -270,5 +269,3 @@ uint32_t make_share_texture(struct make *m, const struct make_texture *texture);
 
 /* Packs the textures of all plants, and sets their `images`. */
 void make_textures(struct make *m);
-
-#endif

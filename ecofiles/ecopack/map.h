@@ -5,8 +5,7 @@
  *     eco_cairo_module->map_png   the picture                                                  cairo_map.h
  *   write_table(...)             or, in place of a picture, all plants as points for a GIS
  *   map_free(&map) */
-#ifndef ECO_MAIN_MAP_H
-#define ECO_MAIN_MAP_H
+#pragma once
 
 #include <math.h>
 #include <stdio.h>
@@ -110,5 +109,3 @@ static inline const char *map_range_text(const struct map_kind *kind, char text[
 /* A place in metres to pixels. */
 static inline double map_x(const struct map *m, double x) { return m->x + (x - m->view.low[0]) * m->scale; }
 static inline double map_y(const struct map *m, double y) { return m->y + (m->view.high[1] - y) * m->scale; }
-
-#endif

@@ -1,6 +1,5 @@
 /* Long runs: progress, time by stage, and work in threads. */
-#ifndef ECO_MAIN_RUN_H
-#define ECO_MAIN_RUN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -91,5 +90,3 @@ struct main_jobs {
 
 /* Returns the error of the lowest piece that failed; the pieces before it were taken. */
 enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *error);
-
-#endif

@@ -10,8 +10,7 @@
  * one more, the ring, which is not drawn: with it the normals at the border are the same in both tiles.
  * Samples are those of the full grid, neither averaged nor moved, so tiles of any two levels agree
  * wherever both have a sample. */
-#ifndef ECO_GROUND_TILE_H
-#define ECO_GROUND_TILE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -76,5 +75,3 @@ static inline double eco_ground_image_texel_m(const struct eco_list *list, uint3
 {
 	return list->grid_step[0] * (1u << (ECO_GROUND_IMAGE_LEVELS - levels));
 }
-
-#endif

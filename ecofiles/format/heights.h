@@ -5,8 +5,7 @@
  * no raster: from one to the next the step doubles, so that a few dozen reach the horizon (eco_ground_place).
  * A cell between four samples is two triangles along the diagonal from its south-west to its
  * north-east corner. Pictures and plants use the same triangles, so that nothing floats. */
-#ifndef ECO_HEIGHTS_H
-#define ECO_HEIGHTS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -34,5 +33,3 @@ uint32_t eco_ground_sample_at(int32_t place, uint32_t count, uint32_t margin);
  * triangles, beyond them the height of their nearest point. */
 bool eco_ground_height(const struct eco_ground *ground, double x, double y, double *z);
 void eco_ground_free(struct eco_ground *ground);
-
-#endif

@@ -4,8 +4,7 @@
  * refuses, in a module (module.h) that is loaded for the first such picture: linking it would cost every
  * program 200 ms and 131 MB at start. Without the module these calls fail with ECO_NOT_FOUND. All functions
  * are thread-safe. */
-#ifndef ECO_IMAGE_H
-#define ECO_IMAGE_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -48,5 +47,3 @@ enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, s
  * anywhere, or has more than ECO_PIXELS_MAX pixels. A file that lacks only the mark of its end is
  * whole, and so is a progressive one without its last scans. */
 bool eco_jpeg_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes, bool *cut_off);
-
-#endif

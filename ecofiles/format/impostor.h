@@ -31,8 +31,7 @@
  *
  * A texel is coded by its neighbours in the same tile and by how the two nearest tiles before it show the
  * point where it lies; depths and colours as differences to what their neighbours predict. */
-#ifndef ECO_IMPOSTOR_H
-#define ECO_IMPOSTOR_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -128,5 +127,3 @@ static inline float eco_impostor_depth(uint8_t code, uint32_t depth_codes)
 	return 2 * (float)code / (float)(depth_codes - 1) - 1;
 }
 static inline uint8_t eco_impostor_color(uint8_t code) { return (uint8_t)((code * 255u + 15) / 31); }
-
-#endif

@@ -20,8 +20,7 @@
  *
  * Cells are the row's values of the columns that META names, in their order; a pack has none unless somebody named
  * columns (`ecopack make --columns`). */
-#ifndef ECO_INVENTORY_H
-#define ECO_INVENTORY_H
+#pragma once
 
 #include "ecofiles/format/pack.h"
 
@@ -68,5 +67,3 @@ const char *eco_inventory_species(const struct eco_inventory_row *row, const cha
 
 /* The list, or NULL. */
 const struct eco_list *eco_inventory_list(const struct eco_scene *scene);
-
-#endif

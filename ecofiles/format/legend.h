@@ -1,6 +1,5 @@
 /* Classes of tints by the legend in a pack's META: [{"column", "classes": [{"name", "color", "plants"}]}]. */
-#ifndef ECO_LEGEND_H
-#define ECO_LEGEND_H
+#pragma once
 
 #include <jansson.h>
 
@@ -11,5 +10,3 @@
 const char *eco_legend_class(const json_t *meta, const struct eco_scene *scene, uint32_t list, uint64_t place);
 /* Its colour; NULL: none, or its own. */
 const uint8_t *eco_legend_color(const struct eco_scene *scene, uint32_t list, uint64_t place);
-
-#endif

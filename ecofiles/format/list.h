@@ -10,8 +10,7 @@
  *             primitive drawn; instances multiply)
  *
  * Ranges [first, end) are in primitives of the list's draw order (after decoding and permuting). */
-#ifndef ECO_LIST_H
-#define ECO_LIST_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -204,5 +203,3 @@ float eco_few_bits(float v);
 #define ECO_LEVEL_USUAL 0.27
 uint8_t eco_level_code(double mean_square);
 double eco_level_share(uint8_t code);
-
-#endif

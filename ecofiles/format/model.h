@@ -3,8 +3,7 @@
  *   eco_model_import(&model, &options, &error);     file(s) -> soup (ecofiles/import/model/model_import.h)
  *   lod_plant_build(&plant, &model, ...);           soup -> lists in priority order (lod/build/plant.h)
  *   eco_model_free(&model); */
-#ifndef ECO_MODEL_H
-#define ECO_MODEL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -95,5 +94,3 @@ void eco_model_free(struct eco_model *model);
 
 /* Greatest z of the model: its height above the ground. */
 double eco_model_height(const struct eco_model *model);
-
-#endif

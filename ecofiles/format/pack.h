@@ -31,8 +31,7 @@
  * colour. In the chunk table, a payload either follows the payloads so far or lies within them (equal
  * payloads are stored once), so that every byte of CHUNK_DATA has a hash. Fields of a record are in the
  * order of the structs below; pack_record.c reads and writes each by name. */
-#ifndef ECO_PACK_H
-#define ECO_PACK_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -377,5 +376,3 @@ const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint3
 enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene,
 	const char *meta_json, struct eco_error *error);
 void eco_pack_abort(struct eco_pack_writer *writer);   /* removes the unfinished file; NULL is fine */
-
-#endif

@@ -1,6 +1,5 @@
 /* Sections and records of a pack: sizes, reading and writing. The file's frame is in pack.h. */
-#ifndef ECO_PACK_RECORD_H
-#define ECO_PACK_RECORD_H
+#pragma once
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/pack.h"
@@ -51,5 +50,3 @@ uint32_t eco_records_count(const struct eco_scene *scene, enum eco_section_kind 
 void eco_records_write(struct eco_writer *w, enum eco_section_kind kind, const struct eco_scene *scene);
 /* Puts a table of `count` records into the scene; returns it, malloc'ed, or NULL: no memory. */
 void *eco_records_read(struct eco_reader *r, enum eco_section_kind kind, uint32_t count, struct eco_scene *scene);
-
-#endif

@@ -18,8 +18,7 @@
  * area (lod/scattered.h). So few points look like leaves, not like balls, for no bytes.
  *
  * Vertices of a plan = sum over cuts of eco_cut_vertices * matching instances: exactly those drawn. */
-#ifndef ECO_PLAN_H
-#define ECO_PLAN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -145,5 +144,3 @@ uint64_t eco_owner_summary(uint32_t key, uint32_t plant);
 bool eco_owner_match(uint64_t a, uint64_t b);
 /* The low 16 bits of the species' id. */
 uint32_t eco_owner_plant(uint64_t owner);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * Axes may be swapped and reversed without changing an ellipsoid, so the writer takes the smallest of the
  * 24 turns: then the vector part is below 0.53, and its codes are fine and few. */
-#ifndef ECO_SPLAT_H
-#define ECO_SPLAT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -30,5 +29,3 @@ bool eco_splat_good(const int32_t code[ECO_SPLAT_CODES]);
 void eco_splat_read(struct eco_splat *splat, const int32_t code[ECO_SPLAT_CODES], float unit);
 /* The nearest codes of orthogonal half axes. Lengths out of range are clamped. */
 void eco_splat_write(int32_t code[ECO_SPLAT_CODES], const struct eco_splat *splat, float unit);
-
-#endif

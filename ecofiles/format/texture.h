@@ -16,8 +16,7 @@
  *
  * No chunk needs another to be decoded. Which level a plan draws, its cut of the list says: the last of the
  * cut's prefix. */
-#ifndef ECO_TEXTURE_H
-#define ECO_TEXTURE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -65,5 +64,3 @@ uint64_t eco_texture_texels(const uint8_t *bytes, size_t size, bool outline);
  * repeated. image->rgba is malloc'ed; its alpha is 0 or 255. */
 enum eco_code eco_texture_show(struct eco_image *image, const struct eco_texture_part *colors,
 	const struct eco_texture_part *outline, struct eco_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* A view and a request. World coordinates: metres from the scene's origin, right-handed, Z up, z absolute. */
-#ifndef ECO_VIEW_H
-#define ECO_VIEW_H
+#pragma once
 
 #include <stddef.h>
 #include <stdbool.h>
@@ -98,5 +97,3 @@ double eco_camera_key(const struct eco_camera *camera, uint32_t key, struct eco_
 void eco_camera_ahead(const struct eco_camera *camera, uint32_t frame, double seconds,
 	struct eco_request *request);
 void eco_camera_free(struct eco_camera *camera);
-
-#endif

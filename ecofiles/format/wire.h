@@ -50,8 +50,7 @@
  *     share; another one has placement 0
  *   row          v which fields differ from what is expected, the first one lowest; of each: z by how much,
  *                modulo 2^32 */
-#ifndef ECO_WIRE_H
-#define ECO_WIRE_H
+#pragma once
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/plan.h"
@@ -157,5 +156,3 @@ enum eco_code eco_wire_read_plan(struct eco_reader *r, struct eco_plan *plan, st
 void eco_wire_write_holdings(struct eco_writer *w, const struct eco_holdings *holdings);
 enum eco_code eco_wire_read_holdings(const uint8_t *bytes, size_t size, struct eco_holdings *holdings,
 	struct eco_error *error);
-
-#endif

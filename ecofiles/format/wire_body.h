@@ -11,8 +11,7 @@
  *
  * Without a pack the run is dry: it keeps no frame and looks at no payload. A payload that is sent is a reference into
  * the mapped pack, whose hash the caller has checked. */
-#ifndef ECO_WIRE_BODY_H
-#define ECO_WIRE_BODY_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -63,5 +62,3 @@ void eco_wire_body_end(struct eco_wire_body *body, uint64_t vertices);
 enum eco_code eco_wire_body_size(struct eco_wire_body *body, const struct eco_holdings *holdings,
 	const struct eco_plan *plan, const struct eco_holdings *needs, uint64_t *bytes, struct eco_error *error);
 void eco_wire_body_free(struct eco_wire_body *body);
-
-#endif

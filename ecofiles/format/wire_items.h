@@ -33,8 +33,7 @@
  *          other (signed), place of the lowest bit that is set less that of the other's (signed), and the
  *          bits between. So grids with few significant bits take few bits.
  * A field that is marked as different must differ, or is refused. */
-#ifndef ECO_WIRE_ITEMS_H
-#define ECO_WIRE_ITEMS_H
+#pragma once
 
 #include "ecofiles/base/range.h"
 #include "ecofiles/format/pack.h"
@@ -101,5 +100,3 @@ bool eco_wire_same_palette(struct eco_wire_items *items, const struct eco_list *
 /* Reading: how many bits there may still be; 0: more was read than there is. An item or a group takes at
  * least one of them, an anchor 4, a colour 24, so that what is read is in proportion to the bytes. */
 uint64_t eco_wire_items_bits(const struct eco_range *range);
-
-#endif

@@ -10,8 +10,7 @@
  *   eco_sources_free(&sources);
  *
  * Everything is checked when it is read: types, ranges, names, files, cycles. Errors say FILE:LINE:COLUMN. */
-#ifndef ECO_SCENE_H
-#define ECO_SCENE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -114,5 +113,3 @@ struct eco_frame eco_source_frame(const struct eco_source *source);
 bool eco_unit_metres(const char *name, double *metres);
 /* "x", "y" or "z". */
 bool eco_up_of(const char *name, enum eco_up *up);
-
-#endif

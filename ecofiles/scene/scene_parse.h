@@ -1,6 +1,5 @@
 /* Shared by the files of the scene reader. */
-#ifndef ECO_SCENE_PARSE_H
-#define ECO_SCENE_PARSE_H
+#pragma once
 
 #include "ecofiles/base/json_read.h"
 #include "ecofiles/scene/scene.h"
@@ -103,5 +102,3 @@ void eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filt
 void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec);
 void eco_positions_spec_free(struct eco_positions_spec *spec);
-
-#endif

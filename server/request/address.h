@@ -3,8 +3,7 @@
  *
  * A proxy that is trusted speaks for others: the last address of X-Forwarded-For that is no trusted proxy's
  * is the client. Of anyone else the header is not looked at. */
-#ifndef SRV_ADDRESS_H
-#define SRV_ADDRESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -37,5 +36,3 @@ bool srv_networks_contain(const struct srv_networks *networks, const struct srv_
  * between them; or NULL. */
 struct srv_address srv_networks_client(const struct srv_networks *trusted, const struct srv_address *peer,
 	const char *forwarded);
-
-#endif

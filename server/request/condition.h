@@ -1,7 +1,6 @@
 /* Conditional and partial requests for immutable bytes (RFC 9110, sections 13 and 14). The HTTP library has
  * no part in it. */
-#ifndef SRV_CONDITION_H
-#define SRV_CONDITION_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -41,5 +40,3 @@ struct srv_range srv_range_parse(const char *value, uint64_t size);
 bool srv_etag_match(const char *value, const char *etag);
 /* Is it "*": whatever there is? */
 bool srv_etag_any(const char *value);
-
-#endif

@@ -13,8 +13,7 @@
  *   struct srv_framing framing = { 0 };
  *   passed = srv_framing_scan(&framing, bytes, size);        as bytes come, of one request after the other
  *   if (passed < size) refuse: framing.problem, framing.detail; the connection is of no more use */
-#ifndef SRV_FRAMING_H
-#define SRV_FRAMING_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -76,5 +75,3 @@ void srv_gate_close(struct srv_gate *gate);
 uint64_t srv_gate_refused(void);          /* answers of srv_gate_answer so far */
 /* Writes the problem document, without a body for HEAD, and tries to send it at once. */
 void srv_gate_answer(int fd, enum srv_problem problem, const char *detail, bool is_head);
-
-#endif

@@ -7,8 +7,7 @@
  * A writer of our own, because counts go up to 2^64 and plans have ten thousands of cuts, which a tree of
  * objects would hold twice. Nothing more is written once json.out.failed is set: without memory, beyond
  * `most`, or when it is cancelled. Long loops end then; srv_json_end says why. */
-#ifndef SRV_JSON_H
-#define SRV_JSON_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -83,5 +82,3 @@ enum srv_problem srv_problem_of(enum eco_code code);
  * out). */
 void srv_problem_write(struct srv_json *json, enum srv_problem problem, const char *detail,
 	const char *instance);
-
-#endif

@@ -4,8 +4,7 @@
  * Unknown parameters are refused, so that a misspelt budget is an error and not an unbounded answer. `pack`
  * is the id of the pack that the holdings of the request refer to: if the scene has been rebuilt since, the
  * server says so instead of mixing two packs. */
-#ifndef SRV_QUERY_H
-#define SRV_QUERY_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -50,5 +49,3 @@ bool srv_parse_count(const char *text, uint64_t *value);     /* digits, whole te
 
 /* 32 lower-case hex digits (upper case is refused: one chunk, one URL). */
 bool srv_parse_id(const char *text, struct eco_chunk_id *id);
-
-#endif

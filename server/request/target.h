@@ -3,8 +3,7 @@
  * [A-Za-z0-9_-][A-Za-z0-9._-]*, without percent-encoding. Parameters are name=value with a name of [a-z_]+; a
  * value is printable ASCII after percent-decoding ("%2C" is what browsers make of a comma). No parameter may
  * be empty or occur twice. */
-#ifndef SRV_TARGET_H
-#define SRV_TARGET_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -79,5 +78,3 @@ enum srv_method srv_method_of(const char *name);
 /* The route of a path, or NULL; variables[i] is the i-th variable's text, in the pattern's order (at most 2).
  */
 const struct srv_route *srv_route_find(const struct srv_target *target, const char *variables[2]);
-
-#endif

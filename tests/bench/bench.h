@@ -6,8 +6,7 @@
  *
  * A unit is kept under a stamp: this program, and the section's own (packs, number of views). A change of
  * these makes the unit anew. */
-#ifndef TESTS_BENCH_H
-#define TESTS_BENCH_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -197,5 +196,3 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
  * report's folder, with words under each (ASCII). Only of a client that sees. */
 void bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
 	const struct view_picture *picture, const char *const words[3]);
-
-#endif

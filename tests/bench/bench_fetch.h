@@ -1,7 +1,6 @@
 /* One answer from a server's half to a viewer's half, in this process, byte by byte as it would travel: plan,
  * stream, decode. */
-#ifndef TESTS_BENCH_FETCH_H
-#define TESTS_BENCH_FETCH_H
+#pragma once
 
 #include "client-min/view_reference.h"
 #include "client-min/view_store.h"
@@ -29,5 +28,3 @@ double bench_near_m(const struct view_store *store);
 struct bench_drawing { struct view_selection selection; struct lod_eye eye; struct view_draw_job job; };
 enum eco_code bench_draw(struct bench_drawing *drawing, const struct view_store *store, const struct eco_view
 	*view, const struct view_sky *sky, struct view_picture *picture, struct eco_error *error);
-
-#endif

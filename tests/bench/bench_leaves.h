@@ -4,8 +4,7 @@
  *       calls study(ctx, leaves):
  *           bench_leaves_look(leaves, &sights, 12, seed);
  *           bench_leaves_compare(leaves, &sights, view, &drawing, &sum); */
-#ifndef TESTS_BENCH_LEAVES_H
-#define TESTS_BENCH_LEAVES_H
+#pragma once
 
 #include "lod/build/foliage.h"
 #include "lod/build/order/order.h"
@@ -89,5 +88,3 @@ struct bench_walk {
 };
 /* NULL after the last; the report names those that the quick bench leaves out. */
 const struct bench_model *bench_walk(struct bench_walk *walk);
-
-#endif

@@ -1,7 +1,6 @@
 /* Frames of a scene by a method: what sections on whole pictures have in common, so that none is drawn twice.
  */
-#ifndef TESTS_BENCH_SHOTS_H
-#define TESTS_BENCH_SHOTS_H
+#pragma once
 
 #include "tests/bench/bench.h"
 
@@ -61,5 +60,3 @@ struct bench_shoot {
 };
 /* An array of rows as bench_shot_row makes them, null where no answer has so few bytes; borrowed. */
 json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot);
-
-#endif

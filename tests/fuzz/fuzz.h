@@ -1,6 +1,5 @@
 /* Fuzz targets, each with a folder of seeds: tests/fuzz/corpus/NAME. A violation ends the program. */
-#ifndef TESTS_FUZZ_H
-#define TESTS_FUZZ_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -10,5 +9,3 @@
 
 #define FUZZ_DECLARE(name) void fuzz_##name(const uint8_t *bytes, size_t size);
 FUZZ_TARGETS(FUZZ_DECLARE)
-
-#endif

@@ -4,8 +4,7 @@
  *   struct row { const char *text, *wanted; };           texts only, one for each column
  *   uint32_t count;
  *   const struct row *rows = cases_read("tests/base/cases/text.tsv", sizeof *rows, &count); */
-#ifndef TESTS_CASES_H
-#define TESTS_CASES_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -18,5 +17,3 @@ size_t cases_size(const char *const *field);
 double cases_number(const char *text);
 /* The index of a text among names, which end with NULL. */
 int cases_choice(const char *text, const char *const *names);
-
-#endif

@@ -1,7 +1,6 @@
 /* Random elements of every kind of list, for every coder, and how what was decoded is compared with what went
  * in. */
-#ifndef TESTS_CHUNK_KINDS_H
-#define TESTS_CHUNK_KINDS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdlib.h>
@@ -35,5 +34,3 @@ enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, 
 void assert_same_elements(const struct kind *k, const struct eco_elements *in, uint32_t first, uint32_t end,
 	const struct eco_elements *out, const uint32_t *order);
 bool kind_ordered(const struct kind *k);
-
-#endif

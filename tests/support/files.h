@@ -1,6 +1,5 @@
 /* Files that tests write and read as a whole. If that fails the program ends, and says which. */
-#ifndef TESTS_FILES_H
-#define TESTS_FILES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,5 +15,3 @@ void file_write_text(const char *path, const char *text);
 /* With a 0 behind the last; the caller frees them. */
 uint8_t *file_read(const char *path, size_t *size);
 bool files_alike(const char *one, const char *other);
-
-#endif

@@ -1,7 +1,6 @@
 /* Writes small glTF files for tests: views and accessors one by one into a buffer, the rest as JSON text, in which
  * ' stands for ". */
-#ifndef TESTS_GLTF_WRITER_H
-#define TESTS_GLTF_WRITER_H
+#pragma once
 
 #include <stdarg.h>
 #include <stdint.h>
@@ -29,5 +28,3 @@ int gw_floats(const float *values, size_t count, const char *kind, size_t compon
 const char *gw_json(const char *buffer, const char *rest);
 /* The same as GLB; `pad` fills the JSON up to a multiple of four. *bytes is malloc'ed. */
 size_t gw_glb_bytes(const char *rest, char pad, uint8_t **bytes);
-
-#endif

@@ -1,6 +1,5 @@
 /* Ground for hand-made scenes: a grid of heights from a function, as tiles, and the samples of each. */
-#ifndef TESTS_GROUND_TILES_H
-#define TESTS_GROUND_TILES_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,5 +56,3 @@ static inline struct eco_elements ground_elements(const struct eco_ground *g,
 	lod_ground_elements(&e, g, tile, shift, GROUND_TILES_LOW_M, GROUND_TILES_STEP_M);
 	return e;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Small files for tests of readers, under build/tmp/NAME/. */
-#ifndef TESTS_INPUT_FILES_H
-#define TESTS_INPUT_FILES_H
+#pragma once
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,5 +39,3 @@ static inline const char *input_json(const char *test, const char *name, char *t
 		*at = '"';
 	return input_text(test, name, text);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Importing small files in tests. */
-#ifndef TESTS_MODEL_TRY_H
-#define TESTS_MODEL_TRY_H
+#pragma once
 
 #include <math.h>
 
@@ -21,5 +20,3 @@ bool has_place(double x, double y, double z);
 told_value model_told;
 /* Reads models of a table of cases (tests/import/cases/model*.tsv) in a folder, and checks what is told of them. */
 void expect_models(const char *folder, const char *table);
-
-#endif

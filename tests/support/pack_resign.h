@@ -1,7 +1,6 @@
 /* Makes the hashes of a damaged pack fit again, so that tests and fuzzers reach what lies behind them: what a
  * malicious, not a broken, pack would look like. Payloads keep their names. */
-#ifndef TESTS_PACK_RESIGN_H
-#define TESTS_PACK_RESIGN_H
+#pragma once
 
 #include <string.h>
 #include <xxhash.h>
@@ -43,5 +42,3 @@ static inline void pack_resign(uint8_t *bytes, size_t size)
 	memcpy(hashed + 24, bytes + ECO_PACK_HEADER_BYTES, table);
 	resign_put(bytes + 24, XXH3_64bits(hashed, 24 + table));
 }
-
-#endif

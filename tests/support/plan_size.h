@@ -1,6 +1,5 @@
 /* Bytes of the answer that carries a plan. */
-#ifndef TESTS_PLAN_SIZE_H
-#define TESTS_PLAN_SIZE_H
+#pragma once
 
 #include <stdlib.h>
 
@@ -22,5 +21,3 @@ static inline uint64_t plan_bytes(const struct eco_scene *scene, const struct ec
 	free(needs.items);
 	return bytes;
 }
-
-#endif

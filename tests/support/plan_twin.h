@@ -1,6 +1,5 @@
 /* Plans, and the simple twin of what evaluates them: every instance, every anchor, every cut. */
-#ifndef TESTS_PLAN_TWIN_H
-#define TESTS_PLAN_TWIN_H
+#pragma once
 
 #include "ecofiles/format/pack.h"
 #include "lod/plan/planner.h"
@@ -15,5 +14,3 @@ uint64_t plan_twin_draw(const struct eco_scene *scene, const struct eco_plan *pl
 
 /* A plan, without which the test fails. input.stats is not read. */
 struct lod_planner_stats plan_make(struct eco_plan *plan, struct lod_planner_input input);
-
-#endif

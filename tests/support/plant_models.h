@@ -1,6 +1,5 @@
 /* Plants made in code, for tests of what turns models into lists: soups that grow triangle by triangle. */
-#ifndef TESTS_PLANT_MODELS_H
-#define TESTS_PLANT_MODELS_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,5 +49,3 @@ struct foliage_random { uint32_t leaves, corners; double radius, leaf; uint64_t 
 
 double foliage_dice(uint64_t *state);
 void foliage_random(struct lod_foliage *f, const struct foliage_random *how, struct lod_arena *arena);
-
-#endif

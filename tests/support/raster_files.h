@@ -1,6 +1,5 @@
 /* Rasters for tests, from a function of the sample's place. */
-#ifndef TESTS_RASTER_FILES_H
-#define TESTS_RASTER_FILES_H
+#pragma once
 
 #include <gdal.h>
 #include <stdbool.h>
@@ -20,5 +19,3 @@ struct raster_file {
 
 /* Path of the file, which is written below build/tmp/FOLDER. */
 const char *raster_file_write(const char *folder, const struct raster_file *r);
-
-#endif

@@ -10,8 +10,7 @@
  *
  * b.scene is whole at any time. Rows count themselves in the rows that they belong to: callers leave those
  * counts out. Without memory the program ends. */
-#ifndef TESTS_SCENE_BUILDER_H
-#define TESTS_SCENE_BUILDER_H
+#pragma once
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/heights.h"
@@ -107,5 +106,3 @@ void scene_free(struct scene_builder *b);
 
 /* Random numbers of 31 bits, by a linear congruence. */
 uint32_t lcg_bits(uint64_t *state);
-
-#endif

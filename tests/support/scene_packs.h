@@ -1,6 +1,5 @@
 /* Real packs, written through the writer. */
-#ifndef TESTS_SCENE_PACKS_H
-#define TESTS_SCENE_PACKS_H
+#pragma once
 
 #include "ecofiles/format/inventory.h"
 #include "tests/support/scene_builder.h"
@@ -30,5 +29,3 @@ enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct
 	struct eco_error *error);
 /* Elements as it has them: spread over a small grid without a random source. */
 struct eco_elements small_pack_elements(const struct eco_list *list, uint32_t count, uint8_t corners);
-
-#endif

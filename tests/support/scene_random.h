@@ -5,8 +5,7 @@
  *   random_scene_make(&b, seed, nested);      b is empty or an earlier scene; scene_free(&b)
  *   random_pack_make(seed, nested, factor)    such a scene as an open pack with payloads: random bytes under
  *                                             true hashes */
-#ifndef TESTS_SCENE_RANDOM_H
-#define TESTS_SCENE_RANDOM_H
+#pragma once
 
 #include "ecofiles/format/view.h"
 #include "tests/support/scene_builder.h"
@@ -45,5 +44,3 @@ void random_pack_free(struct random_pack *p);
 
 /* From somewhere in or around it. */
 struct eco_view random_view(struct scene_builder *b);
-
-#endif

@@ -1,7 +1,6 @@
 /* A folder of one run's own under build/tmp, and files in it: for tests that write packs and what they are
  * made of. */
-#ifndef TESTS_SCRATCH_H
-#define TESTS_SCRATCH_H
+#pragma once
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,5 +21,3 @@ void write_text(const char *name, const char *text);
 char *read_all(const char *name, size_t *size);
 /* A plant as an OBJ file, Y up, with these first lines: a stem of that height, leaves around its upper half. */
 void write_shrub(const char *path, const char *head, double height, int leaves);
-
-#endif

@@ -1,6 +1,5 @@
 /* Expectations of results as text, for tables of cases. */
-#ifndef TESTS_TOLD_H
-#define TESTS_TOLD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,5 +13,3 @@ bool close_to(double a, double b, double most);
  * rounding to float; "~text": this was said; "!text": it was not. A number may follow the key: "rgb0=255,0,0". */
 typedef void told_value(const char *key, uint32_t number, const char *wanted, char *to, size_t size);
 void expect_told(const char *wanted, told_value *value_of);
-
-#endif

@@ -1,6 +1,5 @@
 /* Tracks for tests: of a recording written out here, or made fix by fix in metres. */
-#ifndef TESTS_TRACK_MADE_H
-#define TESTS_TRACK_MADE_H
+#pragma once
 
 #include <errno.h>
 #include <math.h>
@@ -76,5 +75,3 @@ static inline struct eco_track_report cleaned(struct eco_track *track)
 		assert_true(track->fixes[i].time_s > track->fixes[i - 1].time_s);
 	return report;
 }
-
-#endif

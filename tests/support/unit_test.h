@@ -8,8 +8,7 @@
  * Each is named once, where it stands, and none can be forgotten in a list. They run in the order of their
  * lines. A test program needs a main of its own only for what stands around all of them: unit_tests_run.
  * Tests have a parameter, unit_state, that few of them look at (Makefile: -Wno-unused-parameter). */
-#ifndef TESTS_UNIT_TEST_H
-#define TESTS_UNIT_TEST_H
+#pragma once
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -81,5 +80,3 @@ void unit_test_add(const struct CMUnitTest *test, unsigned line);
 int unit_tests_run(CMFixtureFunction set_up, CMFixtureFunction tear_down);
 /* A main that does so; programs without one have unit_main.c, without a fixture. */
 #define UNIT_MAIN(set_up, tear_down) int main(void) { return unit_tests_run(set_up, tear_down); }
-
-#endif

@@ -9,8 +9,7 @@
  *   h = scene_hold(&b); scene_release(&h);    both at once
  *
  * A file's tests share `grove`, which scene_open or scene_open_gl makes and scene_close frees. */
-#ifndef TESTS_VIEW_SCENE_H
-#define TESTS_VIEW_SCENE_H
+#pragma once
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_shadow.h"
@@ -91,5 +90,3 @@ int scene_close(void **state);
 /* Shadow maps by OpenGL and in software. Both maps of a job must have the same heights, but for one texel of 200: OpenGL rounds corners. Returns how
  * many texels are below something. */
 size_t shadow_gl_compare(struct view_gl *gl, const struct view_shadow_job *job, const char *name);
-
-#endif

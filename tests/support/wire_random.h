@@ -1,7 +1,6 @@
 /* Random plans and streams that are valid: for tests of the wire and as seeds of its fuzz target. The same
  * seed gives the same bytes. */
-#ifndef TESTS_WIRE_RANDOM_H
-#define TESTS_WIRE_RANDOM_H
+#pragma once
 
 #include <stdlib.h>
 #include <string.h>
@@ -54,5 +53,3 @@ extern const struct eco_wire_events wire_telling;
 /* Feeds in portions of `portion` bytes; 0: of random sizes. */
 enum eco_code wire_tell(const uint8_t *bytes, size_t size, size_t portion, struct wire_told *told,
 	struct eco_error *error);
-
-#endif

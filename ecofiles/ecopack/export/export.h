@@ -19,8 +19,7 @@
  * Geometric errors are metres. A level of a plant has its radius times 1 - Q (against full detail,
  * plant_view.h); a summary, four of its points' widths; the ground, four times how far it is from where it
  * should be: viewers refine what is wrong by 16 pixels. */
-#ifndef ECO_MAIN_EXPORT_H
-#define ECO_MAIN_EXPORT_H
+#pragma once
 
 #include <jansson.h>
 #include <limits.h>
@@ -103,5 +102,3 @@ extern const uint8_t export_grass[3];
 bool export_ground_image(struct export *x, const double low[3], const double high[3], bool is_leaf, const char *name);
 
 void export_tilesets(struct export *x);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * The plant is put into a scene of one tile with one instance, which goes through lod_plan as any scene: a
  * drawing holds what a viewer gets. */
-#ifndef ECO_PLANT_VIEW_H
-#define ECO_PLANT_VIEW_H
+#pragma once
 
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/pack.h"
@@ -76,5 +75,3 @@ void plant_view_raster(struct lod_raster *raster, const struct plant_view *view,
 
 /* Q of a drawing against full detail, in view->raster. */
 double plant_view_q(struct plant_view *view, const struct plant_view_drawing *drawing);
-
-#endif

@@ -41,8 +41,7 @@
  * caller's (from the hashed list and chunk records), each Draco header must have the version, method and
  * flags that our encoder writes, and its counts must equal the declared ones. Check that a payload's hash
  * is its id before eco_chunk_decode. */
-#ifndef ECO_CHUNK_H
-#define ECO_CHUNK_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -93,5 +92,3 @@ struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes);
 /* Chooses chunk ends: fills ends[] with element indices. Chunks start at `smallest` elements and grow with
  * the elements already sent: a first picture soon, then little overhead. Returns the count, at most `max`. */
 uint32_t eco_chunk_split(uint32_t element_count, uint32_t smallest, uint32_t *ends, uint32_t max);
-
-#endif

@@ -17,8 +17,7 @@
  * first 15 values of the earlier component. A number is 6 bits n <= 32, then n bits of its zigzag code. Sums
  * and differences are modulo 2^32, so every row comes back as it was. At the end stand the 8 bits 0xa5: what
  * is cut off reads as zeros, and zeros could be rows. */
-#ifndef ECO_CHUNK_COLUMNS_H
-#define ECO_CHUNK_COLUMNS_H
+#pragma once
 
 #include "ecofiles/base/range.h"
 #include "ecofiles/format/chunk/chunk_rows.h"
@@ -61,5 +60,3 @@ enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, struct eco_error *e
  * A count up to 16 points is a tree of 5 bits, with models for each n and axis that begin as if three tenths
  * of the cells had any count and the others a binomial one, and count as 6 seen: a chunk of a dozen points
  * has no time to learn. A larger n of m bits: floor(count 2^m / (n + 1)) as a field of m bits, 3 modelled. */
-
-#endif

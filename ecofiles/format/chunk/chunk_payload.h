@@ -1,7 +1,6 @@
 /* A payload's frame, shared by encoder and decoder: its streams and where they lie. The bytes are in
  * chunk.h. */
-#ifndef ECO_CHUNK_PAYLOAD_H
-#define ECO_CHUNK_PAYLOAD_H
+#pragma once
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/chunk/chunk.h"
@@ -58,5 +57,3 @@ bool eco_mesh_encode(const struct eco_chunk_input *input, struct eco_payload *pa
 /* Fills position and, if the list has them, uv and extra of `elements`, whose arrays are allocated. */
 enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payload *payload,
 	struct eco_elements *elements, struct eco_error *error);
-
-#endif

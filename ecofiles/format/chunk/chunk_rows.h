@@ -17,8 +17,7 @@
  * Split positions suit rows whose order is given. How columns are coded, and samples of ground, says
  * chunk_columns.h.
  */
-#ifndef ECO_CHUNK_ROWS_H
-#define ECO_CHUNK_ROWS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -80,5 +79,3 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 void eco_rows_encode(struct eco_chunk_rows *rows);
 /* Decodes the stream's bytes. */
 enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, struct eco_error *error);
-
-#endif

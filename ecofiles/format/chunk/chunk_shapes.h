@@ -8,8 +8,7 @@
  *   eco_corners_plan(&codec, &leaf);                        encoder: for an element that is not placed
  *   eco_shapes_code_leaf(&codec, &leaf); ...                each element, in stored order
  *   eco_range_end(&codec.range); */
-#ifndef ECO_CHUNK_SHAPES_H
-#define ECO_CHUNK_SHAPES_H
+#pragma once
 
 #include "ecofiles/format/chunk/chunk_rows.h"
 #include "ecofiles/base/range.h"
@@ -142,5 +141,3 @@ uint32_t eco_corners_slot(const struct eco_shapes_codec *codec, const int32_t ke
  * from eco_shape_turn. */
 void eco_shapes_first(const struct eco_shapes *shapes, const struct eco_placing *placing,
 	const int32_t *offset, int64_t first[3], uint32_t rest[3]);
-
-#endif

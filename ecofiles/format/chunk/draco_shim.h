@@ -3,8 +3,7 @@
  *
  * Coding is lossless. Decoding refuses a stream whose header is not as Draco 1.5 writes it or has other counts than
  * were asked for, before it allocates anything for it. */
-#ifndef ECO_DRACO_SHIM_H
-#define ECO_DRACO_SHIM_H
+#pragma once
 
 #ifdef __cplusplus
 extern "C" {
@@ -54,5 +53,4 @@ enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t 
 
 #ifdef __cplusplus
 }
-#endif
 #endif

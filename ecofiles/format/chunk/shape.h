@@ -12,8 +12,7 @@
  * about x, and the lengths of its three axes. A narrow leaf's roll moves its corners little, so roll has
  * coarser steps than direction. Roll counts from level: a leaf that faces the sky has a small roll,
  * whatever its direction. */
-#ifndef ECO_SHAPE_H
-#define ECO_SHAPE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -106,5 +105,3 @@ bool eco_shape_pose(const struct eco_shapes *shapes, const struct eco_shape *sha
 	struct eco_pose *pose);
 bool eco_shape_round(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
 	const struct eco_pose *pose, struct eco_placing *placing);
-
-#endif

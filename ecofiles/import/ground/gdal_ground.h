@@ -1,6 +1,5 @@
 /* Inside ecogdal.so: rasters in the scene, one raster as metres, and its colours. */
-#ifndef ECO_GDAL_GROUND_H
-#define ECO_GDAL_GROUND_H
+#pragma once
 
 #include <gdal.h>
 #include <ogr_srs_api.h>
@@ -86,5 +85,3 @@ void ground_colors_close(struct ground_colors *colors);
  * CRS; rows from the north. */
 enum eco_code ground_colors_read(const struct ground_colors *colors, const struct ground_scene *scene,
 	const double bounds[4], uint8_t *rgba, struct eco_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Inside ecogdal.so: the functions in its table. */
-#ifndef ECO_GDAL_MODULE_H
-#define ECO_GDAL_MODULE_H
+#pragma once
 
 #include "ecofiles/base/module.h"
 
@@ -12,5 +11,3 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 	struct eco_error *error);
 
 extern const struct eco_gdal_module eco_gdal_module;
-
-#endif

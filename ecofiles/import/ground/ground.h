@@ -6,8 +6,7 @@
  *   eco_ground_height(&ground, x, y, &z);           where a plant stands
  *   eco_ground_free(&ground);
  */
-#ifndef ECO_GROUND_H
-#define ECO_GROUND_H
+#pragma once
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/status.h"
@@ -73,5 +72,3 @@ void eco_ground_through(struct eco_ground *ground, const struct eco_ground_feet 
 enum eco_code eco_raster_file_check(const char *path, struct eco_error *error);
 /* Limits for reading rasters: memory is small where one of them unpacks (guard.h). */
 struct eco_guard_limits eco_raster_limits(const char *const *paths, uint32_t count);
-
-#endif

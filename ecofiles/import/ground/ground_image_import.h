@@ -15,8 +15,7 @@
  * of colours (palette), or with classes in the scene, holds numbers of classes: their colours are mixed, never
  * the numbers. Texels outside the rasters, NODATA, masks and classes without colour are clear; towards them
  * the image fades within a thirty-second of the root's side. */
-#ifndef ECO_GROUND_IMAGE_IMPORT_H
-#define ECO_GROUND_IMAGE_IMPORT_H
+#pragma once
 
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/import/ground/ground.h"
@@ -75,5 +74,3 @@ enum eco_code eco_ground_image_open(struct eco_ground_image_reader **reader,
 enum eco_code eco_ground_image_next(struct eco_ground_image_reader *reader,
 	struct eco_ground_image_tile *tile, struct eco_error *error);
 enum eco_code eco_ground_image_close(struct eco_ground_image_reader *reader, struct eco_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* Shared by the readers of ground and of its image, and ecogdal.so, which does the work in a child
  * process. */
-#ifndef ECO_IMPORT_GROUND_H
-#define ECO_IMPORT_GROUND_H
+#pragma once
 
 #include <stdint.h>
 
@@ -27,5 +26,3 @@ struct eco_ground_image_job {
 	bool only_look;                          /* ends after the head */
 	struct ground_image_head head;
 };
-
-#endif

@@ -5,8 +5,7 @@
  *   eco_areas_index(&areas, near_m, &error);
  *   eco_area_holds(&areas, i, x, y);  eco_areas_hold(&areas, x, y);  eco_areas_near(&areas, x, y);
  *   eco_areas_free(&areas); */
-#ifndef ECO_AREAS_H
-#define ECO_AREAS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -91,5 +90,3 @@ enum eco_code eco_areas_read(struct eco_areas *areas, const struct eco_areas_req
 /* A line for each reason why features were left out. */
 void eco_areas_report_say(const struct eco_areas_report *report, void (*say)(void *ctx, const char *text), void *ctx);
 void eco_areas_report_free(struct eco_areas_report *report);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * A feature's class is a row of words/ground.tsv, found by its attributes; the class says colour, width and what lies above
  * what. Cairo draws (cairo_drawing.c): borders are smooth by a texel, and rings cross and nest by the even-odd rule. */
-#ifndef ECO_DRAWING_H
-#define ECO_DRAWING_H
+#pragma once
 
 #include "ecofiles/import/ground/ground_image_import.h"
 #include "ecofiles/import/land/areas.h"
@@ -70,5 +69,3 @@ void eco_drawing_close(struct eco_drawing *drawing);
 /* Inside ecocairo.so: as struct eco_ground_drawing's paint; `drawing` is a struct eco_drawing. */
 enum eco_code cairo_drawing_paint(const void *drawing, const double low[2], double texel_m, uint8_t *rgba,
 	struct eco_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by drawing.c and ecocairo.so; private. */
-#ifndef ECO_DRAWING_PARTS_H
-#define ECO_DRAWING_PARTS_H
+#pragma once
 
 #include "ecofiles/import/land/drawing.h"
 
@@ -26,5 +25,3 @@ struct eco_drawing {
 	struct drawn_order *order; uint32_t count;       /* from the lowest to the topmost */
 	struct eco_ground_drawing ground;
 };
-
-#endif

@@ -4,8 +4,7 @@
  *   for each area i of footprints.areas                              its rings are edges; footprints.items[i]
  *   eco_footprints_report(&footprints, say, ctx);
  *   eco_footprints_free(&footprints); */
-#ifndef ECO_FOOTPRINTS_H
-#define ECO_FOOTPRINTS_H
+#pragma once
 
 #include "ecofiles/import/land/areas.h"
 
@@ -65,5 +64,3 @@ enum eco_code eco_footprints_read(struct eco_footprints *footprints, const struc
 void eco_footprints_report(const struct eco_footprints *footprints, void (*say)(void *ctx, const char *text),
 	void *ctx);
 void eco_footprints_free(struct eco_footprints *footprints);
-
-#endif

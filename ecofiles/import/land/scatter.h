@@ -9,8 +9,7 @@
  * in steps of four. An area takes the places inside it in the set's order until it has its number.
  * Counts are exact and plants evenly spread, whatever the order of the file and the other areas. If plants would stand
  * too close to those of another area, the larger area comes first, then the one further south-west. */
-#ifndef ECO_SCATTER_H
-#define ECO_SCATTER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -63,5 +62,3 @@ struct eco_areas;
 const struct eco_areas *eco_scatter_areas(const struct eco_scatter *scatter);
 const struct eco_areas *eco_scatter_clear_of(const struct eco_scatter *scatter);
 void eco_scatter_close(struct eco_scatter *scatter);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the files of scatter; private. */
-#ifndef ECO_SCATTER_PARTS_H
-#define ECO_SCATTER_PARTS_H
+#pragma once
 
 #include "ecofiles/import/land/areas.h"
 #include "ecofiles/import/land/scatter.h"
@@ -23,5 +22,3 @@ void eco_scatter_input_free(struct eco_scatter_input *input);
 
 /* x and y in 1/65536 of the square's side; the first n points are evenly spread for any n. */
 void eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2]);
-
-#endif

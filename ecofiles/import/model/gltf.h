@@ -12,8 +12,7 @@
  * allocates, but Draco and meshopt unpack small files to large ones. Numbers are read byte by byte. A
  * buffer is loaded when it is first needed, so unneeded ones may be missing. Not thread-safe. Errors name
  * the file and the item in it. */
-#ifndef ECO_GLTF_H
-#define ECO_GLTF_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -118,5 +117,3 @@ const json_t *eco_gltf_scene(const struct eco_gltf *doc);
  * parents is visited for each. Stops at the first status other than ECO_OK. */
 typedef enum eco_code eco_gltf_visit(void *ctx, uint32_t node, const double world[16]);
 enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *ctx, struct eco_error *error);
-
-#endif

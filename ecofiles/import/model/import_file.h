@@ -1,6 +1,5 @@
 /* Files of strangers, before a reader sees them: their beginning, and what they are by it; whole: files.h. */
-#ifndef ECO_IMPORT_FILE_H
-#define ECO_IMPORT_FILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -44,5 +43,3 @@ size_t eco_text_fold(const char *text, char *folded, size_t size);
 /* Whether a folded text fits a folded pattern, in which "*" is any text, also the empty one, and `one`,
  * unless it is 0, any character. Time: at worst the product of the lengths. */
 bool eco_text_fits(const char *text, const char *pattern, char one);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the files of the reader of glTF; private. */
-#ifndef ECO_IMPORT_GLTF_H
-#define ECO_IMPORT_GLTF_H
+#pragma once
 
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/import/model/import_model.h"
@@ -57,5 +56,3 @@ bool gltf_values(const struct gltf_piece *piece, enum gltf_attribute which, uint
 /* ECO_TOO_LARGE, if it is more than may be. */
 enum eco_code gltf_too_many(const struct gltf_reader *reader, uint64_t triangles);
 void gltf_piece_free(struct gltf_piece *piece);
-
-#endif

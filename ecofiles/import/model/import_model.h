@@ -4,8 +4,7 @@
  *   eco_FORMAT_read          a soup, in the file's axes and units unless the format states them
  *   (the above in a child process, one per file)
  *   eco_model_clean          triangles, rules, foot, height (model_clean.c, model_parts.c, model_stand.c) */
-#ifndef ECO_IMPORT_MODEL_H
-#define ECO_IMPORT_MODEL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -169,5 +168,3 @@ uint8_t eco_byte_from_share(double share);       /* 0 to 1; NaN is 0 */
 /* Whether a material with this alpha is drawn. */
 bool eco_alpha_shows(double alpha);
 double eco_linear_from_srgb(uint8_t srgb);
-
-#endif

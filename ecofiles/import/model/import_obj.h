@@ -1,6 +1,5 @@
 /* Wavefront OBJ (import_obj.c) and its libraries of materials, MTL (import_mtl.c). */
-#ifndef ECO_IMPORT_OBJ_H
-#define ECO_IMPORT_OBJ_H
+#pragma once
 
 #include "ecofiles/import/model/import_model.h"
 
@@ -46,5 +45,3 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 void eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
 	const struct eco_mtl_material **found);
 void eco_mtl_free(struct eco_mtl *mtl);
-
-#endif

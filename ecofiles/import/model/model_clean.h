@@ -1,6 +1,5 @@
 /* The steps after every reader of models, and what each needs. */
-#ifndef ECO_MODEL_CLEAN_H
-#define ECO_MODEL_CLEAN_H
+#pragma once
 
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/import/model/model_parts.h"
@@ -54,5 +53,3 @@ enum eco_code model_stand(struct model_clean *clean);
 enum eco_up eco_model_find_up(struct eco_model *soup, double *certainty);
 /* Act on the answer from this certainty on; below it keep the format's convention. */
 #define ECO_UP_CERTAIN 0.5
-
-#endif

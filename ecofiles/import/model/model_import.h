@@ -3,8 +3,7 @@
  *   eco_model_import(&model, &options, &error);     file(s) -> soup, Z-up, metres, foot at the origin,
  *                                                   non-finite and out-of-range triangles dropped and counted
  *   eco_model_free(&model); */
-#ifndef ECO_MODEL_IMPORT_H
-#define ECO_MODEL_IMPORT_H
+#pragma once
 
 #include "ecofiles/format/model.h"
 
@@ -50,5 +49,3 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 /* Beyond these heights the unit is doubted: the highest tree measures 116 m. */
 #define ECO_PLANT_HEIGHT_MOST_M 120.0
 #define ECO_PLANT_HEIGHT_LEAST_M 0.01
-
-#endif

@@ -1,6 +1,5 @@
 /* Places and connected components of a model, and the names of its parts. */
-#ifndef ECO_MODEL_PARTS_H
-#define ECO_MODEL_PARTS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -48,5 +47,3 @@ bool eco_part_name_fits(const char *pattern, const char *name);
 #define ECO_SPARE_COLLIDER 1000
 #define ECO_SPARE_CARD 999
 int eco_model_spare_level(const char *name);
-
-#endif

@@ -1,6 +1,5 @@
 /* PLY files that assimp reads in part: colours of faces, and strips of triangles. */
-#ifndef ECO_PLY_PLAIN_H
-#define ECO_PLY_PLAIN_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -9,5 +8,3 @@
 
 /* The file as a PLY of triangles with coloured vertices, malloc'ed; *bytes NULL: assimp reads it as it is. */
 enum eco_code eco_ply_plain(const char *path, uint8_t **bytes, size_t *size, struct eco_error *error);
-
-#endif

@@ -5,8 +5,7 @@
  *   eco_crs_open(&crs, &request, &error);            checks what can be checked without a coordinate
  *   eco_crs_convert(crs, xyz, &error);               for each place
  *   eco_crs_close(crs); */
-#ifndef ECO_CRS_H
-#define ECO_CRS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -110,5 +109,3 @@ enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char
 
 /* A CRS for messages: a code as it is, the quoted name of WKT. Malloc'ed; NULL when memory ran out. */
 char *eco_crs_short_name(const char *crs);
-
-#endif

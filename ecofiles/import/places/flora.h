@@ -5,8 +5,7 @@
  *
  * The genus decides. An epithet is looked up within its genus alone, and a word that is a genus is never taken for
  * another that is spelt like it. */
-#ifndef ECO_FLORA_H
-#define ECO_FLORA_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -70,5 +69,3 @@ struct eco_form_size { double least_m, most_m, typical_m; };
 struct eco_form_size eco_form_size(enum eco_form form);
 /* Whether a plant of one form may stand for one of the other: trees for trees, low plants for low ones. */
 bool eco_form_is_tree(enum eco_form form);
-
-#endif

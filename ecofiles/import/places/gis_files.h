@@ -1,6 +1,5 @@
 /* Files of a GIS beside inventories: where a raster lies, and plants as a table with points. */
-#ifndef ECO_GIS_FILES_H
-#define ECO_GIS_FILES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -61,5 +60,3 @@ bool eco_points_knows(const char *path);
  * know. */
 enum eco_code eco_points_write(const struct eco_point_table *table, const char *path, uint8_t **bytes,
 	size_t *size, struct eco_error *error);
-
-#endif

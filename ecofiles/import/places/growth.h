@@ -1,7 +1,6 @@
 /* Sizes of plants from others of theirs, by species, genus and form, in the open or in a stand: words/curves.tsv has
  * the curves, their ranges and sources. All lengths are in metres; beyond its range a curve is level. */
-#ifndef ECO_GROWTH_H
-#define ECO_GROWTH_H
+#pragma once
 
 #include "ecofiles/import/places/flora.h"
 
@@ -19,5 +18,3 @@ double eco_growth_height_at(struct eco_grower plant, double years);
 double eco_growth_crown(struct eco_grower plant, double height_m, double dbh_m);
 /* Which curve gives its height: 0, 1, 2: its species', its genus's, its form's. */
 unsigned eco_growth_rank(struct eco_grower plant);
-
-#endif

@@ -1,7 +1,6 @@
 /* Texts as people write them into tables: numbers with decimal commas, ranges, units behind numbers, many
  * words for "no value", names in any case. */
-#ifndef ECO_INVENTORY_TEXT_H
-#define ECO_INVENTORY_TEXT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -64,5 +63,3 @@ struct eco_filter {
 /* Whether a row with this text in the column is kept. `decimal` as in eco_text_number. */
 bool eco_filter_passes(const struct eco_filter *filter, const char *text, char decimal);
 void eco_filters_free(struct eco_filter *filters, uint32_t count);
-
-#endif

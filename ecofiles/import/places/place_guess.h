@@ -1,6 +1,5 @@
 /* The places of a table's plants: the CRS of its numbers, and the scene's CRS and origin that suit them. */
-#ifndef ECO_PLACE_GUESS_H
-#define ECO_PLACE_GUESS_H
+#pragma once
 
 #include "ecofiles/import/places/gis_files.h"
 #include "ecofiles/import/places/table_columns.h"
@@ -48,5 +47,3 @@ struct eco_place_guess {
  * names --x and --y. */
 enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_place_asked *asked,
 	struct eco_error *error);
-
-#endif

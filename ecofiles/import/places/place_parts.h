@@ -1,7 +1,6 @@
 /* Shared by the files of the guess of places; private. A table's words tell its grid: the names of x and y,
  * and a column with the UTM zone or the CRS of each row, "18N", "18 T", "18", "EPSG:32618". */
-#ifndef ECO_PLACE_PARTS_H
-#define ECO_PLACE_PARTS_H
+#pragma once
 
 #include "ecofiles/import/places/place_guess.h"
 #include "ecofiles/import/places/words.h"
@@ -49,5 +48,3 @@ enum eco_code eco_place_ask(const struct eco_place_look *look);
 bool eco_place_dem_has(const struct eco_place_look *look, const double degrees[2]);
 /* The scene's CRS and origin, and the terrain's CRS, once that of the table is known (place_columns.c). */
 enum eco_code eco_place_scene(struct eco_place_look *look);
-
-#endif

@@ -9,8 +9,7 @@
  * its description (a missing column, an unknown CRS) is an error. A further format is one more struct
  * eco_rows (rows.h): columns by name, rows as texts, perhaps with a geometry; everything else is shared.
  * Files are read in a child process (guard.h), which runs beside the caller. */
-#ifndef ECO_POSITIONS_H
-#define ECO_POSITIONS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -219,5 +218,3 @@ bool eco_positions_has_cell(const struct eco_positions *reader, uint32_t cell);
 /* Are the records' lines those of a text, not numbers of features? */
 bool eco_positions_has_lines(const struct eco_positions *reader);
 void eco_positions_close(struct eco_positions *reader);
-
-#endif

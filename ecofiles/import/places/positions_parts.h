@@ -1,6 +1,5 @@
 /* Shared by the files of the reader of inventories; private. */
-#ifndef ECO_POSITIONS_PARTS_H
-#define ECO_POSITIONS_PARTS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -116,5 +115,3 @@ enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *r
 	struct eco_error *error);
 /* Checks that need all rows: places far from everything, degrees in a CRS of metres, x and y swapped. */
 enum eco_code eco_positions_check_places(struct eco_positions *p, struct eco_error *error);
-
-#endif

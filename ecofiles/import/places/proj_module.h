@@ -1,6 +1,5 @@
 /* Inside ecoproj.so: the functions in its table, and those that its parts share. */
-#ifndef ECO_PROJ_MODULE_H
-#define ECO_PROJ_MODULE_H
+#pragma once
 
 #include <proj.h>
 
@@ -21,5 +20,3 @@ enum eco_code proj_crs_convert(struct eco_crs_path *path, double xyz[3], bool *c
 void proj_crs_close(struct eco_crs_path *path);
 
 extern const struct eco_proj_module eco_proj_module;
-
-#endif

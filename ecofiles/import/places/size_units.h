@@ -1,7 +1,6 @@
 /* The unit of a column of sizes: by its name, else by how its numbers spread, held against plants as they
  * grow. No unit is taken if two would do. The same measure doubts a unit that a scene states. */
-#ifndef ECO_SIZE_UNITS_H
-#define ECO_SIZE_UNITS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -42,5 +41,3 @@ void eco_spread_add(struct eco_spread *spread, double number);
 /* The number that this share of them does not exceed; NaN if there are none. */
 double eco_spread_quantile(struct eco_spread *spread, double share);
 void eco_spread_free(struct eco_spread *spread);
-
-#endif

@@ -3,8 +3,7 @@
  *   eco_table_read(&table, &source, &error);         an even selection of the rows, as texts
  *   eco_table_columns(&table, &columns)              which one is the longitude, the species, the height, ...
  *   eco_table_free(&table); */
-#ifndef ECO_TABLE_COLUMNS_H
-#define ECO_TABLE_COLUMNS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -90,5 +89,3 @@ struct eco_table_values {        /* owned; most rows first, of equals the earlie
 enum eco_code eco_table_values_read(struct eco_table_values *values, const struct eco_rows_source *source,
 	const char *const *columns, uint32_t count, struct eco_error *error);
 void eco_table_values_free(struct eco_table_values *values);
-
-#endif

@@ -9,8 +9,7 @@
  * Palettes are rows of words/tints.tsv. Values without a class of the palette take its free colours, the commonest
  * first, then the class "other"; missing values and what is no number are "not stated". Texts are compared
  * without capitals, marks and signs. */
-#ifndef ECO_TINTS_H
-#define ECO_TINTS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -69,5 +68,3 @@ uint32_t eco_tints_value(struct eco_tints *tints, const struct eco_tint *tint, c
 enum eco_code eco_tints_settle(struct eco_tints *tints, struct eco_error *error);
 uint32_t eco_tints_class(const struct eco_tints *tints, uint32_t number);
 void eco_tints_free(struct eco_tints *tints);
-
-#endif

@@ -2,8 +2,7 @@
  * "decimal latitude" and "utm 17 n e". For comparing the names of columns, species and files. The words that
  * are known stand in words/NAME.tsv; the Makefile makes build/words/NAME.table of each, an array of its
  * rows. */
-#ifndef ECO_WORDS_H
-#define ECO_WORDS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -28,5 +27,3 @@ bool eco_words_swapped(const char *a, const char *b);
 /* Letters inserted, left out, replaced or swapped with their neighbours between two words; more than
  * `most`: most + 1. */
 unsigned eco_words_distance(const char *a, const char *b, unsigned most);
-
-#endif

@@ -4,8 +4,7 @@
  * Positions and looks are recorded at rates of their own, so they are two series until a flight samples both
  * evenly. Angles are a drone's: yaw clockwise from north (+Y), pitch up from the horizon, roll to the right;
  * NaN is what was not recorded, everywhere. A counter or a note says each repair. */
-#ifndef ECO_TRACK_H
-#define ECO_TRACK_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -149,5 +148,3 @@ struct eco_script {
  * suffice. Fails if they do not suffice to tell from which side the camera turns about. */
 enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight,
 	const struct eco_track_options *options, struct eco_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the files of this room. */
-#ifndef ECO_TRACK_READ_H
-#define ECO_TRACK_READ_H
+#pragma once
 
 #include "ecofiles/import/track/track.h"
 
@@ -14,5 +13,3 @@ enum track_role { TRACK_TIME, TRACK_X, TRACK_Y, TRACK_Z, TRACK_ABOVE, TRACK_YAW,
 uint32_t track_speeds(const struct eco_track *track, double *speeds);
 /* Sorts; 0 if there are none. */
 double track_quantile(double *values, uint32_t count, double share);
-
-#endif

@@ -21,8 +21,7 @@
  * The print gives no sizes: BILLBOARD_ constants and the files' own say ours, in shares
  * of the plant's height. Both planes of a cross show the whole part; of planes and strips the one nearest to
  * a face shows it. Only + - * / sqrt and comparisons decide: every machine makes the same cloud. */
-#ifndef TESTS_BENCH_BASELINE_BILLBOARD_CLOUD_H
-#define TESTS_BENCH_BASELINE_BILLBOARD_CLOUD_H
+#pragma once
 
 #include "lod/arena.h"
 #include "lod/build/weld.h"
@@ -179,5 +178,3 @@ uint32_t billboard_part_faces(struct billboard_work *work, uint32_t root, uint32
 void billboard_parts_settle(struct billboard_work *work, double epsilon);
 /* Mean error over the area of all faces. */
 double billboard_parts_error(const struct billboard_work *work);
-
-#endif

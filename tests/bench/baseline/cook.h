@@ -9,8 +9,7 @@
  * (1 - a)^n of it. Keeping m of them, 1 - (1 - s a)^m is to be the same. For a few per cent and many elements
  * s is 1/lambda to the third digit; it bends where m is so small that s a nears 1, and it never exceeds 1 /
  * a. */
-#ifndef TESTS_BENCH_BASELINE_COOK_H
-#define TESTS_BENCH_BASELINE_COOK_H
+#pragma once
 
 #include <stdint.h>
 
@@ -31,5 +30,3 @@ double lod_cook_share(uint32_t count, double projected, double covered);
  * share a pixel in full detail; what is at least a pixel large on its own is not averaged and needs no
  * correction. In (0, 1]. */
 double lod_cook_contrast(uint32_t kept, uint32_t count, double per_pixel);
-
-#endif

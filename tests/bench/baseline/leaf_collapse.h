@@ -22,8 +22,7 @@
  * The paper prints no weights and no cut-offs: lod_collapse_defaults says those that did best on generated
  * plants. The paper leaves two cases open. Normals that oppose each other are turned to one side first. Where
  * the projected centres coincide, the main axis is that of the larger leaf. */
-#ifndef TESTS_BENCH_BASELINE_LEAF_COLLAPSE_H
-#define TESTS_BENCH_BASELINE_LEAF_COLLAPSE_H
+#pragma once
 
 #include "ecofiles/format/list.h"
 #include "ecofiles/format/model.h"
@@ -106,5 +105,3 @@ void lod_collapse_atlas_make(struct lod_collapse_atlas *atlas, const struct lod_
 
 /* Texture coordinates of a quad's corners, in the order of lod_collapse_corners. */
 void lod_collapse_atlas_uv(const struct lod_collapse_atlas *atlas, uint32_t tile, float uv[4][2]);
-
-#endif

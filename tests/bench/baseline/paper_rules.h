@@ -8,8 +8,7 @@
  *
  * Wood: Deussen's lines and polygons; the other papers prune leaves alone, and their wood is what our ladders
  * draw for the share lambda of its vertices. */
-#ifndef TESTS_BENCH_BASELINE_PAPER_RULES_H
-#define TESTS_BENCH_BASELINE_PAPER_RULES_H
+#pragma once
 
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
@@ -233,5 +232,3 @@ struct paper_lee {
 void paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s);
 void paper_lee_end(struct paper_lee *lee);
 bool paper_lee(struct paper *p, double full_m, void *lee);
-
-#endif

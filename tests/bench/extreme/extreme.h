@@ -6,8 +6,7 @@
  *
  * `ecobench --only extreme` runs all of them, tests/bench/test_extreme.c those that are not marked `lengthy`.
  * A case that cannot run has failed. */
-#ifndef TESTS_BENCH_EXTREME_H
-#define TESTS_BENCH_EXTREME_H
+#pragma once
 
 #include <setjmp.h>
 #include <stdbool.h>
@@ -53,5 +52,3 @@ void extreme_least(struct extreme *x, const char *what, double value, double lea
 void extreme_same(struct extreme *x, const char *what, uint64_t value, uint64_t expected);
 /* An answer that must be ECO_OK; x->error says why it is not. */
 void extreme_good(struct extreme *x, enum eco_code code);
-
-#endif

@@ -11,8 +11,7 @@
  *   extreme_world_close(&world); extreme_stand_free(&stand)
  *
  * Functions that fail end the case. */
-#ifndef TESTS_BENCH_EXTREME_SCENE_H
-#define TESTS_BENCH_EXTREME_SCENE_H
+#pragma once
 
 #include "client-min/draw/view_picture.h"
 #include "ecofiles/base/bytes.h"
@@ -85,5 +84,3 @@ uint64_t extreme_covered(const struct view_picture *picture);
  * is so many metres deep and high, and the sun stands still, so that colours are not to be asked for where
  * the metre or the height is another, or the scene is turned. */
 double extreme_pixels_differ(const struct view_picture *a, const struct view_picture *b, bool colours);
-
-#endif

@@ -1,7 +1,6 @@
 /* Geometry that orders save against Cook at equal quality, plant by plant (bench_species.c); for sections
  * that set it beside something else. */
-#ifndef TESTS_BENCH_SPECIES_H
-#define TESTS_BENCH_SPECIES_H
+#pragma once
 
 #include "tests/bench/bench.h"
 
@@ -30,5 +29,3 @@ struct bench_savings {
 /* A unit by what the model's file holds; reads the model only if that is not there. An error ends the
  * section. */
 void bench_savings_of(struct bench *bench, struct bench_savings *savings, const struct bench_model *model);
-
-#endif

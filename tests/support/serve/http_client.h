@@ -1,7 +1,6 @@
 /* A blocking HTTP client of one connection that sends exactly the bytes it is told to: what a library would
  * refuse to send too. */
-#ifndef TESTS_HTTP_CLIENT_H
-#define TESTS_HTTP_CLIENT_H
+#pragma once
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -54,5 +53,3 @@ unsigned http_status(uint16_t port, const char *method, const char *target, cons
 /* Fails the test unless the answer has this status and its body contains `says` (NULL: anything). */
 void http_expect(uint16_t port, const char *method, const char *target, const char *headers, unsigned status,
 	const char *says);
-
-#endif

@@ -1,7 +1,6 @@
 /* Requests that nobody would think of, and the server's answers to them, for programs that look for
  * violations. A request depends on a seed and its number alone, so that one can be looked at again. */
-#ifndef TESTS_RANDOM_REQUEST_H
-#define TESTS_RANDOM_REQUEST_H
+#pragma once
 
 #include "server/store.h"
 #include "server/stream.h"
@@ -25,5 +24,3 @@ struct eco_view random_outlook(const struct eco_scene *scene, uint64_t seed, uin
 /* The body of the answer, which the caller frees; false: 204. `work_max`: as struct srv_stream_input. */
 bool random_answer(const struct srv_scene *scene, const struct eco_request *request,
 	const struct eco_holdings *holdings, uint64_t work_max, struct srv_body *body);
-
-#endif

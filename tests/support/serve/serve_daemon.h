@@ -1,6 +1,5 @@
 /* A daemon on a loopback socket that serves the sample scene, for the tests of server/. */
-#ifndef TESTS_SERVE_DAEMON_H
-#define TESTS_SERVE_DAEMON_H
+#pragma once
 
 #include <jansson.h>
 #include <sys/stat.h>
@@ -44,5 +43,3 @@ json_t *json_get(const char *target);
 int64_t count_in(const json_t *json, const char *key);
 
 #define WAIT_UNTIL(condition) while (!(condition)) usleep(1000)
-
-#endif

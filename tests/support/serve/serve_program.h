@@ -1,6 +1,5 @@
 /* The program ecoserve, as a process of its own. */
-#ifndef TESTS_SERVE_PROGRAM_H
-#define TESTS_SERVE_PROGRAM_H
+#pragma once
 
 #include <limits.h>
 #include <stdbool.h>
@@ -37,5 +36,3 @@ int program_finish(struct program *program);
 void program_stop(struct program *program);
 /* Runs it to its end: it must have this status and say so on stderr, and nothing on stdout. */
 void program_fails(const char *const *arguments, int status, const char *says);
-
-#endif

@@ -3,8 +3,7 @@
  *   served_open(&seen, "a.json", "a.eco");      a draft; fails the test where that fails
  *   served_look(&seen, &view, ground_px);       asks for a view; seen.selection is what is drawn of it
  *   served_close(&seen); */
-#ifndef TESTS_SERVED_H
-#define TESTS_SERVED_H
+#pragma once
 
 #include "client-min/view_select.h"
 #include "server/stream.h"
@@ -28,5 +27,3 @@ const struct srv_scene *served_sample(struct srv_store *packs, const char *path,
 void served_open(struct served *seen, const char *json, const char *pack);
 void served_look(struct served *seen, const struct eco_view *view, double ground_px);
 void served_close(struct served *seen);
-
-#endif

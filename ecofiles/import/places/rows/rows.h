@@ -4,8 +4,7 @@
  *   eco_rows_open(&rows, &source, &error);           in a child process; or eco_rows_open_here in this one
  *   while (rows->next(rows, &more, &error) == ECO_OK && more) rows->fields[...], rows->place
  *   eco_rows_close(rows); */
-#ifndef ECO_ROWS_H
-#define ECO_ROWS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -115,5 +114,3 @@ bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point);
 void eco_rows_point_state(struct eco_rows *rows, const struct eco_rows_point *point);
 /* Sets the place of the row at hand. */
 void eco_rows_point_take(struct eco_rows *rows, const struct eco_rows_point *point);
-
-#endif
