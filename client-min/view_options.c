@@ -82,92 +82,37 @@ static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND]
 	[VIEW_TINT_OWN] = "own", NULL };
 
 static const struct eco_option option_table[] = {
-	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url,
-		.help = "address of the scene: http://host:port/v1/scenes/NAME", .is_required = true },
-	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script",
+	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url, .is_required = true },
+	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .is_required = true },
+	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .is_required = true },
+	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, (double)ECO_VERTICES_MAX,
 		.is_required = true },
-	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .is_required = true,
-		.help = "size of the pictures in pixels; at most 16384 either way and 2^26 in all" },
-	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, (double)ECO_VERTICES_MAX, .is_required = true,
-		.help = "vertices drawn in a frame: points + 2 lines + 3 triangles, each instance "
-		"counted" },
-	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
-		.help = "folder for pictures and report.json; made if missing" },
-	{ "bytes", 0, ECO_OPTION_BYTES, "M", &given.bytes, 0, (double)INT64_MAX,
-		.help = "bytes of each response; default: no limit. Within a limit the first response begins "
-		"with a picture of at most 14 kB; other coarse pictures come if they fit" },
-	{ "memory", 0, ECO_OPTION_BYTES, "SIZE", &given.memory, VIEW_MEMORY_LEAST, VIEW_MEMORY_MOST,
-		.help = "decoded data to hold, such as 64M; default 8G. The data that was needed longest "
-		"ago leaves first and is fetched again on need. The reference is not counted" },
-	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
-		.help = "error of the ground in pixels, 0.01 to 65536; default 1" },
-	{ "texel-px", 0, ECO_OPTION_NUMBER, "X", &given.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX,
-		.help = "width of a texel on the screen in pixels, 0.000001 to 65536, where the texture "
-		"is fine enough; default 0.03125" },
-	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600,
-		.help = "also fetch for the view that the script reaches S seconds later. These data "
-		"come last, within --bytes; without --chunks they are dropped when the script "
-		"has moved on" },
-	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
-		.help = "round eye and target to a grid of M metres: views that are nearly alike then "
-		"share a plan. Each moves by at most .87 M" },
-	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = view_rules,
-		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
-		"2002), for comparison" },
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true },
+	{ "bytes", 0, ECO_OPTION_BYTES, "M", &given.bytes, 0, (double)INT64_MAX },
+	{ "memory", 0, ECO_OPTION_BYTES, "SIZE", &given.memory, VIEW_MEMORY_LEAST, VIEW_MEMORY_MOST },
+	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX },
+	{ "texel-px", 0, ECO_OPTION_NUMBER, "X", &given.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX },
+	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600 },
+	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000 },
+	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = view_rules },
 	{ "reference", 0, ECO_OPTION_READ, "cpu|egl", &given.reference, .read = read_reference,
-		.has_optional_value = true,
-		.help = "draw each frame at full detail as well, and score it; with OpenGL on hardware, "
-		"else in software" },
-	{ "digest", 0, ECO_OPTION_FLAG, NULL, &given.digest,
-		.help = "print two hashes for each frame, of the decoded data and of the drawn ranges; a "
-		"browser prints the same" },
-	{ "owners", 0, ECO_OPTION_FLAG, NULL, &given.owners,
-		.help = "write frame-0000.owners.png: one colour for each plant, the same in all frames; "
-		"black where there is no plant" },
-	{ "compare", 0, ECO_OPTION_FLAG, NULL, &given.compare,
-		.help = "with --reference: write compare-0000.png, which shows the frame, full detail "
-		"and the visible error (FLIP) side by side with their scores" },
-	{ "truths", 0, ECO_OPTION_TEXT, "DIR", &given.truths,
-		.help = "with --reference: keep the reference's colours in DIR, and take them from there when the "
-		"same view of the same pack is drawn alike again" },
-	{ "geojson", 0, ECO_OPTION_FLAG, NULL, &given.geojson,
-		.help = "write frame-0000.geojson: the plants in view, each with longitude and latitude "
-		"(metres where the scene has no CRS), species, the species whose model is shown, "
-		"height, pixels, distance, representation, and its row of its inventory" },
-	{ "samples", 0, ECO_OPTION_COUNT, "N", &given.samples, 1, LOD_SAMPLES_MAX,
-		.help = "places in each pixel whose light is averaged, 1 to 16; default 8. Masks, owners and "
-		"scores by pixel use the first, its middle" },
-	{ "smooth", 0, ECO_OPTION_FLAG, NULL, &given.smooth,
-		.help = "draw crowns as smooth ellipsoids, without leaves on them" },
-	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_time_read,
-		.help = "place the sun by time and the scene's place, such as 2026-06-21T10:00Z; default: ten "
-		"in the morning of midsummer there, or at a latitude of 50 degrees if the scene has no "
-		"CRS" },
-	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = read_shadows,
-		.help = "draw shadows of plants on plants and ground, with a map of SIZE x SIZE texels "
-		"(1024). perspective, the default: smaller texels near the eye; standard: texels "
-		"of one size; no: none. Plants outside the view cast shadows only if their data are already "
-		"there" },
-	{ "haze", 0, ECO_OPTION_NUMBER, "M", &given.sky.haze_m, 1, 1e9,
-		.help = "distance in metres at which haze at sea level leaves 1/e of the light; default "
-		"20000" },
-	{ "tint", 0, ECO_OPTION_CHOICE, "NAME", &given.tint, .choices = tints,
-		.help = "kind: colour by representation (green triangles, red lines, blue points, yellow "
-		"and orange blends, violet ellipsoids for whole plants). own: the plants' own "
-		"colours without light, on gray ground before a black sky" },
-	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.chunks,
-		.help = "fetch chunks of 1024 bytes or more from URL/ID: the scene's URL/chunks, or a host "
-		"that keeps these. Smaller chunks come with the "
-		"stream, and all chunks do when the host does not answer" },
-	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks,
-		.help = "also draw the incomplete frame after so many bytes or milliseconds, such as "
-		"20000,50000,200ms, as frame-0000-part-00.png, ...; with each answer's end these "
-		"are a film" },
-	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain,
-		.help = "write a table with the reason for each cut of each frame; the server makes each "
-		"plan twice for it" },
-	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames,
-		.help = "draw only these frames of the script, both included" }, { 0 } };
+		.has_optional_value = true },
+	{ "digest", 0, ECO_OPTION_FLAG, NULL, &given.digest },
+	{ "owners", 0, ECO_OPTION_FLAG, NULL, &given.owners },
+	{ "compare", 0, ECO_OPTION_FLAG, NULL, &given.compare },
+	{ "truths", 0, ECO_OPTION_TEXT, "DIR", &given.truths },
+	{ "geojson", 0, ECO_OPTION_FLAG, NULL, &given.geojson },
+	{ "samples", 0, ECO_OPTION_COUNT, "N", &given.samples, 1, LOD_SAMPLES_MAX },
+	{ "smooth", 0, ECO_OPTION_FLAG, NULL, &given.smooth },
+	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_time_read },
+	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = read_shadows },
+	{ "haze", 0, ECO_OPTION_NUMBER, "M", &given.sky.haze_m, 1, 1e9 },
+	{ "tint", 0, ECO_OPTION_CHOICE, "NAME", &given.tint, .choices = tints },
+	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.chunks },
+	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks },
+	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain },
+	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames }, { 0 }
+};
 
 const struct eco_command view_command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "

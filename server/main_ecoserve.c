@@ -50,104 +50,49 @@ static void raise_descriptors(uint64_t connections)
 static const char *const log_forms[] = { [SRV_LOG_TEXT] = "text", [SRV_LOG_JSON] = "json", NULL };
 
 static const struct eco_option options[] = {
-	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &given.scenes, .is_required = true,
-		.help = "a pack, or a folder of packs, served under /v1/scenes/NAME. Without NAME= the name is "
-			"the scene's own if that is a word of a-z, 0-9, '_' and '-'; else the file's, in "
-			"small letters with '-' for all other characters" },
-	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen,
-		.help = "address to listen on; port 0 takes any free port. Default: the socket that systemd "
-			"hands over, else " SRV_LISTEN_DEFAULT },
-	{ "copies", 0, ECO_OPTION_TEXT, "DIR", &given.copies,
-		.help = "folder for private copies of the packs, so that nobody changes a pack while it is "
-			"served. Copies need as much room as the packs and are deleted at the end. Default: "
-			"$TMPDIR or /var/tmp" },
-	{ "in-place", 0, ECO_OPTION_FLAG, NULL, &given.in_place,
-		.help = "serve the files themselves, without copies. Only for packs that are replaced by "
-			"renaming, never written over" },
-	{ "connections", 0, ECO_OPTION_COUNT, "N", &given.config.connections_max, 1, 100000,
-		.help = "most connections at once. When all are taken, an idle connection is closed, or one of "
-			"the address that holds most; 16 more are for addresses that hold none. Default: 1000" },
+	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &given.scenes, .is_required = true },
+	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen },
+	{ "copies", 0, ECO_OPTION_TEXT, "DIR", &given.copies },
+	{ "in-place", 0, ECO_OPTION_FLAG, NULL, &given.in_place },
+	{ "connections", 0, ECO_OPTION_COUNT, "N", &given.config.connections_max, 1, 100000 },
 	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address, 1,
-		100000, .help = "most connections of one address, or of one IPv6 /64. Default: 128" },
-	{ "plans", 0, ECO_OPTION_COUNT, "N", &given.config.queue_max, 1, 100000,
-		.help = "most plans that wait for a thread. When the queue is full, the address that holds "
-			"most gives one place to an address that holds less. Default: 64" },
-	{ "plans-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.queue_share_max, 1, 100000,
-		.help = "most waiting plans of one address. Default: 32" },
-	{ "plan-work", 0, ECO_OPTION_COUNT, "N", &given.config.plan_times, 1, 1000,
-		.help = "bound of the work for a request, as a multiple of an ordinary plan of its scene. A plan "
-			"that reaches it ends with the best result so far, the same on every machine. Default: 5" },
-	{ "head-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.head_ms, 10, 3600000,
-		.help = "time for a client to send a request's head, or to begin the next request. Default: 20000" },
-	{ "body-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.body_ms, 10, 3600000,
-		.help = "time for a client to send a request's body. Default: 30000" },
-	{ "send-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.send_ms, 10, 3600000,
-		.help = "window in which a client must read at least --send-rate bytes per second. Default: 30000" },
-	{ "send-rate", 0, ECO_OPTION_BYTES, "BYTES", &given.config.rate_bytes_s, 1, 1 << 30,
-		.help = "least bytes per second that a client must read of an answer. Default: 16384" },
-	{ "body-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.body_max, 4, 1 << 30,
-		.help = "largest body of a request. Default: 4 MiB" },
-	{ "bodies-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.bodies_max, 4, 1ull << 40,
-		.help = "memory for all bodies that have arrived. Default: 256 MiB" },
-	{ "answer-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.response_max, 1, 1ull << 40,
-		.help = "largest answer. Default: 2 GiB, and 64 MiB for a plan as JSON" },
-	{ "answers-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.answers_max, 4, 1ull << 40,
-		.help = "memory for all answers that are being sent, without the packs' own bytes. When it "
-			"is full, the address that holds most is disconnected. Default: 256 MiB" },
-	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.access.vertices, .read = srv_cap_add_vertices,
-		.times = ECO_ONCE_A_NAME,
-		.help = "most vertices of an answer, of one scene or of all. A request for more is answered "
-			"as if it asked for this many. May be given more than once" },
+		100000 },
+	{ "plans", 0, ECO_OPTION_COUNT, "N", &given.config.queue_max, 1, 100000 },
+	{ "plans-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.queue_share_max, 1, 100000 },
+	{ "plan-work", 0, ECO_OPTION_COUNT, "N", &given.config.plan_times, 1, 1000 },
+	{ "head-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.head_ms, 10, 3600000 },
+	{ "body-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.body_ms, 10, 3600000 },
+	{ "send-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.send_ms, 10, 3600000 },
+	{ "send-rate", 0, ECO_OPTION_BYTES, "BYTES", &given.config.rate_bytes_s, 1, 1 << 30 },
+	{ "body-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.body_max, 4, 1 << 30 },
+	{ "bodies-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.bodies_max, 4, 1ull << 40 },
+	{ "answer-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.response_max, 1, 1ull << 40 },
+	{ "answers-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.answers_max, 4, 1ull << 40 },
+	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.access.vertices,
+		.read = srv_cap_add_vertices, .times = ECO_ONCE_A_NAME },
 	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.access.bytes, .read = srv_cap_add_bytes,
-		.times = ECO_ONCE_A_NAME,
-		.help = "most bytes of an answer, likewise" },
-	{ "kept-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
-		.help = "memory for answers that are kept for repeated requests. Default: 64 MiB" },
+		.times = ECO_ONCE_A_NAME },
+	{ "kept-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40 },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
-		.read = srv_networks_parse,
-		.help = "proxies that may open any number of connections, and whose X-Forwarded-For names "
-			"the client" },
-	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer,
-		.help = "folder of the browser's viewer, shown at /. Default: web/site beside this program, "
-			"or the installed one; without a viewer, / says how to build it (`make web`)" },
+		.read = srv_networks_parse },
+	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer },
 	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = srv_access_add_token,
-		.times = ECO_OFTEN,
-		.help = "restrict a scene to requests with the token that is the first line of FILE "
-			"(Authorization: Bearer). May be given more than once" },
+		.times = ECO_OFTEN },
 	{ "admin-token", 0, ECO_OPTION_READ, "FILE", &given.access, .read = srv_access_add_operator,
-		.times = ECO_OFTEN,
-		.help = "restrict /metrics and /v1/admin to requests with this token, which opens all scenes "
-			"too. Default: only this machine may ask for them" },
+		.times = ECO_OFTEN },
 	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = srv_access_add_origin,
-		.times = ECO_OFTEN,
-		.help = "origin whose pages may read answers: https://HOST[:PORT], or * for all. May be "
-			"given more than once" },
-	{ "embed", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = srv_access_add_frame, .times = ECO_OFTEN,
-		.help = "origin whose pages may show the viewer in a frame: https://HOST[:PORT], or * for "
-			"all. May be given more than once. Default: only this server's own" },
-	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.config.keep_s, 1, 86400,
-		.help = "seconds for which chunks of a replaced pack are still served. Default: 600" },
+		.times = ECO_OFTEN },
+	{ "embed", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = srv_access_add_frame,
+		.times = ECO_OFTEN },
+	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.config.keep_s, 1, 86400 },
 	{ "log", 0, ECO_OPTION_CHOICE, "FORM", &given.config.log_form, .choices = log_forms,
-		.given = &given.config.log,
-		.help = "print a line for each request on stderr, as text or json; messages and errors have "
-			"the same form. Lines that nobody reads are dropped and counted (/metrics)" },
-	{ "slow", 0, ECO_OPTION_COUNT, "MS", &given.config.slow_ms, 1, 3600000,
-		.help = "log requests whose plan took longer than this, with the planner's trials" },
-	{ "user", 0, ECO_OPTION_TEXT, "NAME", &given.user,
-		.help = "user that the daemon becomes after root has started it and packs and port are open. "
-			"Default: " SRV_USER_DEFAULT },
-	{ "require-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.require_sandbox,
-		.help = "refuse to start if the system cannot restrict the daemon to its packs and its "
-			"system calls; without it, a warning" },
-	{ "no-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.without_sandbox,
-		.help = "do not restrict the daemon, for debuggers and the like" },
-	{ "config", 0, ECO_OPTION_TEXT, "FILE", &given.settings,
-		.help = "file of settings: lines of NAME = VALUE, with the names of these options, and pack = "
-			"[NAME=]OUT.eco. '#' and a space begin a comment; a value that holds '#' behind a "
-			"space needs double quotes" },
-	{ "check-config", 0, ECO_OPTION_FLAG, NULL, &given.only_check,
-		.help = "read all settings and packs, say whether they are good, and end" },
-	{ 0 }
+		.given = &given.config.log },
+	{ "slow", 0, ECO_OPTION_COUNT, "MS", &given.config.slow_ms, 1, 3600000 },
+	{ "user", 0, ECO_OPTION_TEXT, "NAME", &given.user },
+	{ "require-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.require_sandbox },
+	{ "no-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.without_sandbox },
+	{ "config", 0, ECO_OPTION_TEXT, "FILE", &given.settings },
+	{ "check-config", 0, ECO_OPTION_FLAG, NULL, &given.only_check }, { 0 }
 };
 
 static const struct eco_command command = { .name = "ecoserve",

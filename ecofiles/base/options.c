@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "build/words/help.table"
 #include "ecofiles/base/text.h"
 #include "ecofiles/base/version.h"
 
@@ -290,11 +291,24 @@ void eco_help_wrap(FILE *out, const char *text, unsigned at, unsigned indent)
 	fputc('\n', out);
 }
 
+/* The option's own text, or that of words/help.tsv for the command or its program; NULL: there is none. */
+static const char *help_of(const struct eco_command *command, const struct eco_option *o)
+{
+	const char *text = o->help;
+	for (size_t i = 0; !text && o->name && i < sizeof help_rows / sizeof *help_rows; i++) {
+		size_t length = strlen(help_rows[i].command);
+		if (strncmp(command->name, help_rows[i].command, length) == 0 && strchr(" ", command->name[length])
+				&& strcmp(o->name, help_rows[i].option) == 0)
+			text = help_rows[i].text;
+	}
+	return text;
+}
+
 /* Whether a row of the help is an option's or an input's, which is then " -o, --output OUT.eco" or " URL". */
-static bool left_of(const struct eco_option *o, char left[64])
+static bool left_of(const struct eco_command *command, const struct eco_option *o, char left[64])
 {
 	char letter[] = { '-', o->letter, ',', 0 };
-	if (o->kind == ECO_OPTION_HEADING || !o->help)
+	if (o->kind == ECO_OPTION_HEADING || !help_of(command, o))
 		return false;
 	if (is_input(o))
 		snprintf(left, 64, "  %s", o->word);
@@ -307,21 +321,22 @@ static bool left_of(const struct eco_option *o, char left[64])
 }
 
 /* The column in which explanations begin: behind the longest row that leaves room for them. */
-static unsigned help_column(const struct eco_option *table)
+static unsigned help_column(const struct eco_command *command, const struct eco_option *table)
 {
 	char left[64];
 	unsigned column = HELP_COLUMN_MIN;
 	for (const struct eco_option *o = table; o->name || o->help; o++)
-		if (left_of(o, left) && strlen(left) + 2 > column && strlen(left) + 2 <= HELP_COLUMN_MAX)
+		if (left_of(command, o, left) && strlen(left) + 2 > column && strlen(left) + 2 <= HELP_COLUMN_MAX)
 			column = (unsigned)strlen(left) + 2;
 	return column;
 }
 
-static void print_table(const struct eco_option *table, unsigned column, FILE *out)
+static void print_table(const struct eco_command *command, const struct eco_option *table, unsigned column,
+	FILE *out)
 {
 	char left[64];
 	for (const struct eco_option *o = table; o && (o->name || o->help); o++) {
-		if (!left_of(o, left)) {
+		if (!left_of(command, o, left)) {
 			if (o->kind == ECO_OPTION_HEADING)
 				fprintf(out, "%s\n", o->help);
 			continue;
@@ -330,7 +345,7 @@ static void print_table(const struct eco_option *table, unsigned column, FILE *o
 			fprintf(out, "%-*s", (int)column, left);
 		else
 			fprintf(out, "%s\n%*s", left, (int)column, "");
-		eco_help_wrap(out, o->help, column, column);
+		eco_help_wrap(out, help_of(command, o), column, column);
 	}
 }
 
@@ -347,15 +362,15 @@ void eco_command_help(const struct eco_command *command, FILE *out)
 	static const struct eco_option always[] =
 		{ { "help", 'h', ECO_OPTION_FLAG, NULL, NULL, .help = "this text" },
 		{ "version", 'V', ECO_OPTION_FLAG, NULL, NULL, .help = "the version" }, { 0 } };
-	unsigned column = help_column(command->options ? command->options : always);
+	unsigned column = help_column(command, command->options ? command->options : always);
 	int at = fprintf(out, "usage: %s ", command->name);
 	eco_help_wrap(out, command->synopsis, at > 0 ? (unsigned)at : 0, 8);
 	fputc('\n', out);
 	eco_help_wrap(out, command->says, 0, 0);
 	fputc('\n', out);
-	print_table(command->options, column, out);
-	print_table(command->common, column, out);
-	print_table(always, column, out);
+	print_table(command, command->options, column, out);
+	print_table(command, command->common, column, out);
+	print_table(command, always, column, out);
 	fputc('\n', out);
 	if (command->notes)
 		eco_help_wrap(out, command->notes, 0, 0);

@@ -64,7 +64,7 @@ struct eco_option {
 	const char *word;                /* for its value, in --help and in messages; NULL of flags */
 	void *value;                     /* left alone where the option is not given */
 	double low, high;
-	/* wrapped where it is printed; NULL of inputs that the synopsis explains */
+	/* wrapped where it is printed; NULL: as words/help.tsv says, or of inputs that the synopsis explains */
 	const char *help;
 	uint32_t count;
 	const char *const *choices;      /* ends with NULL */

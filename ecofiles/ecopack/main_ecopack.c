@@ -114,41 +114,22 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 
 static const struct eco_option make_options[] = {
 	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &make_given.make.scene, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &make_given.make.pack, .is_required = true,
-		.help = "the pack, which appears complete or not at all and replaces nothing but a pack" },
-	{ "draft", 0, ECO_OPTION_FLAG, NULL, &make_given.make.draft,
-		.help = "a first look in a fraction of the time: crowns thin out more roughly and "
-		"textures have at most 512 texels a side. A later run without it is not affected" },
+	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &make_given.make.pack, .is_required = true },
+	{ "draft", 0, ECO_OPTION_FLAG, NULL, &make_given.make.draft },
 	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &make_given.order, .choices = lod_order_names,
-		.given = &make_given.order_given,
-		.help = "order of leaves: greedy (the default: first those that make most pixels right); "
-		"for comparison: stochastic, density, orientation, combined" },
+		.given = &make_given.order_given },
 	{ "season", 0, ECO_OPTION_CHOICE, "NAME", &make_given.season, .choices = eco_season_names,
-		.given = &make_given.make.season_given,
-		.help = "season of all plants of the library: summer, autumn, winter, spring; default: as the scene says" },
-	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64,
-		.help = "threads; default: the number of processors" },
-	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows,
-		.help = "leave out inventories' names, row numbers and species texts: for packs that "
-		"strangers see" },
-	{ "columns", 0, ECO_OPTION_READ, "A,B,...", &make_given.make.columns, .read = read_columns,
-		.help = "columns of inventories whose values clients may show, such as name,height,health; they become part of the "
-		"pack, where everybody who has it reads them. Default: none" },
+		.given = &make_given.make.season_given },
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64 },
+	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows },
+	{ "columns", 0, ECO_OPTION_READ, "A,B,...", &make_given.make.columns, .read = read_columns },
 	{ "confine", 0, ECO_OPTION_READ, "DIR", &make_given.confined_to, .read = read_confine,
-		.has_optional_value = true,
-		.help = "for scenes of strangers: read only files below DIR (default: the scene's "
-		"folder), whatever the scene, its models, tables and rasters name. Fails where "
-		"the kernel cannot enforce this" },
-	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times,
-		.help = "print the time of each stage" },
-	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache,
-		.help = "folder that keeps finished plants for the next run; default "
-		"$XDG_CACHE_HOME/ecostream or ~/.cache/ecostream" },
-	{ "no-cache", 0, ECO_OPTION_FLAG, NULL, &make_given.uncached,
-		.help = "build every plant" },
-	{ "cache-mb", 0, ECO_OPTION_COUNT, "N", &make_given.cache_mb, 1, 1048576,
-		.help = "size of the cache in MiB; the plants used longest ago leave first; default 2048" },
-	{ 0 } };
+		.has_optional_value = true },
+	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times },
+	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache },
+	{ "no-cache", 0, ECO_OPTION_FLAG, NULL, &make_given.uncached },
+	{ "cache-mb", 0, ECO_OPTION_COUNT, "N", &make_given.cache_mb, 1, 1048576 }, { 0 }
+};
 
 const struct main_command main_command_make = { {
 	"ecopack make", "SCENE.json -o OUT.eco [--draft | --order NAME] [--jobs N] [--no-rows] [--columns A,B,...] [--times] "
@@ -177,11 +158,9 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 static const struct eco_option link_options[] = {
 	{ "a pack to be linked", 0, ECO_OPTION_INPUTS, "A.eco", &link_given.parts, .high = LINK_PARTS_MAX,
 		.is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &link_given.pack, .help = "the pack to write",
-		.is_required = true },
-	{ "jobs", 0, ECO_OPTION_COUNT, "N", &link_given.jobs, 1, 64,
-		.help = "threads; default: the number of processors" },
-	{ 0 } };
+	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &link_given.pack, .is_required = true },
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", &link_given.jobs, 1, 64 }, { 0 }
+};
 
 const struct main_command main_command_link = { { "ecopack link", "A.eco B.eco ... -o OUT.eco [--jobs N]",
 	"Makes one pack of packs that were built apart, each where its origin is.", link_options, main_common,
@@ -201,7 +180,8 @@ static enum eco_code run_info(int argc, char **argv, struct eco_error *error)
 
 static const struct eco_option info_options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true },
-	{ "json", 0, ECO_OPTION_FLAG, NULL, &look_given.json, .help = "print JSON" }, { 0 } };
+	{ "json", 0, ECO_OPTION_FLAG, NULL, &look_given.json }, { 0 }
+};
 
 const struct main_command main_command_info =
 	{ { "ecopack info", "OUT.eco [--json]", "Prints the contents of a pack.", info_options, main_common,
@@ -221,7 +201,8 @@ static enum eco_code run_verify(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option verify_options[] = {
-	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true }, { 0 } };
+	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true }, { 0 }
+};
 
 const struct main_command main_command_verify =
 	{ { "ecopack verify", "OUT.eco", "Checks every byte of a pack and names what is damaged.",
@@ -256,16 +237,13 @@ static enum eco_code run_generate(int argc, char **argv, struct eco_error *error
 
 static const struct eco_option generate_options[] = {
 	{ "the name of a scene", 0, ECO_OPTION_INPUT, "NAME", &generate_given.generate.name,
-		.is_required = true,
-		.help = "a name from the list in ecopack --help" },
-	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &generate_given.generate.folder, .help = "the folder",
 		.is_required = true },
-	{ "plants", 0, ECO_OPTION_COUNT, "N", &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX,
-		.help = "number of plants, approximately" },
-	{ "detail", 0, ECO_OPTION_NUMBER, "D", &generate_given.generate.detail, 0.1, ECO_GENERATE_DETAIL_MAX,
-		.help = "number of leaves of woody plants, as a multiple; leaves shrink accordingly" },
-	{ "seed", 0, ECO_OPTION_COUNT, "S", &generate_given.generate.seed, 0, 9007199254740992.0,
-		.help = "seed: another scene of the same kind; default 1" }, { 0 } };
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &generate_given.generate.folder, .is_required = true },
+	{ "plants", 0, ECO_OPTION_COUNT, "N", &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX },
+	{ "detail", 0, ECO_OPTION_NUMBER, "D", &generate_given.generate.detail, 0.1,
+		ECO_GENERATE_DETAIL_MAX },
+	{ "seed", 0, ECO_OPTION_COUNT, "S", &generate_given.generate.seed, 0, 9007199254740992.0 }, { 0 }
+};
 
 const struct main_command main_command_generate = { { "ecopack generate", "NAME -o DIR [--plants N] "
 	"[--detail D] [--seed S]",
@@ -296,19 +274,13 @@ static enum eco_code run_publish(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option publish_options[] = {
-	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &publish_given.packs, .high = 32, .is_required = true,
-		.help = "a pack, shown under NAME; without NAME= named as by ecoserve" },
-	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &publish_given.publish.folder, .is_required = true,
-		.help = "the folder, which may be one that was published before; other files in it, and an index.html that is "
-			"not from here, are left alone" },
-	{ "views", 0, ECO_OPTION_TEXT, "FILE", &publish_given.publish.views,
-		.help = "a camera script, as the viewer's Views write it: links to its keyframes show a picture at once" },
-	{ "columns", 0, ECO_OPTION_READ, "A,B,...", &publish_given.columns, .read = read_columns,
-		.help = "of the columns that `ecopack make --columns` put into the packs, those that everybody may see; with them come "
-			"the rows' species. Default: none, and no rows" },
-	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &publish_given.publish.viewer,
-		.help = "folder of the browser's viewer. Default: web/site beside this program, or the installed one" },
-	{ 0 } };
+	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &publish_given.packs, .high = 32,
+		.is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &publish_given.publish.folder, .is_required = true },
+	{ "views", 0, ECO_OPTION_TEXT, "FILE", &publish_given.publish.views },
+	{ "columns", 0, ECO_OPTION_READ, "A,B,...", &publish_given.columns, .read = read_columns },
+	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &publish_given.publish.viewer }, { 0 }
+};
 
 const struct main_command main_command_publish = { { "ecopack publish",
 	"[NAME=]OUT.eco ... -o DIR [--views FILE] [--columns A,B,...] [--viewer DIR]",

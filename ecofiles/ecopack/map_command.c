@@ -364,14 +364,9 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 
 static const struct eco_option options[] = {
 	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "MAP", &given.output, .is_required = true,
-		.help = "a PNG; or a table of all plants with species, heights, files, rows and lines, of buildings and of what is "
-		"drawn on the ground: "
-		".gpkg in the scene's CRS, .geojson in longitude and latitude. The file appears "
-		"complete or not at all" },
-	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000,
-		.help = "longer side of the map in pixels, without its legend, 200 to 8000; default 1200" },
-	{ 0 } };
+	{ "output", 'o', ECO_OPTION_TEXT, "MAP", &given.output, .is_required = true },
+	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000 }, { 0 }
+};
 
 const struct main_command main_command_map = { { "ecopack map",
 	"SCENE.json -o MAP.png|MAP.gpkg|MAP.geojson [--size PX]",

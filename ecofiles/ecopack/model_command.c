@@ -366,13 +366,12 @@ static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
 static const struct eco_option options[] = {
 	{ "the model file", 0, ECO_OPTION_INPUTS, "FILE", &given.files, .high = FILES_MAX,
 		.is_required = true },
-	{ "unit", 0, ECO_OPTION_TEXT, "U", &given.unit, .help = "unit of the files: " ECO_UNITS },
-	{ "up", 0, ECO_OPTION_TEXT, "x|y|z", &given.up, .help = "axis of the files that points up" },
-	{ "height", 0, ECO_OPTION_NUMBER, "M", &given.height_m, 0.001, 1000,
-		.help = "height in metres to which it is scaled" },
-	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "for scripts" },
-	{ "as-plant", 0, ECO_OPTION_FLAG, NULL, &given.as_plant, .help = "only the lines for SCENE.json" },
-	{ 0 } };
+	{ "unit", 0, ECO_OPTION_TEXT, "U", &given.unit },
+	{ "up", 0, ECO_OPTION_TEXT, "x|y|z", &given.up },
+	{ "height", 0, ECO_OPTION_NUMBER, "M", &given.height_m, 0.001, 1000 },
+	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json },
+	{ "as-plant", 0, ECO_OPTION_FLAG, NULL, &given.as_plant }, { 0 }
+};
 
 const struct main_command main_command_model = { {
 	"ecopack model", "FILE... [--unit U] [--up x|y|z] [--height M] [--json] [--as-plant]",

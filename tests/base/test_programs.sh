@@ -129,6 +129,13 @@ for command in $commands; do
 	says err "^ecopack: ecopack $command has no --nonsense$"
 done
 
+# each row of the table of helps is an option's of its program
+grep -v '^#' ecofiles/base/words/help.tsv | tail -n +2 | while IFS="$(printf '\t')" read -r command option _; do
+	case $option in *' '*) continue ;; esac
+	"$BUILD"/$command --help | grep -q -e "--$option" || echo "help.tsv: $command has no --$option"
+done >"$DIR/rows"
+[ ! -s "$DIR/rows" ] || complain "$(cat "$DIR/rows")"
+
 # what the system refuses: the path, the system's word, and what to do
 mkdir "$DIR/models" && printf 'v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n' >"$DIR/models/oak.obj"
 printf 'species,lon,lat\noak,11,48\n' >"$DIR/trees.csv"

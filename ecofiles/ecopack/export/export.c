@@ -138,13 +138,9 @@ static enum eco_code run(int argc, char **argv, struct eco_error *error)
 
 static const struct eco_option options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &given.pack, .is_required = true },
-	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles, .is_required = true,
-		.help = "write 3D Tiles 1.1 for CesiumJS and others into a new folder, which appears "
-		"complete or not at all" },
-	{ "plain", 0, ECO_OPTION_FLAG, NULL, &given.plain,
-		.help = "3D Tiles without EXT_meshopt_compression, for programs that cannot read it; "
-		"about three times the bytes" },
-	{ 0 } };
+	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles, .is_required = true },
+	{ "plain", 0, ECO_OPTION_FLAG, NULL, &given.plain }, { 0 }
+};
 
 const struct main_command main_command_export = { { "ecopack export",
 	"OUT.eco --3dtiles DIR [--plain]",
