@@ -112,8 +112,7 @@ static size_t sample_band(const struct ground_colors *c, int number, float *valu
 }
 
 /* Black and white of the three bands together, so that hues stay. */
-static enum eco_code guess_range(const struct ground_colors *c, double range[2], struct eco_notes *notes,
-	struct eco_error *error)
+static void guess_range(const struct ground_colors *c, double range[2], struct eco_notes *notes)
 {
 	float *values = eco_alloc(4 * RANGE_SAMPLES * RANGE_SAMPLES, sizeof *values);
 	size_t count = 0;
@@ -127,7 +126,7 @@ static enum eco_code guess_range(const struct ground_colors *c, double range[2],
 	}
 	free(values);
 	if (!(range[0] < range[1]))
-		return eco_fail(error, ECO_BAD_INPUT,
+		eco_stop(ECO_BAD_INPUT,
 			"%.200s: %s; say which of its values are black and white: "
 			"\"image\": {\"file\": ..., \"range\": [0, 65535]}",
 			c->raster.path, count ? "all its pixels are alike" : "it has no pixel with a value");
@@ -138,39 +137,35 @@ static enum eco_code guess_range(const struct ground_colors *c, double range[2],
 		c->raster.path,
 		GDALGetDataTypeName(GDALGetRasterDataType(GDALGetRasterBand(c->raster.file, c->bands[0]))),
 		range[0], range[1]);
-	return ECO_OK;
 }
 
 /* Colours are bytes, or three bands of other numbers; one band of them may be heights or classes as well. */
-static enum eco_code find_range(struct ground_colors *c, bool said, double range[2],
-	struct eco_notes *notes, struct eco_error *error)
+static void find_range(struct ground_colors *c, bool said, double range[2], struct eco_notes *notes)
 {
-	enum eco_code code = ECO_OK;
 	GDALDataType other = GDT_Byte;
 	for (int k = 0; k < 3; k++) {
 		GDALDataType type = GDALGetRasterDataType(GDALGetRasterBand(c->raster.file, c->bands[k]));
 		if (GDALDataTypeIsComplex(type))
-			return eco_fail(error, ECO_BAD_INPUT, "%.200s: band %d holds %s, which is no colour",
-				c->raster.path, c->bands[k], GDALGetDataTypeName(type));
+			eco_stop(ECO_BAD_INPUT, "%.200s: band %d holds %s, which is no colour", c->raster.path, c->bands[k],
+				GDALGetDataTypeName(type));
 		other = type == GDT_Byte ? other : type;
 	}
 	c->by_range = said || other != GDT_Byte;
 	if (!c->by_range)
-		return ECO_OK;
+		return;
 	if (!(range[0] < range[1]) && c->bands[0] == c->bands[1])
-		return eco_fail(error, ECO_BAD_INPUT,
+		eco_stop(ECO_BAD_INPUT,
 			"%.200s: it has one band of %s: heights, classes or grey? If "
 			"they are classes, give their colours: \"image\": {\"file\": ..., \"classes\": "
 			"{\"1\": \"#4c7300\"}}; if grey, black and white: \"range\": [0, 65535]",
 			c->raster.path, GDALGetDataTypeName(other));
 	if (!(range[0] < range[1]))
-		code = guess_range(c, range, notes, error);
+		guess_range(c, range, notes);
 	memcpy(c->range, range, sizeof c->range);
-	return code;
 }
 
-enum eco_code ground_colors_open(struct ground_colors *c, const struct eco_ground_image_source *source,
-	double range[2], struct eco_notes *notes, struct eco_error *error)
+void ground_colors_open(struct ground_colors *c, const struct eco_ground_image_source *source,
+	double range[2], struct eco_notes *notes)
 {
 	const struct ground_raster *r = &c->raster;
 	GDALRasterBandH first = GDALGetRasterBand(r->file, 1);
@@ -180,43 +175,31 @@ enum eco_code ground_colors_open(struct ground_colors *c, const struct eco_groun
 	c->has_nodata = source->has_nodata;
 	c->nodata = source->nodata;
 	if (c->by_class && count != 1)
-		return eco_fail(error, ECO_BAD_INPUT,
+		eco_stop(ECO_BAD_INPUT,
 			"%.200s: it has %d bands; a raster of classes has one, with "
 			"their numbers. Leave out \"classes\" if its bands are colours",
 			r->path, count);
 	if (c->by_class && !is_whole(type))
-		return eco_fail(error, ECO_BAD_INPUT,
-			"%.200s: its values are %s; numbers of classes are whole", r->path,
+		eco_stop(ECO_BAD_INPUT, "%.200s: its values are %s; numbers of classes are whole", r->path,
 			GDALGetDataTypeName(type));
 	if (c->by_class) {
 		gather_classes(c, source);
-		return ECO_OK;
+	} else {
+		find_bands(c, count);
+		find_range(c, source->has_range, range, notes);
 	}
-	find_bands(c, count);
-	return find_range(c, source->has_range, range, notes, error);
-}
-
-void ground_colors_close(struct ground_colors *c)
-{
-	ground_raster_close(&c->raster);
-	if (c->own)
-		GDALClose(c->own);
-	free(c->classes);
 }
 
 /* ---- A square ---- */
 
 /* A place that the scene states goes into a copy that has no pixels of its own. */
-enum eco_code ground_colors_locate(struct ground_colors *c, const struct eco_ground_image_source *source,
-	struct eco_error *error)
+void ground_colors_locate(struct ground_colors *c, const struct eco_ground_image_source *source)
 {
 	struct ground_raster *r = &c->raster;
 	char **arguments = CSLAddString(CSLAddString(NULL, "-of"), "VRT"), *wkt = NULL, text[40];
 	int usage = 0;
-	if (!source->crs && !source->has_place) {
-		CSLDestroy(arguments);
-		return ECO_OK;
-	}
+	if (!source->crs && !source->has_place)
+		return;
 	if (r->crs && OSRExportToWkt(r->crs, &wkt) == OGRERR_NONE)
 		arguments = CSLAddString(CSLAddString(arguments, "-a_srs"), wkt);
 	const double *t = r->transform,
@@ -228,19 +211,12 @@ enum eco_code ground_colors_locate(struct ground_colors *c, const struct eco_gro
 		arguments = CSLAddString(arguments, text);
 	}
 	GDALTranslateOptions *options = GDALTranslateOptionsNew(arguments, NULL);
-	GDALDatasetH placed = options ? GDALTranslate("", r->file, options, &usage) : NULL;
-	GDALTranslateOptionsFree(options);
-	CSLDestroy(arguments);
-	CPLFree(wkt);
-	if (!placed)
-		return ground_gdal_fail(r->path, "it cannot be put where the scene says", error);
-	c->own = r->file;
-	r->file = placed;
-	return ECO_OK;
+	r->file = options ? GDALTranslate("", r->file, options, &usage) : NULL;
+	ground_gdal_check(r->file, r->path, "it cannot be put where the scene says");
 }
 
 static GDALDatasetH warp(const struct ground_colors *c, const struct ground_scene *scene,
-	const double bounds[4], int side, struct eco_error *error)
+	const double bounds[4], int side)
 {
 	const char *how[11] = { "-dstalpha", "-et", "0.125", "-r", c->by_class ? "near" : "bilinear" };
 	int count = 5;
@@ -252,25 +228,22 @@ static GDALDatasetH warp(const struct ground_colors *c, const struct ground_scen
 		how[count++] = "-srcnodata";
 		how[count++] = CPLSPrintf("%.17g", c->nodata);
 	}
-	GDALDatasetH to = ground_warp(c->raster.file, c->raster.crs ? scene->crs : NULL, bounds,
+	return ground_warp(c->raster.path, c->raster.file, c->raster.crs ? scene->crs : NULL, bounds,
 		(const int[2]){ side, side }, how);
-	if (!to)
-		ground_gdal_fail(c->raster.path, "it cannot be brought into the scene's CRS", error);
-	return to;
 }
 
-static bool read_band(GDALDatasetH from, int band, int side, void *to, GDALDataType type, int pixel)
+static void read_band(const struct ground_colors *c, GDALDatasetH from, int band, int side, void *to, GDALDataType type,
+	int pixel)
 {
-	return GDALRasterIO(GDALGetRasterBand(from, band), GF_Read, 0, 0, side, side, to, side, side, type,
-		       pixel, 0) == CE_None;
+	ground_gdal_check(GDALRasterIO(GDALGetRasterBand(from, band), GF_Read, 0, 0, side, side, to, side, side, type,
+		pixel, 0) == CE_None, c->raster.path, c->by_class ? "its classes cannot be read" : "its colours cannot be read");
 }
 
-static enum eco_code no_class(const struct ground_colors *c, const double bounds[4], int at, double value,
-	struct eco_error *error)
+static _Noreturn void no_class(const struct ground_colors *c, const double bounds[4], int at, double value)
 {
 	const int side = SIDE * CLASS_SAMPLES;
 	double step = (bounds[2] - bounds[0]) / side;
-	return eco_fail(error, ECO_BAD_INPUT,
+	eco_stop(ECO_BAD_INPUT,
 		"%.200s: class %.0f, at %.1f, %.1f, has no colour; add it to the "
 		"scene's \"ground\": {\"image\": {..., \"classes\": {\"%.0f\": \"#4c7300\"}}}, or null in "
 		"place "
@@ -280,8 +253,8 @@ static enum eco_code no_class(const struct ground_colors *c, const double bounds
 }
 
 /* The mean of the colours of a texel's classes; clear ones have none. */
-static enum eco_code mix_classes(const struct ground_colors *c, const double bounds[4], const double *values,
-	const uint8_t *alpha, uint8_t *rgba, struct eco_error *error)
+static void mix_classes(const struct ground_colors *c, const double bounds[4], const double *values,
+	const uint8_t *alpha, uint8_t *rgba)
 {
 	const int side = SIDE * CLASS_SAMPLES;
 	for (int t = 0; t < (int)(SIDE * SIDE); t++) {
@@ -293,7 +266,7 @@ static enum eco_code mix_classes(const struct ground_colors *c, const double bou
 				continue;
 			const struct eco_ground_class *class = class_of(c, values[at]);
 			if (!class)
-				return no_class(c, bounds, at, values[at], error);
+				no_class(c, bounds, at, values[at]);
 			for (int i = 0; i < 3 && !class->clear; i++)
 				sum[i] += class->rgb[i];
 			shown += !class->clear;
@@ -302,60 +275,50 @@ static enum eco_code mix_classes(const struct ground_colors *c, const double bou
 			rgba[4 * t + (int)i] = (uint8_t)((sum[i] + shown / 2) / shown);
 		rgba[4 * t + 3] = (uint8_t)(255 * shown / (CLASS_SAMPLES * CLASS_SAMPLES));
 	}
-	return ECO_OK;
 }
 
-static enum eco_code read_classes(const struct ground_colors *c, const struct ground_scene *scene,
-	const double bounds[4], uint8_t *rgba, struct eco_error *error)
+static void read_classes(const struct ground_colors *c, const struct ground_scene *scene,
+	const double bounds[4], uint8_t *rgba)
 {
 	const int side = SIDE * CLASS_SAMPLES;
-	GDALDatasetH from = warp(c, scene, bounds, side, error);
-	if (!from)
-		return ECO_BAD_INPUT;
+	GDALDatasetH from = warp(c, scene, bounds, side);
 	double *values = eco_alloc((size_t)side * side, sizeof *values);
 	uint8_t *alpha = eco_alloc((size_t)side * side, 1);
-	enum eco_code code = read_band(from, 1, side, values, GDT_Float64, 0)
-		&& read_band(from, 2, side, alpha, GDT_Byte, 0) ? ECO_OK
-		: ground_gdal_fail(c->raster.path, "its classes cannot be read", error);
-	if (!code)
-		code = mix_classes(c, bounds, values, alpha, rgba, error);
+	read_band(c, from, 1, side, values, GDT_Float64, 0);
+	read_band(c, from, 2, side, alpha, GDT_Byte, 0);
+	mix_classes(c, bounds, values, alpha, rgba);
 	free(values);
 	free(alpha);
 	GDALClose(from);
-	return code;
 }
 
 /* Channel k of `rgba`, of numbers that are no bytes. */
-static bool read_range(const struct ground_colors *c, GDALDatasetH from, int k, uint8_t *rgba)
+static void read_range(const struct ground_colors *c, GDALDatasetH from, int k, uint8_t *rgba)
 {
 	float *values = eco_alloc(SIDE * SIDE, sizeof *values);
-	bool good = read_band(from, c->bands[k], SIDE, values, GDT_Float32, 0);
-	for (size_t i = 0; i < (size_t)SIDE * SIDE && good; i++) {
+	read_band(c, from, c->bands[k], SIDE, values, GDT_Float32, 0);
+	for (size_t i = 0; i < (size_t)SIDE * SIDE; i++) {
 		double t = ((double)values[i] - c->range[0]) / (c->range[1] - c->range[0]);
 		rgba[4 * i + (size_t)k] = (uint8_t)(t > 0 ? 255 * fmin(t, 1) + 0.5 : 0);
 	}
 	free(values);
-	return good;
 }
 
-enum eco_code ground_colors_read(const struct ground_colors *c, const struct ground_scene *scene,
-	const double bounds[4], uint8_t *rgba, struct eco_error *error)
+void ground_colors_read(const struct ground_colors *c, const struct ground_scene *scene, const double bounds[4],
+	uint8_t *rgba)
 {
 	memset(rgba, 0, ECO_GROUND_IMAGE_BYTES);
-	if (c->by_class)
-		return read_classes(c, scene, bounds, rgba, error);
-	GDALDatasetH from = warp(c, scene, bounds, SIDE, error);
-	bool good = from;
+	if (c->by_class) {
+		read_classes(c, scene, bounds, rgba);
+		return;
+	}
+	GDALDatasetH from = warp(c, scene, bounds, SIDE);
+	for (int k = 0; k < 3; k++)
+		if (c->by_range)
+			read_range(c, from, k, rgba);
+		else
+			read_band(c, from, c->bands[k], SIDE, rgba + k, GDT_Byte, 4);
 	/* the warp's own alpha comes last, or takes the place of the file's */
-	for (int k = 0; k < 4 && good; k++)
-		good = k < 3 && c->by_range ? read_range(c, from, k, rgba)
-					    : read_band(from,
-						      k < 3              ? c->bands[k]
-							      : c->alpha ? c->alpha
-									 : GDALGetRasterCount(from),
-						      SIDE, rgba + k, GDT_Byte, 4);
-	if (from)
-		GDALClose(from);
-	return good ? ECO_OK : !from ? ECO_BAD_INPUT
-		: ground_gdal_fail(c->raster.path, "its colours cannot be read", error);
+	read_band(c, from, c->alpha ? c->alpha : GDALGetRasterCount(from), SIDE, rgba + 3, GDT_Byte, 4);
+	GDALClose(from);
 }

@@ -20,15 +20,16 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/gdal_module.h"
 
-enum eco_code ground_gdal_fail(const char *path, const char *doing, struct eco_error *error)
+void ground_gdal_check(bool good, const char *path, const char *doing)
 {
 	const char *why = CPLGetLastErrorMsg();
-	return eco_fail(error, ECO_BAD_INPUT, "%.150s: %s: %.200s; gdalinfo says whether it is whole", path,
-		doing, why[0] != 0 ? why : "GDAL gives no reason");
+	if (!good)
+		eco_stop(ECO_BAD_INPUT, "%.150s: %s: %.200s; gdalinfo says whether it is whole", path, doing,
+			why[0] != 0 ? why : "GDAL gives no reason");
 }
 
-GDALDatasetH ground_warp(GDALDatasetH from, OGRSpatialReferenceH crs, const double box[4], const int size[2],
-	const char *const *more)
+GDALDatasetH ground_warp(const char *path, GDALDatasetH from, OGRSpatialReferenceH crs, const double box[4],
+	const int size[2], const char *const *more)
 {
 	char **arguments = CSLAddString(CSLAddString(NULL, "-of"), "MEM"), *wkt = NULL;
 	GDALDatasetH to = NULL;
@@ -49,20 +50,20 @@ GDALDatasetH ground_warp(GDALDatasetH from, OGRSpatialReferenceH crs, const doub
 	GDALWarpAppOptionsFree(options);
 	CSLDestroy(arguments);
 	CPLFree(wkt);
+	ground_gdal_check(to, path, "it cannot be brought into the scene's CRS");
 	return to;
 }
 
 /* ---- CRS ---- */
 
-static enum eco_code make_crs(OGRSpatialReferenceH *crs, const char *text, const char *where,
-	struct eco_error *error)
+static OGRSpatialReferenceH make_crs(const char *text, const char *where)
 {
-	*crs = OSRNewSpatialReference(NULL);
-	if (OSRSetFromUserInput(*crs, text) != OGRERR_NONE)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the CRS \"%.100s\" is not known; write a "
-			"code such as \"EPSG:26917\"", where, text);
-	OSRSetAxisMappingStrategy(*crs, OAMS_TRADITIONAL_GIS_ORDER);
-	return ECO_OK;
+	OGRSpatialReferenceH crs = OSRNewSpatialReference(NULL);
+	if (OSRSetFromUserInput(crs, text) != OGRERR_NONE)
+		eco_stop(ECO_BAD_INPUT, "%.200s: the CRS \"%.100s\" is not known; write a code such as \"EPSG:26917\"",
+			where, text);
+	OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
+	return crs;
 }
 
 /* Removes the vertical part of a CRS, which says what heights are, not where the raster lies. */
@@ -76,81 +77,65 @@ static void split_vertical(OGRSpatialReferenceH crs, char vertical[64], double *
 	OSRStripVertical(crs);
 }
 
-enum eco_code ground_scene_check(struct ground_scene *job, struct eco_error *error)
+void ground_scene_check(struct ground_scene *job)
 {
-	const char *text = job->scene_crs;
 	double unit;
-	if (!text)
-		return ECO_OK;
-	enum eco_code code = make_crs(&job->crs, text, "the scene", error);
-	if (code)
-		return code;
+	if (!job->scene_crs)
+		return;
+	job->crs = make_crs(job->scene_crs, "the scene");
 	split_vertical(job->crs, job->vertical, &unit);
 	if (!OSRIsProjected(job->crs) || fabs(OSRGetLinearUnits(job->crs, NULL) - 1) > 1e-9)
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take "
-			"a projected one such as the UTM zone, \"EPSG:32617\"", text);
-	return ECO_OK;
+		eco_stop(ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the "
+			"UTM zone, \"EPSG:32617\"", job->scene_crs);
 }
 
 /* The raster's CRS as the scene states it, else from the file; the error names the line to add. */
-static enum eco_code raster_crs(struct ground_raster *r, struct ground_scene *job, struct eco_error *error)
+static void find_crs(struct ground_raster *r, struct ground_scene *job)
 {
 	OGRSpatialReferenceH file = GDALGetSpatialRef(r->file), own = file ? OSRClone(file) : NULL;
-	const char *stated = job->stated;
-	enum eco_code code = ECO_OK;
 	if (own)
 		split_vertical(own, r->vertical, &r->crs_unit_m);
 	if (!job->scene_crs) {
 		if (own && (OSRIsProjected(own) || OSRIsGeographic(own)))
-			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the "
-				"scene has no CRS; add \"crs\" and \"origin\" to "
-				"the scene", r->path, OSRGetName(own));
-	} else if (stated) {
-		code = make_crs(&r->crs, stated, r->path, error);
-		if (code == ECO_OK && r->vertical[0] == 0)
+			eco_stop(ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the scene has no CRS; add \"crs\" and "
+				"\"origin\" to the scene", r->path, OSRGetName(own));
+	} else if (job->stated) {
+		r->crs = make_crs(job->stated, r->path);
+		if (r->vertical[0] == 0)
 			split_vertical(r->crs, r->vertical, &r->crs_unit_m);
-		if (code == ECO_OK && own && !OSRIsSame(own, r->crs))
-			eco_note(job->notes, "%.200s says it is in %.80s; the scene says %.80s, "
-				"which is used", r->path, OSRGetName(own), stated);
+		if (own && !OSRIsSame(own, r->crs))
+			eco_note(job->notes, "%.200s says it is in %.80s; the scene says %.80s, which is used", r->path,
+				OSRGetName(own), job->stated);
 	} else if (!own) {
-		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: "
-			"\"ground\": {%s, \"crs\": \"%.80s\"}%s (if it is the scene's)", r->path,
-			job->where[0], job->scene_crs, job->where[1]);
+		eco_stop(ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: \"ground\": {%s, \"crs\": "
+			"\"%.80s\"}%s (if it is the scene's)", r->path, job->where[0], job->scene_crs, job->where[1]);
 	} else {
-		r->crs = OSRClone(own);
+		r->crs = own;
 		OSRSetAxisMappingStrategy(r->crs, OAMS_TRADITIONAL_GIS_ORDER);
 	}
-	if (own)
-		OSRDestroySpatialReference(own);
-	return code;
 }
 
 /* ---- The place of a raster ---- */
 
-static enum eco_code find_transform(struct ground_raster *r, const struct ground_scene *job,
-	struct eco_error *error)
+static void find_transform(struct ground_raster *r, const struct ground_scene *job)
 {
 	double *t = r->transform;
 	if (job->has_place) {
 		double stated[6] = { job->corner[0], job->pixel[0], 0, job->corner[1], 0, -job->pixel[1] };
 		memcpy(t, stated, sizeof stated);
-	} else if (GDALGetGeoTransform(r->file, t) != CE_None) {
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the "
-			"%s \"north_west\": [x, y], the outer corner "
-			"of its first pixel, and \"pixel\": their size; or put a world file beside it",
-			r->path, job->what);
-	}
+	} else if (GDALGetGeoTransform(r->file, t) != CE_None)
+		eco_stop(ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the %s \"north_west\": [x, y], the outer "
+			"corner of its first pixel, and \"pixel\": their size; or put a world file beside it", r->path,
+			job->what);
 	for (int i = 0; i < 6; i++)
 		if (!isfinite(t[i]))
-			return eco_fail(error, ECO_DAMAGED, "%.300s: its place on Earth is not finite",
-				r->path);
+			eco_stop(ECO_DAMAGED, "%.300s: its place on Earth is not finite", r->path);
 	if (t[1] * t[5] - t[2] * t[4] == 0)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: its pixels have no size", r->path);
-	return ECO_OK;
+		eco_stop(ECO_DAMAGED, "%.300s: its pixels have no size", r->path);
 }
 
 /* Extent and resolution in the scene's CRS to which GDAL would resample. */
-static enum eco_code suggest(struct ground_raster *r, const struct ground_scene *job, struct eco_error *error)
+static void suggest(struct ground_raster *r, const struct ground_scene *job)
 {
 	GDALDriverH memory = GDALGetDriverByName("MEM");
 	/* GDAL only needs a raster of this place and size, without samples */
@@ -158,77 +143,50 @@ static enum eco_code suggest(struct ground_raster *r, const struct ground_scene 
 	char *from = NULL, *to = NULL;
 	double t[6];
 	int columns = 0, rows = 0;
-	bool good = false;
-	void *transformer = NULL;
-
-	if (!frame)
-		return ground_gdal_fail(r->path, "no room for its place", error);
+	ground_gdal_check(frame, r->path, "no room for its place");
 	GDALSetGeoTransform(frame, r->transform);
 	if (r->crs) {
 		OSRExportToWkt(r->crs, &from);
 		OSRExportToWkt(job->crs, &to);
 	}
-	transformer = GDALCreateGenImgProjTransformer(frame, from, NULL, to, FALSE, 0, 1);
-	if (transformer) {
-		good = GDALSuggestedWarpOutput(frame, GDALGenImgProjTransform, transformer, t, &columns,
-			&rows) == CE_None && columns > 0 && rows > 0;
-		GDALDestroyGenImgProjTransformer(transformer);
-	}
-	CPLFree(from);
-	CPLFree(to);
-	GDALClose(frame);
-	if (!good)
-		return ground_gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
+	void *transformer = GDALCreateGenImgProjTransformer(frame, from, NULL, to, FALSE, 0, 1);
+	ground_gdal_check(transformer && GDALSuggestedWarpOutput(frame, GDALGenImgProjTransform, transformer, t, &columns,
+		&rows) == CE_None && columns > 0 && rows > 0, r->path, "it cannot be brought into the scene's CRS");
+	GDALDestroyGenImgProjTransformer(transformer);
 	r->low[0] = t[0];
 	r->high[0] = t[0] + t[1] * columns;
 	r->low[1] = t[3] + t[5] * rows;
 	r->high[1] = t[3];
 	r->step[0] = t[1];
 	r->step[1] = -t[5];
-	return ECO_OK;
 }
 
-static enum eco_code find_extent(struct ground_raster *r, const struct ground_scene *job,
-	struct eco_error *error)
+void ground_raster_open(struct ground_raster *r, struct ground_scene *job)
+{
+	r->file = GDALOpenEx(r->path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
+	ground_gdal_check(r->file, r->path, "not a raster that GDAL can read");
+	if (GDALGetRasterCount(r->file) < 1)
+		eco_stop(ECO_BAD_INPUT, "%.300s: it has no band", r->path);
+	r->columns = GDALGetRasterXSize(r->file);
+	r->rows = GDALGetRasterYSize(r->file);
+	find_crs(r, job);
+}
+
+void ground_raster_place(struct ground_raster *r, const struct ground_scene *job)
 {
 	const double *t = r->transform;
+	find_transform(r, job);
 	r->direct = t[2] == 0 && t[4] == 0 && t[1] > 0 && (!r->crs || OSRIsSame(r->crs, job->crs));
-	if (!r->direct)
-		return suggest(r, job, error);
+	if (!r->direct) {
+		suggest(r, job);
+		return;
+	}
 	r->low[0] = t[0];
 	r->high[0] = t[0] + t[1] * r->columns;
 	r->low[1] = fmin(t[3], t[3] + t[5] * r->rows);
 	r->high[1] = fmax(t[3], t[3] + t[5] * r->rows);
 	r->step[0] = t[1];
 	r->step[1] = fabs(t[5]);
-	return ECO_OK;
-}
-
-enum eco_code ground_raster_open(struct ground_raster *r, struct ground_scene *job, struct eco_error *error)
-{
-	r->file = GDALOpenEx(r->path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
-	if (!r->file)
-		return ground_gdal_fail(r->path, "not a raster that GDAL can read", error);
-	if (GDALGetRasterCount(r->file) < 1)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no band", r->path);
-	r->columns = GDALGetRasterXSize(r->file);
-	r->rows = GDALGetRasterYSize(r->file);
-	return raster_crs(r, job, error);
-}
-
-enum eco_code ground_raster_place(struct ground_raster *r, const struct ground_scene *job,
-	struct eco_error *error)
-{
-	enum eco_code code = find_transform(r, job, error);
-	return code ? code : find_extent(r, job, error);
-}
-
-void ground_raster_close(struct ground_raster *r)
-{
-	if (r->file)
-		GDALClose(r->file);
-	if (r->crs)
-		OSRDestroySpatialReference(r->crs);
 }
 
 /* ---- Heights ---- */
@@ -241,6 +199,8 @@ struct job {
 	const struct eco_ground_options *options;    /* as the caller gave them */
 	struct ground_raster *rasters; uint32_t count;
 	struct ground_scene scene;
+	struct eco_ground ground;
+	FILE *out;
 };
 
 /* ---- Vertical datum ---- */
@@ -258,51 +218,44 @@ static bool same_datum(const char *a, const char *b)
 }
 
 /* Two datums' heights differ by up to 100 m (ellipsoid and geoid): they are neither converted nor guessed. */
-static enum eco_code check_vertical(const struct ground_raster *r, struct job *job, struct eco_error *error)
+static void check_vertical(const struct ground_raster *r, struct job *job)
 {
 	const struct eco_ground_source *source = job->options->source;
 	const char *own = source->vertical ? source->vertical : r->vertical;
 	const char *scene = job->options->scene_vertical;
 	if (!scene && job->scene.vertical[0] != 0)
 		scene = job->scene.vertical;
-
 	if (source->vertical && !scene)
-		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does "
-			"not; add \"vertical\": \"%.60s\" to the "
-			"scene, or the datum of its heights", source->vertical);
+		eco_stop(ECO_BAD_INPUT, "the ground states its vertical datum, the scene does not; add \"vertical\": \"%.60s\" "
+			"to the scene, or the datum of its heights", source->vertical);
 	if (scene && own[0] == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene states its vertical datum, the "
-			"ground does not; add \"vertical\": \"%.60s\" to "
-			"the ground, if that is the datum of its heights", r->path, scene);
+		eco_stop(ECO_BAD_INPUT, "%.200s: the scene states its vertical datum, the ground does not; add \"vertical\": "
+			"\"%.60s\" to the ground, if that is the datum of its heights", r->path, scene);
 	if (scene && !same_datum(scene, own))
-		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its heights are %.60s, those of the scene "
-			"%.60s, and no conversion is at hand; convert "
-			"the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);
+		eco_stop(ECO_UNSUPPORTED, "%.200s: its heights are %.60s, those of the scene %.60s, and no conversion is at "
+			"hand; convert the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);
 	if (!scene && r == job->rasters)
 		eco_note(&job->asked->notes, "%.200s: what its heights count from %s%.60s%s, and the "
 			"scene does not say either; they are taken as they are (to be sure, add \"vertical\" "
-			"to the scene and to its ground)", r->path,
-			own[0] != 0 ? "is said to be " : "is not said", own, own[0] != 0 ? " by the file"
-			: "");
-	return ECO_OK;
+			"to the scene and to its ground)", r->path, own[0] != 0 ? "is said to be " : "is not said", own,
+			own[0] != 0 ? " by the file" : "");
 }
 
-static enum eco_code open_raster(struct ground_raster *r, struct job *job, struct eco_error *error)
+static void open_raster(struct ground_raster *r, struct job *job)
 {
-	enum eco_code code = ground_raster_open(r, &job->scene, error);
-	if (!code && (r->columns < 2 || r->rows < 2))
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x "
-			"2 are needed", r->path, r->columns, r->rows);
-	if (!code)
-		code = check_vertical(r, job, error);
-	return code ? code : ground_raster_place(r, &job->scene, error);
+	ground_raster_open(r, &job->scene);
+	if (r->columns < 2 || r->rows < 2)
+		eco_stop(ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x 2 are needed", r->path,
+			r->columns, r->rows);
+	check_vertical(r, job);
+	ground_raster_place(r, &job->scene);
 }
 
 /* ---- The grid of the ground ---- */
 
 struct frame { double low[2], step[2]; uint32_t samples[2]; };     /* low: outer corner */
 
-static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_error *error)
+static void place_frame(struct frame *f, struct job *job)
 {
 	const struct ground_raster *first = &job->rasters[0];
 	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY },
@@ -317,8 +270,8 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 		double count = floor((high[k] - low[k]) / step[k] + 0.5);
 		if (!(step[k] > 0) || !(count >= 2) || !isfinite(low[k])
 				|| high[k] - low[k] > GROUND_METRES_MAX)
-			return eco_fail(error, ECO_DAMAGED, "%.200s: ground of %g m with samples every %g "
-				"m is impossible", first->path, high[k] - low[k], step[k]);
+			eco_stop(ECO_DAMAGED, "%.200s: ground of %g m with samples every %g m is impossible", first->path,
+				high[k] - low[k], step[k]);
 		f->low[k] = low[k];
 		f->samples[k] = count > job->asked->side_max ? job->asked->side_max : (uint32_t)count;
 		f->step[k] = count > job->asked->side_max ? (high[k] - low[k]) / job->asked->side_max
@@ -329,7 +282,6 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 			"out the part that is needed to keep its resolution",
 			first->path, (high[0] - low[0]) / step[0], (high[1] - low[1]) / step[1],
 			f->samples[0], f->samples[1]);
-	return ECO_OK;
 }
 
 /* Samples to read along an axis: a raster is read no finer than the ground. */
@@ -366,22 +318,16 @@ static void put(struct eco_ground *g, int64_t column, int64_t row, float metres,
 		*to = (float)((double)metres - origin_z);
 }
 
-static GDALDatasetH wrap(const struct ground_samples *s, OGRSpatialReferenceH crs)
+static GDALDatasetH wrap(const char *path, const struct ground_samples *s, OGRSpatialReferenceH crs)
 {
 	GDALDriverH driver = GDALGetDriverByName("MEM");
 	GDALDatasetH data = driver ? GDALCreate(driver, "", (int)s->columns, (int)s->rows, 0,
 		GDT_Float32, NULL) : NULL;
 	char pointer[64], text[96];
 	char *options[] = { text, NULL };
-	int length = CPLPrintPointer(pointer, s->metres, sizeof pointer - 1);
-	if (!data)
-		return NULL;
-	pointer[length] = 0;
+	pointer[CPLPrintPointer(pointer, s->metres, sizeof pointer - 1)] = 0;
 	snprintf(text, sizeof text, "DATAPOINTER=%s", pointer);
-	if (GDALAddBand(data, GDT_Float32, options) != CE_None) {
-		GDALClose(data);
-		return NULL;
-	}
+	ground_gdal_check(data && GDALAddBand(data, GDT_Float32, options) == CE_None, path, "no room for its heights");
 	GDALSetGeoTransform(data, (double *)s->transform);
 	GDALSetRasterNoDataValue(GDALGetRasterBand(data, 1), NAN);
 	if (crs)
@@ -400,67 +346,54 @@ static void reach(const struct ground_raster *r, const struct frame *f, int64_t 
 	}
 }
 
-static enum eco_code put_resampled(struct eco_ground *g, const struct ground_samples *s,
-	const struct ground_raster *r, const struct job *job, const struct frame *f, struct eco_error *error)
+static void put_resampled(struct job *job, const struct ground_samples *s, const struct ground_raster *r, const struct frame *f)
 {
 	static const char *const how[] = { "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift",
 		"-dstnodata", "nan", NULL };
 	int64_t first[2], end[2];
 	double box[4];
-	GDALDatasetH from, to = NULL;
 	reach(r, f, first, end);
 	if (first[0] >= end[0] || first[1] >= end[1])
-		return ECO_OK;
+		return;
 	for (int k = 0; k < 2; k++) {
 		box[k] = f->low[k] + (double)first[k] * f->step[k];
 		box[k + 2] = f->low[k] + (double)end[k] * f->step[k];
 	}
 	const int size[2] = { (int)(end[0] - first[0]), (int)(end[1] - first[1]) };
 	float *line = eco_alloc((size_t)size[0], sizeof *line);
-	from = wrap(s, r->crs);
-	if (from)
-		to = ground_warp(from, r->crs ? job->scene.crs : NULL, box, size, how);
-	bool good = to != NULL;
-	for (int y = 0; good && y < size[1]; y++) {
-		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, y, size[0], 1, line, size[0], 1,
-			GDT_Float32, 0, 0) == CE_None;
-		for (int x = 0; good && x < size[0]; x++)
-			put(g, first[0] + x, end[1] - 1 - y, line[x], job->options->origin[2]);
+	GDALDatasetH from = wrap(r->path, s, r->crs), to = ground_warp(r->path, from, r->crs ? job->scene.crs : NULL, box, size, how);
+	for (int y = 0; y < size[1]; y++) {
+		ground_gdal_check(GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, y, size[0], 1, line, size[0], 1,
+			GDT_Float32, 0, 0) == CE_None, r->path, "it cannot be brought into the scene's CRS");
+		for (int x = 0; x < size[0]; x++)
+			put(&job->ground, first[0] + x, end[1] - 1 - y, line[x], job->options->origin[2]);
 	}
-	if (to)
-		GDALClose(to);
-	if (from)
-		GDALClose(from);
+	GDALClose(to);
+	GDALClose(from);
 	free(line);
-	return good ? ECO_OK : ground_gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
 }
 
-static enum eco_code add_raster(struct eco_ground *g, struct job *job, const struct ground_raster *r,
-	const struct frame *f, struct eco_error *error)
+static void add_raster(struct job *job, const struct ground_raster *r, const struct frame *f)
 {
 	struct ground_samples s;
 	int64_t first[2];
 	int sign[2];
-	enum eco_code code = ground_samples_read(&s, r, job->options->source, read_side(r, f, 0),
-		read_side(r, f, 1), &job->asked->notes, error);
-	if (code == ECO_OK && r->direct && on_grid(&s, f, first, sign)) {
+	ground_samples_read(&s, r, job->options->source, read_side(r, f, 0), read_side(r, f, 1), &job->asked->notes);
+	if (r->direct && on_grid(&s, f, first, sign)) {
 		for (uint32_t y = 0; y < s.rows; y++)
 			for (uint32_t x = 0; x < s.columns; x++)
-				put(g, first[0] + x, first[1] + sign[1] * (int64_t)y,
+				put(&job->ground, first[0] + x, first[1] + sign[1] * (int64_t)y,
 					s.metres[(size_t)y * s.columns + x], job->options->origin[2]);
-	} else if (!code) {
-		code = put_resampled(g, &s, r, job, f, error);
-	}
+	} else
+		put_resampled(job, &s, r, f);
 	free(s.metres);
-	return code;
 }
 
-static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_error *error)
+static void merge(struct job *job)
 {
+	struct eco_ground *g = &job->ground;
 	struct frame frame;
-	enum eco_code code = place_frame(&frame, job, error);
-	if (code)
-		return code;
+	place_frame(&frame, job);
 	g->columns = frame.samples[0];
 	g->rows = frame.samples[1];
 	g->step_x_m = frame.step[0];
@@ -471,60 +404,43 @@ static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_err
 	g->height_m = eco_alloc(count, sizeof *g->height_m);
 	for (size_t i = 0; i < count; i++)
 		g->height_m[i] = NAN;
-	for (uint32_t i = 0; i < job->count && code == ECO_OK; i++)
-		code = add_raster(g, job, &job->rasters[i], &frame, error);
-	return code;
+	for (uint32_t i = 0; i < job->count; i++)
+		add_raster(job, &job->rasters[i], &frame);
 }
 
 /* ---- The whole ---- */
 
-static void close_rasters(struct job *job)
+static void read_ground(void *ctx)
 {
-	for (uint32_t i = 0; i < job->count; i++)
-		ground_raster_close(&job->rasters[i]);
-	if (job->scene.crs)
-		OSRDestroySpatialReference(job->scene.crs);
-	free(job->rasters);
-}
-
-static enum eco_code import(struct eco_ground *ground, struct job *job, struct eco_error *error)
-{
+	struct job *job = ctx;
 	const struct eco_ground_source *source = job->options->source;
+	struct eco_ground *ground = &job->ground;
 	struct eco_error cause = { .code = ECO_OK };
-	enum eco_code code = ground_scene_check(&job->scene, error);
+	ground_scene_check(&job->scene);
 	job->rasters = eco_alloc(source->height_count, sizeof *job->rasters);
-	for (uint32_t i = 0; i < source->height_count && code == ECO_OK; i++) {
+	for (uint32_t i = 0; i < source->height_count; i++) {
 		job->rasters[job->count++].path = source->heights[i];
-		code = open_raster(&job->rasters[i], job, error);
+		open_raster(&job->rasters[i], job);
 	}
-	if (!code)
-		code = merge(ground, job, error);
-	if (!code && eco_ground_fill(ground, &cause) != ECO_OK)
-		code = eco_fail(error, cause.code, "%.300s: %s", source->heights[0], cause.text);
-	return code;
+	merge(job);
+	if (eco_ground_fill(ground, &cause))
+		eco_stop(cause.code, "%.300s: %s", source->heights[0], cause.text);
+	size_t count = (size_t)ground->columns * ground->rows;
+	if (fwrite(&job->asked->notes, sizeof job->asked->notes, 1, job->out) != 1
+			|| fwrite(ground, sizeof *ground, 1, job->out) != 1
+			|| fwrite(ground->height_m, sizeof *ground->height_m, count, job->out) != count)
+		eco_stop(ECO_IO, "%.300s: the heights could not be handed over: %s", source->heights[0], strerror(errno));
 }
 
 enum eco_code gdal_ground_read(struct eco_ground_job *asked, FILE *out, struct eco_error *error)
 {
 	const struct eco_ground_source *source = asked->options->source;
-	struct job job = { .asked = asked, .options = asked->options,
-		.scene = { .scene_crs = asked->options->scene_crs,
-		.stated = source->crs, .has_place = source->has_place, .corner = source->corner,
-		.pixel = source->pixel,
-		.notes = &asked->notes, .where = { "\"heights\": ...", "" }, .what = "ground" } };
-	struct eco_ground ground = { .height_m = NULL };
+	struct job job = { .asked = asked, .options = asked->options, .out = out,
+		.scene = { .scene_crs = asked->options->scene_crs, .stated = source->crs, .has_place = source->has_place,
+		.corner = source->corner, .pixel = source->pixel, .notes = &asked->notes, .where = { "\"heights\": ...", "" },
+		.what = "ground" } };
 	CPLPushErrorHandler(CPLQuietErrorHandler);
 	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
 	GDALAllRegister();
-	enum eco_code code = import(&ground, &job, error);
-	size_t count = (size_t)ground.columns * ground.rows;
-	if (code == ECO_OK && (fwrite(&asked->notes, sizeof asked->notes, 1, out) != 1
-			|| fwrite(&ground, sizeof ground, 1, out) != 1
-		|| fwrite(ground.height_m, sizeof *ground.height_m, count, out) != count))
-		code = eco_fail(error, ECO_IO, "%.300s: the heights could not be handed over: %s",
-			asked->options->source->heights[0], strerror(errno));
-	free(ground.height_m);
-	close_rasters(&job);
-	CPLPopErrorHandler();
-	return code;
+	return eco_try(read_ground, &job, error);
 }

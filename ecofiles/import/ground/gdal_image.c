@@ -32,6 +32,7 @@ struct job {
 	float *fade; /* SIDE x SIDE, of the root, rows from the north: 0 clear .. 1 */
 	uint8_t *layer;                          /* room for what one raster shows of a square */
 	FILE *out;
+	struct eco_error *error;
 };
 
 struct square { double low[2], texel_m; uint32_t depth; };
@@ -111,7 +112,7 @@ static void bound_squares(struct job *job)
 }
 
 /* The root is a square of whole squares of the finest texels, from the south-west corner of the rasters and the drawing. */
-static enum eco_code find_root(struct job *job, struct eco_error *error)
+static void find_root(struct job *job)
 {
 	struct ground_image_head *head = &job->asked->head;
 	const struct eco_ground_drawing *drawing = job->options->drawing;
@@ -135,14 +136,13 @@ static enum eco_code find_root(struct job *job, struct eco_error *error)
 	}
 	job->drawn_m = drawing ? fmax(drawing->texel_m, asked) : INFINITY;
 	if (!(extent > 0) || extent > EXTENT_M_MAX || !(job->finest_m > 0))
-		return eco_fail(error, ECO_DAMAGED, "%.200s: an image of %g m with pixels of %g m is impossible", job->name, extent,
+		eco_stop(ECO_DAMAGED, "%.200s: an image of %g m with pixels of %g m is impossible", job->name, extent,
 			job->finest_m);
 	job->finest_m = fmax(job->finest_m, asked);
 	head->texel_m = fmin(job->finest_m, job->drawn_m);
 	while (SIDE * head->texel_m < extent)
 		head->texel_m *= 2;
 	memcpy(head->low, low, sizeof head->low);
-	return ECO_OK;
 }
 
 /* By boxes: whether the image reaches the plants. */
@@ -168,24 +168,22 @@ static void doubt_overlap(struct job *job)
 /* ---- Squares ---- */
 
 /* Colours of a square: of the first raster that has one. */
-static enum eco_code look_at(struct job *job, const struct square *s, uint8_t *rgba, struct eco_error *error)
+static void look_at(struct job *job, const struct square *s, uint8_t *rgba)
 {
 	const double *o = job->options->origin;
 	const double bounds[4] = { s->low[0] + o[0], s->low[1] + o[1], s->low[0] + o[0] + SIDE * s->texel_m,
 		s->low[1] + o[1] + SIDE * s->texel_m };
-	enum eco_code code = ECO_OK;
 	memset(rgba, 0, ECO_GROUND_IMAGE_BYTES);
-	for (uint32_t i = 0; i < job->count && !code; i++) {
+	for (uint32_t i = 0; i < job->count; i++) {
 		const struct ground_raster *r = &job->rasters[i].raster;
 		if (r->low[0] >= bounds[2] || r->high[0] <= bounds[0] || r->low[1] >= bounds[3]
 				|| r->high[1] <= bounds[1])
 			continue;
-		code = ground_colors_read(&job->rasters[i], &job->scene, bounds, job->layer, error);
-		for (size_t t = 0; t < ECO_GROUND_IMAGE_BYTES && !code; t += 4)
+		ground_colors_read(&job->rasters[i], &job->scene, bounds, job->layer);
+		for (size_t t = 0; t < ECO_GROUND_IMAGE_BYTES; t += 4)
 			if (job->layer[t + 3] > rgba[t + 3])
 				memcpy(rgba + t, job->layer + t, 4);
 	}
-	return code;
 }
 
 /* Texels of the root by how far they are from one that is clear, or from its border, at most FADE: three
@@ -240,101 +238,79 @@ static void fade_out(const struct job *job, const struct square *s, uint8_t *rgb
 		}
 }
 
-static enum eco_code no_pipe(const struct job *job, struct eco_error *error)
+static void check_pipe(const struct job *job, bool good)
 {
-	return eco_fail(error, ECO_IO, "%.300s: the image could not be handed over: %s",
-		job->name, strerror(errno));
+	if (!good)
+		eco_stop(ECO_IO, "%.300s: the image could not be handed over: %s", job->name, strerror(errno));
 }
 
-static enum eco_code send(struct job *job, const struct square *s, uint8_t *rgba, struct eco_error *error)
+static void send(struct job *job, const struct square *s, uint8_t *rgba)
 {
+	const struct eco_ground_drawing *drawing = job->options->drawing;
 	bool split = splits(job, s);
-	if (fputc(split, job->out) == EOF)
-		return no_pipe(job, error);
-	enum eco_code code = ECO_OK;
-	for (uint32_t q = 0; q < 4 && split && !code; q++) {
+	check_pipe(job, fputc(split, job->out) != EOF);
+	for (uint32_t q = 0; q < 4 && split; q++) {
 		struct square quarter = quarter_of(s, q);
-		code = send(job, &quarter, rgba, error);
+		send(job, &quarter, rgba);
 	}
-	if (split || code)
-		return code;
-	code = look_at(job, s, rgba, error);
-	if (code)
-		return code;
+	if (split)
+		return;
+	look_at(job, s, rgba);
 	if (job->count)
 		fade_out(job, s, rgba);
-	const struct eco_ground_drawing *drawing = job->options->drawing;
-	code = drawing ? drawing->paint(drawing->ctx, s->low, s->texel_m, rgba, error) : ECO_OK;
-	if (code)
-		return code;
-	return fwrite(rgba, ECO_GROUND_IMAGE_BYTES, 1, job->out) == 1 ? ECO_OK : no_pipe(job, error);
-}
-
-static enum eco_code send_all(struct job *job, struct eco_error *error)
-{
-	uint8_t *rgba = eco_alloc(ECO_GROUND_IMAGE_BYTES, 1);
-	const struct square root = root_of(job);
-	job->layer = eco_alloc(ECO_GROUND_IMAGE_BYTES, 1);
-	job->fade = eco_alloc(SIDE * SIDE, sizeof *job->fade);
-	enum eco_code code = look_at(job, &root, rgba, error);
-	if (!code) {
-		measure_fade(rgba, job->fade);
-		code = send(job, &root, rgba, error);
-	}
-	free(rgba);
-	free(job->layer);
-	free(job->fade);
-	return code;
+	if (drawing)
+		eco_check(drawing->paint(drawing->ctx, s->low, s->texel_m, rgba, job->error));
+	check_pipe(job, fwrite(rgba, ECO_GROUND_IMAGE_BYTES, 1, job->out) == 1);
 }
 
 /* ---- The whole ---- */
 
-static enum eco_code import(struct job *job, struct eco_error *error)
+static void open_rasters(struct job *job)
 {
 	const struct eco_ground_image_source *source = job->options->source;
-	enum eco_code code = ground_scene_check(&job->scene, error);
+	ground_scene_check(&job->scene);
 	job->rasters = eco_alloc(source->file_count + 1u, sizeof *job->rasters);
-	for (uint32_t i = 0; i < source->file_count && !code; i++) {
+	for (uint32_t i = 0; i < source->file_count; i++) {
 		struct ground_colors *colors = &job->rasters[job->count++];
 		colors->raster.path = source->files[i];
-		code = ground_raster_open(&colors->raster, &job->scene, error);
-		if (!code)
-			code = ground_colors_open(colors, source, job->range, job->scene.notes, error);
-		if (!code)
-			code = ground_raster_place(&colors->raster, &job->scene, error);
-		if (!code)
-			code = ground_colors_locate(colors, source, error);
+		ground_raster_open(&colors->raster, &job->scene);
+		ground_colors_open(colors, source, job->range, job->scene.notes);
+		ground_raster_place(&colors->raster, &job->scene);
+		ground_colors_locate(colors, source);
 	}
-	if (!code)
-		code = find_root(job, error);
-	if (!code) {
-		if (job->count)
-			doubt_overlap(job);
-		bound_squares(job);
-	}
-	if (!code && fwrite(&job->asked->head, sizeof job->asked->head, 1, job->out) != 1)
-		code = no_pipe(job, error);
-	return code || job->asked->only_look ? code : send_all(job, error);
+}
+
+static void read_image(void *ctx)
+{
+	struct job *job = ctx;
+	open_rasters(job);
+	find_root(job);
+	if (job->count)
+		doubt_overlap(job);
+	bound_squares(job);
+	check_pipe(job, fwrite(&job->asked->head, sizeof job->asked->head, 1, job->out) == 1);
+	if (job->asked->only_look)
+		return;
+	uint8_t *rgba = eco_alloc(ECO_GROUND_IMAGE_BYTES, 1);
+	const struct square root = root_of(job);
+	job->layer = eco_alloc(ECO_GROUND_IMAGE_BYTES, 1);
+	job->fade = eco_alloc(SIDE * SIDE, sizeof *job->fade);
+	look_at(job, &root, rgba);
+	measure_fade(rgba, job->fade);
+	send(job, &root, rgba);
 }
 
 enum eco_code gdal_image_read(struct eco_ground_image_job *asked, FILE *out, struct eco_error *error)
 {
 	const struct eco_ground_image_options *o = asked->options;
-	struct job job = { .asked = asked, .options = o, .out = out, .pixel_m = PIXEL_M,
+	struct job job = { .asked = asked, .options = o, .out = out, .error = error, .pixel_m = PIXEL_M,
 		.name = o->source->file_count ? o->source->files[0] : "\"draw\"",
-		.range = { o->source->range[0], o->source->range[1] } };
-	job.scene = (struct ground_scene){ .scene_crs = o->scene_crs, .stated = o->source->crs,
-		.has_place = o->source->has_place, .corner = o->source->corner, .pixel = o->source->pixel,
-		.notes = &asked->head.notes, .where = { "\"image\": {\"file\": ...", "}" }, .what = "image" };
+		.range = { o->source->range[0], o->source->range[1] },
+		.scene = { .scene_crs = o->scene_crs, .stated = o->source->crs, .has_place = o->source->has_place,
+		.corner = o->source->corner, .pixel = o->source->pixel, .notes = &asked->head.notes,
+		.where = { "\"image\": {\"file\": ...", "}" }, .what = "image" } };
 	CPLPushErrorHandler(CPLQuietErrorHandler);
 	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
 	GDALAllRegister();
-	enum eco_code code = import(&job, error);
-	for (uint32_t i = 0; i < job.count; i++)
-		ground_colors_close(&job.rasters[i]);
-	if (job.scene.crs)
-		OSRDestroySpatialReference(job.scene.crs);
-	free(job.rasters);
-	CPLPopErrorHandler();
-	return code;
+	return eco_try(read_image, &job, error);
 }

@@ -118,20 +118,15 @@ static void rows_open(struct rows *rows, const struct ground_raster *r, GDALRast
 		rows->mask = GDALGetMaskBand(band);
 }
 
-static void rows_close(struct rows *rows)
-{
-	free(rows->raw);
-	free(rows->there);
-}
-
-static bool rows_read(struct rows *rows, int y)
+static void rows_read(struct rows *rows, int y)
 {
 	int columns = rows->raster->columns;
 	memset(rows->there, 255, (size_t)columns);
-	return GDALRasterIO(rows->band, GF_Read, 0, y, columns, 1, rows->raw, columns, 1, GDT_Float64, 0, 0)
-		== CE_None && (!rows->mask
-			|| GDALRasterIO(rows->mask, GF_Read, 0, y, columns, 1, rows->there, columns, 1,
-			GDT_Byte, 0, 0) == CE_None);
+	if (GDALRasterIO(rows->band, GF_Read, 0, y, columns, 1, rows->raw, columns, 1, GDT_Float64, 0, 0)
+			!= CE_None || (rows->mask && GDALRasterIO(rows->mask, GF_Read, 0, y, columns, 1, rows->there, columns,
+			1, GDT_Byte, 0, 0) != CE_None))
+		eco_stop(ECO_BAD_INPUT, "%.200s: its heights cannot be read: %.250s", rows->raster->path,
+			CPLGetLastErrorMsg()[0] != 0 ? CPLGetLastErrorMsg() : "GDAL gives no reason");
 }
 
 /* ---- Holes without a mark ---- */
@@ -199,16 +194,15 @@ static void count_step(struct census *c, double a, double b)
 	c->suspect[x].steps[bucket_of(step)]++;
 }
 
-static bool take_census(struct census *c, struct rows *rows, const struct meaning *m)
+static void take_census(struct census *c, struct rows *rows, const struct meaning *m)
 {
 	int columns = rows->raster->columns;
 	double *above = eco_alloc((size_t)columns, sizeof *above);
-	bool good = true;
 	for (int x = 0; x < columns; x++)
 		above[x] = NAN;
-	for (int y = 0; good && y < rows->raster->rows; y++) {
-		good = rows_read(rows, y);
-		for (int x = 0; good && x < columns; x++) {
+	for (int y = 0; y < rows->raster->rows; y++) {
+		rows_read(rows, y);
+		for (int x = 0; x < columns; x++) {
 			double v = rows->there[x] && isfinite(rows->raw[x]) && !is_hole(m, rows->raw[x])
 				? rows->raw[x] : NAN;
 			int s = suspect_of(v);
@@ -228,7 +222,6 @@ static bool take_census(struct census *c, struct rows *rows, const struct meanin
 		}
 	}
 	free(above);
-	return good;
 }
 
 /* Whether a value that programs write is steep wherever it meets terrain. */
@@ -287,16 +280,16 @@ static void add_hole(struct meaning *m, double value, const char *path, uint64_t
 		"the ground, if they are holes, \"nodata\": %.9g", path, many, value, value);
 }
 
-static bool find_holes(struct meaning *m, struct rows *rows, struct eco_notes *notes)
+static void find_holes(struct meaning *m, struct rows *rows, struct eco_notes *notes)
 {
 	const char *path = rows->raster->path;
 	struct census *c = eco_alloc(1, sizeof *c);
 	double value;
-	bool good = take_census(c, rows, m);
-	for (size_t s = 0; good && s < SUSPECTS; s++)
+	take_census(c, rows, m);
+	for (size_t s = 0; s < SUSPECTS; s++)
 		if (stands_out(c, s))
 			add_hole(m, suspects[s], path, c->suspect[s].samples, notes);
-	for (int n = 0; good && n < SPAN - 1 &&
+	for (int n = 0; n < SPAN - 1 &&
 		(lies_beyond(m, c, c->lowest, c->lowest_count, end_of(m, c->highest, c->highest_count),
 			 &value) ||
 			lies_beyond(m, c, c->highest, c->highest_count, end_of(m, c->lowest, c->lowest_count),
@@ -306,7 +299,6 @@ static bool find_holes(struct meaning *m, struct rows *rows, struct eco_notes *n
 		add_hole(m, value, path, s >= 0 ? c->suspect[s].samples : 0, notes);
 	}
 	free(c);
-	return good;
 }
 
 /* ---- Averaging ---- */
@@ -332,9 +324,9 @@ static void add_row(const struct sums *s, const struct rows *rows, const struct 
 	}
 }
 
-static bool average(struct ground_samples *out, struct rows *rows, const struct meaning *m,
-	const struct sums *s)
+static void average(struct ground_samples *out, struct rows *rows, const struct meaning *m)
 {
+	const struct sums sums = { eco_alloc(out->columns, sizeof(double)), eco_alloc(out->columns, sizeof(double)) }, *s = &sums;
 	double ratio_x = (double)rows->raster->columns / out->columns,
 		ratio_y = (double)rows->raster->rows / out->rows;
 	int held = -1;
@@ -344,8 +336,8 @@ static bool average(struct ground_samples *out, struct rows *rows, const struct 
 		memset(s->sum, 0, out->columns * sizeof *s->sum);
 		memset(s->weight, 0, out->columns * sizeof *s->weight);
 		for (int y = (int)floor(from + 1e-9); y < end && y < rows->raster->rows; y++) {
-			if (y != held && !rows_read(rows, y))
-				return false;
+			if (y != held)
+				rows_read(rows, y);
 			held = y;
 			add_row(s, rows, m, out->columns, ratio_x, fmin(y + 1.0, to) - fmax(y, from));
 		}
@@ -353,7 +345,6 @@ static bool average(struct ground_samples *out, struct rows *rows, const struct 
 			out->metres[(size_t)r * out->columns + c] = s->weight[c] > 0
 				? (float)(s->sum[c] / s->weight[c]) : NAN;
 	}
-	return true;
 }
 
 static void say_range(const struct ground_samples *samples, const char *path, struct eco_notes *notes)
@@ -370,39 +361,35 @@ static void say_range(const struct ground_samples *samples, const char *path, st
 			"\"scale\", \"offset\" or \"unit\" missing in the ground?", path, low, high);
 }
 
-static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster *r,
-	const struct eco_ground_source *source, struct eco_notes *notes, struct eco_error *error)
+static GDALRasterBandH pick_band(const struct ground_raster *r, const struct eco_ground_source *source,
+	struct eco_notes *notes)
 {
 	int count = GDALGetRasterCount(r->file), wanted = source->band > 0 ? (int)source->band : 1;
 	if (wanted > count)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has %d band%s, not a band %d", r->path,
-			count, count == 1 ? "" : "s", wanted);
-	*band = GDALGetRasterBand(r->file, wanted);
-	if (GDALDataTypeIsComplex(GDALGetRasterDataType(*band)))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: band %d holds complex numbers, not heights",
-			r->path, wanted);
+		eco_stop(ECO_BAD_INPUT, "%.300s: it has %d band%s, not a band %d", r->path, count, count == 1 ? "" : "s",
+			wanted);
+	GDALRasterBandH band = GDALGetRasterBand(r->file, wanted);
+	if (GDALDataTypeIsComplex(GDALGetRasterDataType(band)))
+		eco_stop(ECO_BAD_INPUT, "%.300s: band %d holds complex numbers, not heights", r->path, wanted);
 	if (source->band > 0)
-		return ECO_OK;
-	if (GDALGetRasterColorInterpretation(*band) == GCI_RedBand || GDALGetRasterColorTable(*band))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it holds colours, not heights; if one of its "
-			"bands is heights, say which: \"band\": 1", r->path);
-	const char *name = GDALGetDescription(*band);
+		return band;
+	if (GDALGetRasterColorInterpretation(band) == GCI_RedBand || GDALGetRasterColorTable(band))
+		eco_stop(ECO_BAD_INPUT, "%.300s: it holds colours, not heights; if one of its bands is heights, say which: "
+			"\"band\": 1", r->path);
+	const char *name = GDALGetDescription(band);
 	if (count > 1)
 		eco_note(notes, "%.200s: band 1 of %d%s%.60s%s is taken for heights; for another add "
 			"\"band\" to the ground", r->path, count, name[0] != 0 ? " (" : "", name,
 			name[0] != 0 ? ")" : "");
-	return ECO_OK;
+	return band;
 }
 
-enum eco_code ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
-	const struct eco_ground_source *source, uint32_t columns, uint32_t rows_wanted,
-	struct eco_notes *notes, struct eco_error *error)
+void ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
+	const struct eco_ground_source *source, uint32_t columns, uint32_t rows_wanted, struct eco_notes *notes)
 {
-	struct rows rows = { .raw = NULL };
+	struct rows rows;
 	struct meaning meaning;
-	GDALRasterBandH band = NULL;
-	struct sums sums = { eco_alloc(columns, sizeof(double)), eco_alloc(columns, sizeof(double)) };
-	enum eco_code code = pick_band(&band, raster, source, notes, error);
+	GDALRasterBandH band = pick_band(raster, source, notes);
 	*samples = (struct ground_samples){ .columns = columns, .rows = rows_wanted };
 	memcpy(samples->transform, raster->transform, sizeof samples->transform);
 	for (int i = 0; i < 2; i++) {
@@ -410,19 +397,10 @@ enum eco_code ground_samples_read(struct ground_samples *samples, const struct g
 		samples->transform[3 * i + 2] *= (double)raster->rows / rows_wanted;
 	}
 	samples->metres = eco_alloc((size_t)columns * rows_wanted, sizeof *samples->metres);
-	if (!code) {
-		rows_open(&rows, raster, band, !source->no_holes);
-		meaning_of(&meaning, raster, band, source, notes);
-		if ((!source->has_nodata && !source->no_holes && !find_holes(&meaning, &rows, notes))
-				|| !average(samples, &rows, &meaning, &sums))
-			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its heights cannot be read: %.250s",
-				raster->path, CPLGetLastErrorMsg()[0] != 0 ? CPLGetLastErrorMsg()
-				: "GDAL gives no reason");
-		else
-			say_range(samples, raster->path, notes);
-	}
-	rows_close(&rows);
-	free(sums.sum);
-	free(sums.weight);
-	return code;
+	rows_open(&rows, raster, band, !source->no_holes);
+	meaning_of(&meaning, raster, band, source, notes);
+	if (!source->has_nodata && !source->no_holes)
+		find_holes(&meaning, &rows, notes);
+	average(samples, &rows, &meaning);
+	say_range(samples, raster->path, notes);
 }
