@@ -25,6 +25,7 @@
 #define REPLACED_MOST 3                  /* ... so often for one frame */
 
 struct viewer {                          /* everything that lives as long as the program */
+	struct eco_error *error;                 /* of the steps under way (eco_try) */
 	struct view_options options;
 	struct eco_camera *camera;
 	struct view_fetch *fetch;
@@ -44,6 +45,7 @@ struct viewer {                          /* everything that lives as long as the
 	double turns_ms, begun_ms;               /* of the frame under way: turns_after, and when it began */
 	const struct lod_eye *eye;               /* of the frame under way, for its parts */
 	struct view_frame *frame;
+	uint32_t number;                         /* its own */
 	uint32_t frame_parts;                    /* drawn of it, ... */
 	struct view_frame drawn;                 /* ... the last of them */
 	bool replaced;                           /* it met another pack than that of what is held */
@@ -56,46 +58,40 @@ struct viewer {                          /* everything that lives as long as the
 
 /* ---- Files ---- */
 
-static enum eco_code save(const struct viewer *v, const char *format, uint32_t frame, const uint8_t *bytes,
-	uint32_t channels, struct eco_error *error)
+static void save(const struct viewer *v, const char *format, uint32_t frame, const uint8_t *bytes, uint32_t channels)
 {
 	struct eco_pixels pixels = { v->options.width, v->options.height, channels, bytes };
-	return view_save(v->options.dir, format, frame, &pixels, error);
+	eco_check(view_save(v->options.dir, format, frame, &pixels, v->error));
 }
 
-static enum eco_code save_masks(struct viewer *v, uint32_t frame, struct eco_error *error)
+static void save_masks(struct viewer *v, uint32_t frame)
 {
 	uint32_t count = v->options.width * v->options.height;
 	uint8_t *rgb = eco_alloc(count, 3);
 	view_picture_compare(v->picture.cover, v->reference.cover, count, rgb);
-	enum eco_code code = save(v, "reference-%04u.png", frame, v->reference.rgb, 3, error);
-	if (!code)
-		code = save(v, "frame-%04u.mask.png", frame, v->picture.cover, 1, error);
-	if (!code)
-		code = save(v, "reference-%04u.mask.png", frame, v->reference.cover, 1, error);
-	if (!code)
-		code = save(v, "pr-%04u.png", frame, rgb, 3, error);
+	save(v, "reference-%04u.png", frame, v->reference.rgb, 3);
+	save(v, "frame-%04u.mask.png", frame, v->picture.cover, 1);
+	save(v, "reference-%04u.mask.png", frame, v->reference.cover, 1);
+	save(v, "pr-%04u.png", frame, rgb, 3);
 	free(rgb);
-	return code;
 }
 
-static enum eco_code save_owners(struct viewer *v, uint32_t frame, struct eco_error *error)
+static void save_owners(struct viewer *v, uint32_t frame)
 {
 	uint8_t *rgb = eco_alloc((size_t)v->options.width * v->options.height, 3);
 	view_picture_owners(&v->picture, rgb);
-	enum eco_code code = save(v, "frame-%04u.owners.png", frame, rgb, 3, error);
+	save(v, "frame-%04u.owners.png", frame, rgb, 3);
 	free(rgb);
-	return code;
 }
 
-static enum eco_code save_comparison(struct viewer *v, const struct view_frame *f, struct eco_error *error)
+static void save_comparison(struct viewer *v, const struct view_frame *f)
 {
 	const struct lod_score *score = &f->measures.score;
 	char ours[200], full[200], wrong[200], q[6][VIEW_SCORE_BYTES];
 	uint32_t size[2];
 	uint8_t *rgb;
 	if (!v->error_map)
-		return ECO_OK;
+		return;
 	snprintf(ours, sizeof ours,
 		"ours: %llu of %llu vertices, %llu bytes\nQ %s  soft_q %s  ceiling %s",
 		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
@@ -112,13 +108,10 @@ static enum eco_code save_comparison(struct viewer *v, const struct view_frame *
 		view_report_score(q[4], f->measures.blocks.contrast),
 		view_report_score(q[5], f->measures.blocks.contrast_abs));
 	struct view_compare compare = { &v->picture, &v->reference, v->error_map, { ours, full, wrong } };
-	enum eco_code code = view_compare_draw(&compare, &rgb, size, error);
-	if (code)
-		return code;
-	code = view_save(v->options.dir, "compare-%04u.png", f->frame,
-		&(struct eco_pixels){ size[0], size[1], 3, rgb }, error);
+	eco_check(view_compare_draw(&compare, &rgb, size, v->error));
+	eco_check(view_save(v->options.dir, "compare-%04u.png", f->frame,
+		&(struct eco_pixels){ size[0], size[1], 3, rgb }, v->error));
 	free(rgb);
-	return code;
 }
 
 /* ---- Frames ---- */
@@ -131,53 +124,47 @@ static void step(struct viewer *v, uint32_t frame, const char *what)
 }
 
 /* Draws in software what scores need beside the pictures. */
-static enum eco_code draw_samples(struct viewer *v, const struct view_draw_job *job, struct view_picture *picture,
-	struct eco_error *error)
+static void draw_samples(struct viewer *v, const struct view_draw_job *job, struct view_picture *picture)
 {
 	bool lit = job->tint == VIEW_TINT_NONE, full = picture == &v->reference;
-	enum eco_code code = view_measure_soft(job, picture, error);
-	if (!code && v->error_map && lit)
-		code = full ? view_reference_draw(job, &v->rough, error)
-			: view_reference_fine(job, VIEW_TRUTH_SIDE, &v->fine, error);
-	if (!code && full && lit)
-		code = view_truth_draw(job, v->options.truths, picture, &v->truth_cpu_ms, error);
-	return code || !full ? code : view_measure_ceiling(job, picture, &v->ceiling, error);
+	eco_check(view_measure_soft(job, picture, v->error));
+	if (v->error_map && lit)
+		eco_check(full ? view_reference_draw(job, &v->rough, v->error)
+			: view_reference_fine(job, VIEW_TRUTH_SIDE, &v->fine, v->error));
+	if (full && lit)
+		eco_check(view_truth_draw(job, v->options.truths, picture, &v->truth_cpu_ms, v->error));
+	if (full)
+		eco_check(view_measure_ceiling(job, picture, &v->ceiling, v->error));
 }
 
 /* Draws a store's plan into `picture`, with OpenGL if there is one. */
-static enum eco_code draw(struct viewer *v, const struct view_store *store, const struct lod_eye *eye,
-	struct view_picture *picture, struct eco_error *error)
+static void draw(struct viewer *v, const struct view_store *store, const struct lod_eye *eye, struct view_picture *picture)
 {
 	struct view_selection selection, casters = { .instances = NULL };
-	enum eco_code code = view_select_make(&selection, store, eye, error);
-	if (code)
-		return code;
+	double ground_m;
+	eco_check(view_select_make(&selection, store, eye, v->error));
 	v->coarse = (double)selection.coarse;
 	selection.sky = v->sky;
 	selection.sky.casters = &casters;
 	if (v->sky.shadows)
-		code = view_select_casters(&casters, store, eye, error);
-	if (!code && v->options.digest && store == v->store)
-		code = view_digest_write(v->digest, store, &selection, error);
-	double ground_m;
+		eco_check(view_select_casters(&casters, store, eye, v->error));
+	if (v->options.digest && store == v->store)
+		eco_check(view_digest_write(v->digest, store, &selection, v->error));
 	struct view_draw_job job = { store, &selection, eye, view_store_near_m(store), 0,
 		&view_interrupted, (enum view_tint)v->options.tint, (uint32_t)v->options.samples, v->options.smooth };
 	bool shown = store == v->store || job.tint != VIEW_TINT_NONE;   /* the truth's colours are drawn later */
 	job.samples = shown ? job.samples : 1;
-	if (!code)
-		code = v->gl ? view_gl_draw(v->gl, &job, picture, error)
-			: view_reference_draw(&job, picture, error);
-	if (!code && v->options.geojson && store == v->store && view_store_complete(store))
-		code = view_geojson_save(&(struct view_geojson_job){ store, &selection, picture, &v->map,
-			v->asks }, v->options.dir, v->frame->frame, error);
+	eco_check(v->gl ? view_gl_draw(v->gl, &job, picture, v->error) : view_reference_draw(&job, picture, v->error));
+	if (v->options.geojson && store == v->store && view_store_complete(store))
+		eco_check(view_geojson_save(&(struct view_geojson_job){ store, &selection, picture, &v->map, v->asks },
+			v->options.dir, v->frame->frame, v->error));
 	job.samples = (uint32_t)v->options.samples;
-	if (!code && v->options.reference)
-		code = draw_samples(v, &job, picture, error);
+	if (v->options.reference)
+		draw_samples(v, &job, picture);
 	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
 		? ground_m - eye->at[2] : 0;
 	view_select_free(&selection);
 	view_select_free(&casters);
-	return code;
 }
 
 /* From there the ground hides what should be seen, in a plan that does not expect it: almost always a script
@@ -206,27 +193,27 @@ static void count_memory(struct viewer *v, const struct view_store_stats *before
 }
 
 /* Draws and scores what there is of the frame under way. */
-static enum eco_code draw_part(struct viewer *v, struct view_frame *part, struct eco_error *error)
+static void draw_part(void *viewer)
 {
-	enum eco_code code = draw(v, v->store, v->eye, &v->picture, error);
-	part->vertices = v->picture.vertices;
-	part->draw_ms = v->picture.draw_ms;
-	part->ceiling = v->options.reference ? v->ceiling : NAN;
-	if (!code && v->options.reference)
-		view_measure_pair(&v->picture, &v->reference, NULL, &part->measures);
-	return code;
+	struct viewer *v = viewer;
+	v->drawn = *v->frame;
+	draw(v, v->store, v->eye, &v->picture);
+	v->drawn.vertices = v->picture.vertices;
+	v->drawn.draw_ms = v->picture.draw_ms;
+	v->drawn.ceiling = v->options.reference ? v->ceiling : NAN;
+	if (v->options.reference)
+		view_measure_pair(&v->picture, &v->reference, NULL, &v->drawn.measures);
 }
 
-/* A picture for each mark, the same again where nothing came since the one before: a film keeps its time. */
+/* A picture for each mark, the same again where nothing came since the one before: a film keeps its time. Called while an
+ * answer comes, whose code no step may leave. */
 static enum eco_code save_part(void *ctx, const struct view_fetch_result *so_far, struct eco_error *error)
 {
 	struct viewer *v = ctx;
 	char format[64];
 	enum eco_code code = ECO_OK;
-	if (!v->frame_parts || so_far->bytes > v->drawn.fetched.bytes) {
-		v->drawn = *v->frame;
-		code = draw_part(v, &v->drawn, error);
-	}
+	if (!v->frame_parts || so_far->bytes > v->drawn.fetched.bytes)
+		code = eco_try(draw_part, v, error);
 	v->drawn.fetched.bytes = so_far->bytes;
 	v->drawn.fetched.stream_ms = so_far->stream_ms;
 	if (code)
@@ -234,7 +221,8 @@ static enum eco_code save_part(void *ctx, const struct view_fetch_result *so_far
 	snprintf(format, sizeof format, "frame-%%04u-part-%02u.png", v->frame_parts++);
 	eco_progress_end();
 	view_report_line(&v->drawn, true, stdout);
-	code = save(v, format, v->drawn.frame, v->picture.rgb, 3, error);
+	code = view_save(v->options.dir, format, v->drawn.frame, &(struct eco_pixels){ v->options.width, v->options.height, 3,
+		v->picture.rgb }, error);
 	if (!code)
 		view_frames_add(&v->report.parts, &v->drawn);
 	return code;
@@ -257,8 +245,7 @@ static bool has_turned(void *ctx)
 	return view_clock_ms() - v->begun_ms > v->turns_ms;
 }
 
-static enum eco_code stream_frame(struct viewer *v, const struct eco_request *request,
-	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
+static void stream_frame(struct viewer *v, const struct eco_request *request, const struct lod_eye *eye, struct view_frame *f)
 {
 	struct view_fetch_result result;
 	struct view_store_stats before = view_store_stats(v->store);
@@ -268,11 +255,10 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	v->frame_parts = 0;
 	view_fetch_watch(v->fetch, &(struct view_fetch_watch){ &v->options.marks, save_part, has_turned, v });
 	v->begun_ms = view_clock_ms();
-	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, error);
+	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, v->error);
 	v->replaced |= result.status == REPLACED;
 	view_fetch_watch(v->fetch, &(struct view_fetch_watch){ 0 });
-	if (code)
-		return code;
+	eco_check(code);
 	result.bytes += f->fetched.bytes;
 	f->fetched = result;
 	if (result.host_left) {
@@ -287,9 +273,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 		f->predicted_m16 = view_store_plan(v->store)->m16;
 	}
 	step(v, f->frame, "draw");
-	code = draw(v, v->store, eye, &v->picture, error);
-	if (code)
-		return code;
+	draw(v, v->store, eye, &v->picture);
 	note_under_ground(v, f->frame);
 	f->vertices = v->picture.vertices;
 	f->draw_ms = v->picture.draw_ms;
@@ -297,7 +281,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 		f->shadow_ms = v->picture.shadow_ms;
 		f->shadow_texels = v->picture.shadow_texels;
 	}
-	return view_frame_check(f, error);
+	eco_check(view_frame_check(f, v->error));
 }
 
 /* Full detail of very many plants is more than a plan may take: then the score is against the best plan. */
@@ -311,24 +295,20 @@ static void note_coarse(struct viewer *v, struct view_frame *f)
 	}
 }
 
-static enum eco_code draw_reference(struct viewer *v, const struct eco_request *request,
-	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
+static void draw_reference(struct viewer *v, const struct eco_request *request, const struct lod_eye *eye, struct view_frame *f)
 {
 	struct eco_request everything = { .view = request->view, .vertices = ECO_VERTICES_MAX,
 		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
 	struct view_fetch_result result;
 	double start = view_clock_ms();
 	step(v, f->frame, "fetch the reference");
-	enum eco_code code = view_fetch_stream(v->fetch, v->full, &everything, &result, error);
+	enum eco_code code = view_fetch_stream(v->fetch, v->full, &everything, &result, v->error);
 	v->replaced |= result.status == REPLACED;
-	if (code)
-		return code;
+	eco_check(code);
 	step(v, f->frame, "draw the reference");
-	code = draw(v, v->full, eye, &v->reference, error);
+	draw(v, v->full, eye, &v->reference);
 	f->reference_ms = view_clock_ms() - start;
-	if (!code)
-		note_coarse(v, f);
-	return code;
+	note_coarse(v, f);
 }
 
 static void measure_motion(struct viewer *v, struct view_frame *f)
@@ -345,7 +325,7 @@ static void measure_motion(struct viewer *v, struct view_frame *f)
 	}
 }
 
-static enum eco_code score_frame(struct viewer *v, struct view_frame *f, struct eco_error *error)
+static void score_frame(struct viewer *v, struct view_frame *f)
 {
 	view_measure_pair(&v->picture, &v->reference, v->error_map, &f->measures);
 	f->ceiling = v->ceiling;
@@ -358,67 +338,60 @@ static enum eco_code score_frame(struct viewer *v, struct view_frame *f, struct 
 		f->floor = view_picture_error(&v->rough, &v->reference);
 	}
 	measure_motion(v, f);
-	enum eco_code code = save_masks(v, f->frame, error);
-	return code ? code : save_comparison(v, f, error);
+	save_masks(v, f->frame);
+	save_comparison(v, f);
 }
 
-static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_error *error)
+static void one_frame(void *viewer)
 {
-	struct eco_request request = { .vertices = v->options.vertices, .bytes = v->options.bytes,
-		.ground_px = v->options.ground_px, .texel_px = v->options.texel_px };
-	request.view.width = v->options.width;
-	request.view.height = v->options.height;
-	double time_s = eco_camera_frame(v->camera, number, &request.view);
-	enum eco_code code = eco_view_check(&request.view, error);
-	if (code)
-		return code;
-	if (v->options.ahead_s > 0)
-		eco_camera_ahead(v->camera, number, v->options.ahead_s, &request);
-	v->turns_ms = turns_after(v, number, &request);
+	struct viewer *v = viewer;
+	const struct view_options *o = &v->options;
+	struct eco_request request = { .vertices = o->vertices, .bytes = o->bytes, .ground_px = o->ground_px,
+		.texel_px = o->texel_px, .view = { .width = o->width, .height = o->height } };
 	struct view_fetch_result asked = { .requests = 0 };
+	double time_s = eco_camera_frame(v->camera, v->number, &request.view);
+	enum eco_code code = eco_view_check(&request.view, v->error);
+	eco_check(code);
+	if (o->ahead_s > 0)
+		eco_camera_ahead(v->camera, v->number, o->ahead_s, &request);
+	v->turns_ms = turns_after(v, v->number, &request);
 	if (eco_camera_above_ground(v->camera))
-		code = view_stand(v->fetch, v->store, &request, &asked, error);
+		code = view_stand(v->fetch, v->store, &request, &asked, v->error);
 	v->replaced |= asked.status == REPLACED;
-	if (code)
-		return code;
-	eco_request_snap(&request, v->options.snap_m);
+	eco_check(code);
+	eco_request_snap(&request, o->snap_m);
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request.view);
-	struct view_frame f = view_frame_empty(number, time_s, &request);
+	struct view_frame f = view_frame_empty(v->number, time_s, &request);
 	f.fetched.bytes = asked.bytes;
 	/* parts are scored while they come */
-	bool parts = v->options.marks.bytes_count + v->options.marks.ms_count > 0;
-	if (v->options.reference && parts)
-		code = draw_reference(v, &request, &eye, &f, error);
-	if (!code)
-		code = stream_frame(v, &request, &eye, &f, error);
-	if (!code)
-		code = save(v, "frame-%04u.png", number, v->picture.rgb, 3, error);
-	if (!code && v->options.owners)
-		code = save_owners(v, number, error);
-	if (!code && v->options.reference && !parts)
-		code = draw_reference(v, &request, &eye, &f, error);
-	if (!code && v->options.reference)
-		code = score_frame(v, &f, error);
-	if (!code)
-		code = view_explain_frame(&v->explain, v->fetch, number, &request, &(struct view_full){ v->full, &eye,
-			v->options.reference ? &v->reference : NULL }, error);
-	if (!code) {
-		view_frames_add(&v->report.frames, &f);
-		eco_progress_end();
-		view_report_line(&f, false, stdout);
-		if (v->options.digest)
-			printf("frame %u: digest %s\n", number, v->digest);
-	}
-	return code;
+	bool parts = o->marks.bytes_count + o->marks.ms_count > 0;
+	if (o->reference && parts)
+		draw_reference(v, &request, &eye, &f);
+	stream_frame(v, &request, &eye, &f);
+	save(v, "frame-%04u.png", v->number, v->picture.rgb, 3);
+	if (o->owners)
+		save_owners(v, v->number);
+	if (o->reference && !parts)
+		draw_reference(v, &request, &eye, &f);
+	if (o->reference)
+		score_frame(v, &f);
+	eco_check(view_explain_frame(&v->explain, v->fetch, v->number, &request, &(struct view_full){ v->full, &eye,
+		o->reference ? &v->reference : NULL }, v->error));
+	view_frames_add(&v->report.frames, &f);
+	eco_progress_end();
+	view_report_line(&f, false, stdout);
+	if (o->digest)
+		printf("frame %u: digest %s\n", v->number, v->digest);
 }
 
-static enum eco_code open_stores(struct viewer *v, struct eco_error *error)
+static void open_stores(struct viewer *v)
 {
 	struct view_store_options store = { .images = true, .memory_max = v->options.memory },
 		full = { .images = true };
-	enum eco_code code = view_store_new(&v->store, &store, error);
-	return code || !v->options.reference ? code : view_store_new(&v->full, &full, error);
+	eco_check(view_store_new(&v->store, &store, v->error));
+	if (v->options.reference)
+		eco_check(view_store_new(&v->full, &full, v->error));
 }
 
 static void close_stores(struct viewer *v)
@@ -429,16 +402,17 @@ static void close_stores(struct viewer *v)
 }
 
 /* The server has another pack of the scene: of the one before nothing is of use, on the GPU neither. */
-static enum eco_code begin_anew(struct viewer *v, uint32_t frame, struct eco_error *error)
+static void begin_anew(void *viewer)
 {
+	struct viewer *v = viewer;
 	eco_progress_note("frame %u: the server has another pack of the scene now: the client starts again with it",
-		frame);
+		v->number);
 	close_stores(v);
-	enum eco_code code = open_stores(v, error);
+	open_stores(v);
 	const struct view_store *stores[2] = { v->store, v->full };
-	if (!code && v->gl)
+	if (v->gl)
 		view_gl_keep(v->gl, stores, v->full ? 2 : 1);
-	return code;
+	one_frame(v);
 }
 
 /* All of a frame is of one pack. */
@@ -447,16 +421,17 @@ static enum eco_code whole_frame(struct viewer *v, uint32_t number, struct eco_e
 	const uint32_t parts = v->report.parts.count;
 	const double part = v->part;
 	struct eco_error one = { 0 };
-	enum eco_code code = one_frame(v, number, &one);
+	v->error = &one;
+	v->number = number;
+	enum eco_code code = eco_try(one_frame, v, &one);
 	for (int i = 0; code && v->replaced && i < REPLACED_MOST; i++) {
 		v->report.parts.count = parts;
 		v->part = part;
 		v->replaced = false;
 		one = (struct eco_error){ 0 };
-		code = begin_anew(v, number, &one);
-		if (!code)
-			code = one_frame(v, number, &one);
+		code = eco_try(begin_anew, v, &one);
 	}
+	v->error = error;
 	return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
 }
 
@@ -516,47 +491,44 @@ static enum eco_code open_engine(struct viewer *v, struct eco_error *error)
 	return ECO_OK;
 }
 
-static enum eco_code start(struct viewer *v, struct eco_error *error)
+static void start(void *viewer)
 {
+	struct viewer *v = viewer;
 	const struct view_options *o = &v->options;
+	struct eco_error *error = v->error;
 	struct view_fetch_options fetch = { .url = o->url, .chunks = o->chunks,
 		.rule = o->rule ? view_rules[o->rule] : NULL,
 		.patience_ms = PATIENCE_MS, .resumes = RESUMES, .stop = &view_interrupted };
-	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
-	if (!code)
-		code = view_save_dir(o->dir, error);
-	if (!code && o->explain)
+	eco_check(view_fetch_setup(error));
+	eco_check(eco_camera_load(&v->camera, o->camera, error));
+	eco_check(view_save_dir(o->dir, error));
+	if (o->explain)
 		view_explain_open(&v->explain, o->explain);
-	if (!code)
-		code = view_fetch_new(&v->fetch, &fetch, error);
+	eco_check(view_fetch_new(&v->fetch, &fetch, error));
 	v->sky = o->sky;
-	if (!code && (o->geojson || o->tint != VIEW_TINT_OWN || !isnan(o->sun_s)))
-		code = view_map_fetch(v->fetch, &v->map, error);
-	if (!code && !isnan(o->sun_s) && !v->map.has_place)
-		code = eco_fail(error, ECO_BAD_INPUT,
-			"the scene's place on Earth is not stated: give it a crs and make the pack again");
-	if (!code && isnan(o->sun_s) && v->map.has_place)
-		view_sun_usual(&v->map.place, v->sky.sun);
-	else if (!code && !isnan(o->sun_s))
+	if (o->geojson || o->tint != VIEW_TINT_OWN || !isnan(o->sun_s))
+		eco_check(view_map_fetch(v->fetch, &v->map, error));
+	if (!isnan(o->sun_s) && !v->map.has_place)
+		eco_stop(ECO_BAD_INPUT, "the scene's place on Earth is not stated: give it a crs and make the pack again");
+	if (!isnan(o->sun_s))
 		view_sun_at(&v->map.place, o->sun_s, v->sky.sun);
+	else if (v->map.has_place)
+		view_sun_usual(&v->map.place, v->sky.sun);
 	fetch.chunks = NULL;
-	if (!code && o->geojson)
-		code = view_fetch_new(&v->asks, &fetch, error);
-	if (!code)
-		code = open_engine(v, error);
-	if (!code)
-		code = open_stores(v, error);
-	if (!code)
-		code = view_picture_init(&v->picture, o->width, o->height, error);
-	if (!code && o->reference)
-		code = view_picture_init(&v->reference, o->width, o->height, error);
-	if (!code && o->compare) {
+	if (o->geojson)
+		eco_check(view_fetch_new(&v->asks, &fetch, error));
+	eco_check(open_engine(v, error));
+	open_stores(v);
+	eco_check(view_picture_init(&v->picture, o->width, o->height, error));
+	if (o->reference)
+		eco_check(view_picture_init(&v->reference, o->width, o->height, error));
+	if (o->compare) {
 		v->error_map = eco_alloc((size_t)o->width * o->height, sizeof *v->error_map);
-		code = view_picture_init(&v->fine, o->width, o->height, error);
+		eco_check(view_picture_init(&v->fine, o->width, o->height, error));
+		eco_check(view_picture_init(&v->rough, o->width, o->height, error));
 	}
-	if (!code && o->compare)
-		code = view_picture_init(&v->rough, o->width, o->height, error);
-	return code || !o->truths ? code : view_save_dir(o->truths, error);
+	if (o->truths)
+		eco_check(view_save_dir(o->truths, error));
 }
 
 static void finish(struct viewer *v)
@@ -580,7 +552,7 @@ static void finish(struct viewer *v)
 int main(int argc, char **argv)
 {
 	static struct viewer viewer;
-	struct eco_error error = { 0 };
+	static struct eco_error error;
 	if (eco_command_answers(&view_command, argc - 1, argv + 1))
 		return eco_command_end(&view_command, ECO_OK, &error);
 	enum eco_code code = view_options_read(argc, argv, &viewer.options, &error);
@@ -588,10 +560,9 @@ int main(int argc, char **argv)
 	view_catch_signals();
 	eco_draco_end_without_memory(NULL);
 	eco_json_watch();
+	viewer.error = &error;
 	if (!code)
-		code = view_fetch_setup(&error);
-	if (!code)
-		code = start(&viewer, &error);
+		code = eco_try(start, &viewer, &error);
 	if (!code)
 		code = all_frames(&viewer, &error);
 	finish(&viewer);
