@@ -196,9 +196,7 @@ enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, co
 {
 	struct shown shown = { .full = full };
 	if (full->picture) {
-		enum eco_code code = view_select_make(&shown.selection, full->store, full->eye, error);
-		if (code)
-			return code;
+		ECO_PASS(view_select_make(&shown.selection, full->store, full->eye, error));
 		shown.pixels = view_pixels_of(&shown.selection, full->picture, NULL);
 	}
 	json_error_t where;
@@ -224,10 +222,8 @@ enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch
 	char *text;
 	if (!explain->out)
 		return ECO_OK;
-	enum eco_code code = view_fetch_explanation(fetch, request, &text, error);
-	if (code)
-		return code;
-	code = view_explain_write(explain->out, frame, text, full, error);
+	ECO_PASS(view_fetch_explanation(fetch, request, &text, error));
+	enum eco_code code = view_explain_write(explain->out, frame, text, full, error);
 	free(text);
 	return code;
 }
@@ -442,13 +438,11 @@ enum eco_code view_geojson_save(const struct view_geojson_job *job, const char *
 	json_t *json;
 	if (snprintf(path, sizeof path, "%s/frame-%04u.geojson", dir, frame) >= (int)sizeof path)
 		return eco_fail(error, ECO_BAD_USAGE, "%.100s...: the folder's name is too long", dir);
-	enum eco_code code = view_geojson_make(job, &json, error);
-	if (code)
-		return code;
+	ECO_PASS(view_geojson_make(job, &json, error));
 	char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(DIGITS));
 	if (!text || eco_json_lost())
 		eco_end("no memory");
-	code = eco_file_write(path, text, strlen(text), error);
+	enum eco_code code = eco_file_write(path, text, strlen(text), error);
 	free(text);
 	json_decref(json);
 	return code;

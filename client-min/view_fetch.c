@@ -221,9 +221,7 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 	struct eco_error *error)
 {
 	*out = NULL;
-	enum eco_code code = check_url(options->url, error);
-	if (code)
-		return code;
+	ECO_PASS(check_url(options->url, error));
 	struct view_fetch *fetch = calloc(1, sizeof *fetch);
 	if (!fetch)
 		return eco_no_memory(error, "a connection");
@@ -231,7 +229,7 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 	if (!fetch->options.body_max)
 		fetch->options.body_max = BODY_MAX_DEFAULT;
 	long stall_s = options->stall_ms ? (options->stall_ms + 999) / 1000 : 120;
-	code = options->chunks ? view_exchange_check_chunks(options->chunks, error) : ECO_OK;
+	enum eco_code code = options->chunks ? view_exchange_check_chunks(options->chunks, error) : ECO_OK;
 	fetch->multi = curl_multi_init();
 	if (!code && (!fetch->multi
 			|| asprintf(&fetch->url, "%.*s", view_url_length(options->url), options->url) < 0))

@@ -257,10 +257,8 @@ enum eco_code view_list_show(struct view_list *list, uint32_t levels, const stru
 	if (!levels || levels > levels_of(list, list->chunk_count) || !list->parts[levels - 1].height
 			|| (outline && (!outline_levels || outline_levels > levels_of(outline, outline->chunk_count))))
 		return ECO_OK;
-	enum eco_code code = eco_texture_show(&list->image, &list->parts[levels - 1],
-		outline ? &outline->parts[outline_levels - 1] : NULL, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_texture_show(&list->image, &list->parts[levels - 1],
+		outline ? &outline->parts[outline_levels - 1] : NULL, error));
 	list->shown[0] = levels;
 	list->shown[1] = outline_levels;
 	for (size_t i = 0; i < (size_t)list->image.width * list->image.height && !list->cutout; i++)
@@ -283,10 +281,8 @@ void view_list_mark(struct view_list *list, uint32_t ordinal, const struct eco_c
 enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, const struct eco_chunk *chunk,
 	struct eco_error *error)
 {
-	enum eco_code code = is_element_list(list) ? push_elements(list, &piece->elements, error)
-		: is_texture(list) ? push_strip(list, piece, error) : push_impostor(list, piece, error);
-	if (code)
-		return code;
+	ECO_PASS(is_element_list(list) ? push_elements(list, &piece->elements, error)
+		: is_texture(list) ? push_strip(list, piece, error) : push_impostor(list, piece, error));
 	if (list->list.kind == ECO_LIST_GROUND)
 		list->tile = piece->tile;
 	list->bytes += piece->bytes;

@@ -174,9 +174,7 @@ static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *seen
 		const struct eco_cut *cut = &cuts[i];
 		if (seen->band >= cut->band_first && seen->band < cut->band_end && hash >= cut->share_first
 				&& hash < cut->share_end) {
-			enum eco_code code = add_pair(w, i);
-			if (code)
-				return code;
+			ECO_PASS(add_pair(w, i));
 		}
 	}
 	return ECO_OK;
@@ -191,9 +189,7 @@ static enum eco_code add_caster(struct walk *w, uint32_t count, uint32_t hash, u
 	for (uint32_t s = 0; s < count; s++) {
 		all = all && view_table_get(&w->anchors, w->seen[s].anchor) != UINT32_MAX;
 		w->seen[s].band = caster_band(w, &w->seen[s], 0);
-		enum eco_code code = add_cuts(w, &w->seen[s], hash);
-		if (code)
-			return code;
+		ECO_PASS(add_cuts(w, &w->seen[s], hash));
 	}
 	if (all)
 		return ECO_OK;
@@ -325,10 +321,8 @@ static enum eco_code walk_runs(struct walk *w)
 			if (!list)
 				return eco_fail(w->error, ECO_DAMAGED,
 					"the plan draws the plants of list %u, which was not sent", id);
-			enum eco_code code = walk_list(w, &plan->placements[plan->runs[r].placement],
-				plan->runs[r].left, list);
-			if (code)
-				return code;
+			ECO_PASS(walk_list(w, &plan->placements[plan->runs[r].placement],
+				plan->runs[r].left, list));
 		}
 	return ECO_OK;
 }
@@ -514,9 +508,7 @@ enum eco_code view_digest_write(char out[VIEW_DIGEST_BYTES], const struct view_s
 	uint64_t held = 0;               /* a sum: lists may have come in any order */
 	for (uint32_t i = 0; i < view_store_list_count(store); i++) {
 		uint64_t one = 0;
-		enum eco_code code = hash_list(&one, view_store_list_at(store, i), error);
-		if (code)
-			return code;
+		ECO_PASS(hash_list(&one, view_store_list_at(store, i), error));
 		held += one;
 	}
 	snprintf(out, VIEW_DIGEST_BYTES, "%016llx-%016llx", (unsigned long long)held,

@@ -143,9 +143,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	if (plant->anchor_count == 0 || plant->anchor_first > UINT32_MAX - plant->anchor_count)
 		return BAD("plant %u has no anchors, or too many", id);
 	size_t anchor_bytes = (size_t)plant->anchor_count * sizeof *anchors;
-	enum eco_code code = describe(store, sizeof(struct view_plant) + anchor_bytes, error);
-	if (code)
-		return code;
+	ECO_PASS(describe(store, sizeof(struct view_plant) + anchor_bytes, error));
 	struct view_plant *copy = calloc(1, sizeof *copy);
 	if (!copy)
 		return eco_no_memory(error, "a plant");
@@ -171,9 +169,7 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	struct view_store *store = ctx;
 	if (store->options.counts || view_store_list(store, id))
 		return ECO_OK;
-	enum eco_code code = describe(store, view_list_bytes(list), error);
-	if (code)
-		return code;
+	ECO_PASS(describe(store, view_list_bytes(list), error));
 	struct view_list *copy = view_list_new(id, list, palette, groups);
 	if (copy && view_cache_add(&store->cache, copy))
 		return ECO_OK;
@@ -216,9 +212,7 @@ static enum eco_code keep(struct view_store *store, struct view_list *list, uint
 		return ECO_OK;
 	}
 	uint64_t before = list->bytes;
-	enum eco_code code = view_list_push(list, piece, chunk, error);
-	if (code)
-		return code;
+	ECO_PASS(view_list_push(list, piece, chunk, error));
 	view_cache_charge(cache, list, before);
 	view_cache_touch(cache, list, ordinal + 1);
 	return ECO_OK;
@@ -263,12 +257,10 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 		return count_only(store, id, ordinal, error);
 	if (!list)
 		return BAD("chunk %u of list %u came before the list's description", ordinal, id);
-	enum eco_code code = check_chunk(store, list, ordinal, chunk, error);
-	if (code)
-		return code;
+	ECO_PASS(check_chunk(store, list, ordinal, chunk, error));
 	struct view_piece piece;
 	double start = view_clock_ms();
-	code = view_piece_decode(&piece, &(struct view_piece_input){ list, chunk, ordinal, payload,
+	enum eco_code code = view_piece_decode(&piece, &(struct view_piece_input){ list, chunk, ordinal, payload,
 		store->options.images, &store->scene }, error);
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)
@@ -646,9 +638,7 @@ enum eco_code view_store_write_holdings(const struct view_store *store, struct e
 	struct eco_error *error)
 {
 	struct eco_holdings holdings;
-	enum eco_code code = view_store_holdings(store, &holdings, error);
-	if (code)
-		return code;
+	ECO_PASS(view_store_holdings(store, &holdings, error));
 	eco_wire_write_holdings(body, &holdings);
 	free(holdings.items);
 	return body->failed ? eco_no_memory(error, "a request") : ECO_OK;

@@ -19,9 +19,7 @@ static enum eco_code read_token(uint8_t token[SRV_TOKEN_BYTES_MAX], const char *
 {
 	char line[SRV_TOKEN_BYTES_MAX + 3] = "";
 	FILE *file;
-	enum eco_code code = eco_open_regular(&file, path, "a token", error);
-	if (code)
-		return code;
+	ECO_PASS(eco_open_regular(&file, path, "a token", error));
 	bool has_line = fgets(line, sizeof line, file);
 	fclose(file);
 	size_t size = strcspn(line, "\r\n");
@@ -47,9 +45,7 @@ static enum eco_code add_token(struct srv_access *access, const char *scene, con
 	if (access->token_count == SRV_TOKENS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "more than %u tokens; serve the other scenes by "
 			"another ecoserve", SRV_TOKENS_MAX);
-	enum eco_code code = read_token(token->bytes, path, error);
-	if (code)
-		return code;
+	ECO_PASS(read_token(token->bytes, path, error));
 	memcpy(token->scene, scene, strlen(scene) + 1);
 	access->token_count++;
 	return ECO_OK;
@@ -189,9 +185,7 @@ enum eco_code srv_access_add_frame(const char *origin, void *to, struct eco_erro
 {
 	struct srv_access *access = to;
 	size_t used = strlen(access->frames);
-	enum eco_code code = check_origin("embed", origin, error);
-	if (code)
-		return code;
+	ECO_PASS(check_origin("embed", origin, error));
 	if (used + strlen(origin) + 2 > sizeof access->frames)
 		return eco_fail(error, ECO_TOO_LARGE, "--embed: more than %u bytes of origins",
 			SRV_FRAMES_BYTES);
@@ -202,9 +196,7 @@ enum eco_code srv_access_add_frame(const char *origin, void *to, struct eco_erro
 enum eco_code srv_access_add_origin(const char *origin, void *to, struct eco_error *error)
 {
 	struct srv_access *access = to;
-	enum eco_code code = check_origin("cors", origin, error);
-	if (code)
-		return code;
+	ECO_PASS(check_origin("cors", origin, error));
 	if (access->origin_count == SRV_ORIGINS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "--cors: more than %u origins", SRV_ORIGINS_MAX);
 	access->origins[access->origin_count++] = origin;

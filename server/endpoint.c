@@ -72,15 +72,13 @@ enum eco_code srv_endpoint_open(struct srv_endpoint *endpoint, const char *liste
 		*found;
 	listen_at = listen_at ? listen_at : SRV_LISTEN_DEFAULT;
 	*endpoint = (struct srv_endpoint){ .fd = -1 };
-	enum eco_code code = split_listen(listen_at, host, port, error);
-	if (code)
-		return code;
+	ECO_PASS(split_listen(listen_at, host, port, error));
 	int failed = getaddrinfo(host, port, &hints, &found);
 	if (failed)
 		return eco_fail(error, ECO_IO, "--listen: '%s' names no address of this machine: %s", host,
 			gai_strerror(failed));
 	endpoint->fd = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-	code = endpoint->fd < 0 ? eco_fail(error, ECO_IO, "cannot open a socket: %s", strerror(errno))
+	enum eco_code code = endpoint->fd < 0 ? eco_fail(error, ECO_IO, "cannot open a socket: %s", strerror(errno))
 		: bind_to(endpoint->fd, found, listen_at, error);
 	freeaddrinfo(found);
 	if (!code)

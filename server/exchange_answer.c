@@ -312,10 +312,8 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 	char timing[96];
 	struct srv_body body = { .size_bytes = 0 };
 	bool is_stream = exchange->route == &srv_routes[SRV_STREAM], fits = stream->fits || !is_stream;
-	enum eco_code code = !fits ? ECO_OK : is_stream ? srv_stream_write(stream, &body, error)
-		: describe(exchange, stream, &body, error);
-	if (code)
-		return code;
+	ECO_PASS(!fits ? ECO_OK : is_stream ? srv_stream_write(stream, &body, error)
+		: describe(exchange, stream, &body, error));
 	snprintf(timing, sizeof timing, "plan;dur=%.3f, build;dur=%.3f", (double)(planned_us - begun_us) /
 		1000.0, (double)(srv_clock_us() - planned_us) / 1000.0);
 	if (fits) {

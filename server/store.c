@@ -225,9 +225,7 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 		return code;
 	/* before the pack is read: what changes meanwhile is read again at the next reload */
 	const struct srv_file file = file_at(path);
-	code = open_pack(&pack, store, path, error);
-	if (code)
-		return code;
+	ECO_PASS(open_pack(&pack, store, path, error));
 	if (name)
 		snprintf(chosen, sizeof chosen, "%s", name);
 	else if (srv_name_valid(pack->scene.name))
@@ -345,9 +343,7 @@ enum eco_code srv_catalog_replace(struct srv_catalog *catalog, const struct srv_
 	uint64_t until_us, uint64_t now_us, struct eco_error *error)
 {
 	struct srv_edition *before = catalog->current, *edition;
-	enum eco_code code = edition_new(&edition, store, before, until_us, now_us, error);
-	if (code)
-		return code;
+	ECO_PASS(edition_new(&edition, store, before, until_us, now_us, error));
 	pthread_mutex_lock(&catalog->mutex);
 	catalog->current = edition;
 	pthread_mutex_unlock(&catalog->mutex);

@@ -308,9 +308,7 @@ static enum eco_code take_pieces(const struct srv_stream *stream, struct eco_wir
 			break;
 		struct srv_piece *piece = &body->pieces[body->piece_count++];
 		const uint8_t *bytes;
-		enum eco_code code = srv_scene_payload(stream->input.scene, payload->chunk, &bytes, &piece->size, error);
-		if (code)
-			return code;
+		ECO_PASS(srv_scene_payload(stream->input.scene, payload->chunk, &bytes, &piece->size, error));
 		piece->bytes = bytes;
 	}
 	return ECO_OK;

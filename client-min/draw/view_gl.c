@@ -279,9 +279,7 @@ static enum eco_code use(struct frame *f, enum view_program which, const struct 
 	*out = s;
 	if (f->any_bound && f->bound == which)
 		return ECO_OK;
-	enum eco_code code = compile(f->gl, which, variant, f->error);
-	if (code)
-		return code;
+	ECO_PASS(compile(f->gl, which, variant, f->error));
 	glUseProgram(s->program);
 	set_camera(f, s);
 	f->bound = which;
@@ -343,9 +341,7 @@ static enum eco_code draw_tile(struct frame *f, const struct view_shader *s,
 	const struct view_ground_tile *tile)
 {
 	const struct view_gpu_list *g;
-	enum eco_code code = view_gpu_list(&f->gl->gpu, tile->list, &g, f->error);
-	if (code)
-		return code;
+	ECO_PASS(view_gpu_list(&f->gl->gpu, tile->list, &g, f->error));
 	const uint8_t *coarser = tile->seam.coarser;
 	bind_records(f, s, g);
 	glUniform3i(s->uniform[VIEW_U_COLUMNS], (int)tile->x.count, (int)tile->x.before, (int)tile->y.before);
@@ -672,12 +668,9 @@ static enum eco_code begin_record(struct frame *f)
 	f->picture->vertices = 0;
 	glClearBufferuiv(GL_COLOR, 0, (const unsigned[]){ 0, 0, 0, 0 });
 	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
-	enum eco_code code = note_owners(f);
-	if (!code)
-		code = upload_selection(f);
-	if (!code && f->job->selection->ground.count)
-		code = draw_ground(f);
-	return code;
+	ECO_PASS(note_owners(f));
+	ECO_PASS(upload_selection(f));
+	return f->job->selection->ground.count ? draw_ground(f) : ECO_OK;
 }
 
 enum eco_code view_gl_record_part(struct view_gl *gl, const struct view_draw_job *job, uint64_t most,

@@ -471,9 +471,7 @@ static enum eco_code add_sample(const struct view_draw_job *job, const struct vi
 	struct view_draw_job at = *job;
 	at.eye = &eye;
 	lod_eye_sample(&eye, number);
-	enum eco_code code = record(ctx, &at, picture, error);
-	if (code)
-		return code;
+	ECO_PASS(record(ctx, &at, picture, error));
 	view_lamp_light(lamp, &eye, picture, view_thread_count(job->threads));
 	for (size_t i = 0; i < 3 * (size_t)picture->width * picture->height; i++)
 		sums[i] += picture->light[i];

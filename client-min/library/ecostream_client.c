@@ -118,9 +118,7 @@ static enum eco_code make(struct ecostream_picture *picture, const struct eco_vi
 	if (!picture->plan)
 		return eco_fail(error, ECO_NOT_FOUND, "no plan has come: feed a stream, up to its first plan "
 			"or on");
-	enum eco_code code = eco_view_check(view, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_view_check(view, error));
 	picture->cuts = calloc(picture->plan->cut_count + (size_t)1, sizeof *picture->cuts);
 	if (!picture->cuts)
 		return eco_no_memory(error, "a picture");

@@ -387,9 +387,7 @@ static enum eco_code make_views(struct view_load_options *o, struct view_fetch *
 {
 	struct extent e = { .has_ground = false };
 	uint64_t random = o->seed;
-	enum eco_code code = read_extent(fetch, &e, error);
-	if (code)
-		return code;
+	ECO_PASS(read_extent(fetch, &e, error));
 	o->views = eco_alloc(FRAMES, sizeof *o->views);
 	o->view_count = FRAMES;
 	*above_ground = e.has_ground;
@@ -409,9 +407,7 @@ static enum eco_code make_views(struct view_load_options *o, struct view_fetch *
 static enum eco_code read_views(struct view_load_options *o, bool *above_ground, struct eco_error *error)
 {
 	struct eco_camera *camera = NULL;
-	enum eco_code code = eco_camera_load(&camera, o->camera, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_camera_load(&camera, o->camera, error));
 	o->view_count = eco_camera_frame_count(camera);
 	o->views = eco_alloc(o->view_count, sizeof *o->views);
 	*above_ground = eco_camera_above_ground(camera);

@@ -128,9 +128,7 @@ static enum eco_code restrict_to(const struct eco_confined_paths *paths, struct 
 
 enum eco_code eco_confine(const struct eco_confined_paths *paths, struct eco_error *error)
 {
-	enum eco_code code = restrict_to(paths, error);
-	if (code)
-		return code;
+	ECO_PASS(restrict_to(paths, error));
 	confined_to = *paths;
 	is_confined = true;
 	return ECO_OK;

@@ -34,6 +34,14 @@ struct eco_error {
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 
+/* Passes a failure on: where the call fails, the function that calls it returns its code. */
+#define ECO_PASS(call) \
+	do { \
+		enum eco_code passed_ = (call); \
+		if (passed_) \
+			return passed_; \
+	} while (0)
+
 /* ECO_NO_MEMORY: "no memory for " what. */
 enum eco_code eco_no_memory(struct eco_error *error, const char *what);
 

@@ -32,9 +32,7 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 			"one of them" : "--crs needs --origin X,Y,Z, the point that is 0, 0, 0 in the scene");
 	if (!c->scene)
 		return ECO_OK;
-	enum eco_code code = eco_sources_load(&c->sources, c->scene, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_sources_load(&c->sources, c->scene, error));
 	const struct eco_source *scene = &c->sources.items[0];
 	struct eco_ground_options ground = { .source = &scene->ground, .scene_crs = scene->crs,
 		.scene_vertical = scene->vertical, .side_max = ECO_GROUND_INSIDE_MAX,
@@ -45,9 +43,7 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 	memcpy(ground.origin, scene->origin, sizeof ground.origin);
 	if (!scene->ground.height_count)
 		return ECO_OK;
-	code = eco_ground_import(&c->ground, &ground, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_ground_import(&c->ground, &ground, error));
 	c->o.ground = &c->ground;            /* freed from now on */
 	eco_ground_extend(&c->ground);
 	return ECO_OK;

@@ -39,10 +39,8 @@ static enum eco_code read_confine(const char *text, void *value, struct eco_erro
 static enum eco_code made_confined(const struct make_options *make, struct eco_error *error)
 {
 	struct eco_error why = { 0 };
-	enum eco_code code = make_confine(make, make_given.confined_to, error);
-	if (code)
-		return code;
-	code = make_pack(make, &why);
+	ECO_PASS(make_confine(make, make_given.confined_to, error));
+	enum eco_code code = make_pack(make, &why);
 	if (code && code != ECO_INTERRUPTED && !strstr(why.text, "--confine"))
 		return eco_fail(error, code, "%s (--confine: only what lies below %s is read)", why.text,
 			*make_given.confined_to ? make_given.confined_to : "the scene's folder");

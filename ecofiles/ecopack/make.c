@@ -310,9 +310,7 @@ enum eco_code make_confine(const struct make_options *options, const char *folde
 	if (options->cache && *options->cache && main_cache_make(options->cache))
 		writable[1] = options->cache;
 	const struct eco_confined_paths paths = { .readable = readable, .writable = writable };
-	enum eco_code code = eco_confine(&paths, error);
-	if (!code && !eco_confined_may_read(options->scene))
-		code = eco_fail(error, ECO_BAD_USAGE, "%.200s does not lie below %.200s, to which --confine "
-			"keeps reading", options->scene, readable[0]);
-	return code;
+	ECO_PASS(eco_confine(&paths, error));
+	return eco_confined_may_read(options->scene) ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.200s does not lie below %.200s, to "
+		"which --confine keeps reading", options->scene, readable[0]);
 }

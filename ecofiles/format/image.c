@@ -224,10 +224,8 @@ enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, s
 	uint8_t *bytes;
 	size_t size;
 	/* several times faster than eco_png_encode, and larger */
-	enum eco_code code = encode(pixels, PNG_FILTER_NONE, &bytes, &size, error);
-	if (code)
-		return code;
-	code = eco_file_write(path, bytes, size, error);
+	ECO_PASS(encode(pixels, PNG_FILTER_NONE, &bytes, &size, error));
+	enum eco_code code = eco_file_write(path, bytes, size, error);
 	free(bytes);
 	return code;
 }

@@ -623,11 +623,11 @@ enum eco_code eco_scene_check(const struct eco_scene *s, struct eco_error *error
 		return BAD("scene: near plane at %g m is impossible", s->near_m);
 	if (s->root >= s->tile_count)
 		return BAD("scene: root tile %u of %u is not there", s->root, s->tile_count);
-	enum eco_code code = check_lists(s, error);
-	code = code ? code : check_plants(s, error);
-	code = code ? code : check_tiles(s, error);
-	code = code ? code : check_ground(s, error);
-	code = code ? code : check_ground_images(s, error);
-	code = code ? code : check_each(s, "list", s->list_count, inventory_fault, error);
-	return code ? code : check_needs(s, error);
+	ECO_PASS(check_lists(s, error));
+	ECO_PASS(check_plants(s, error));
+	ECO_PASS(check_tiles(s, error));
+	ECO_PASS(check_ground(s, error));
+	ECO_PASS(check_ground_images(s, error));
+	ECO_PASS(check_each(s, "list", s->list_count, inventory_fault, error));
+	return check_needs(s, error);
 }

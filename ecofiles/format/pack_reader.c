@@ -204,9 +204,7 @@ static enum eco_code map_file(void **map, size_t *size, int file, int *copy, con
 		return eco_fail(error, ECO_BAD_INPUT, "%s: not a regular file", path);
 	if (status.st_size < (off_t)ECO_PACK_HEADER_BYTES)
 		return BAD("%s: %lld bytes are too few for a pack", path, (long long)status.st_size);
-	enum eco_code code = copies ? eco_private_copy(copy, file, path, copies, cancelled, error) : ECO_OK;
-	if (code)
-		return code;
+	ECO_PASS(copies ? eco_private_copy(copy, file, path, copies, cancelled, error) : ECO_OK);
 	*size = (size_t)status.st_size;
 	*map = mmap(NULL, *size, PROT_READ, MAP_SHARED, copies ? *copy : file, 0);
 	if (*map == MAP_FAILED)

@@ -124,16 +124,14 @@ static void open_files(void *writer)
 enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error)
 {
 	struct eco_pack_writer *w = *writer = NULL;
-	enum eco_code code = check_target(path, error);
-	if (code)
-		return code;
+	ECO_PASS(check_target(path, error));
 	w = eco_alloc(1, sizeof *w);
 	w->file = w->spool = -1;
 	w->path = eco_copy_text(path);
 	w->folder = folder_of(path);
 	if (asprintf(&w->temporary, "%s.tmp-%ld", path, (long)getpid()) < 0)
 		eco_end("no memory");
-	code = eco_try(open_files, w, error);
+	enum eco_code code = eco_try(open_files, w, error);
 	if (code)
 		eco_pack_abort(w);
 	else
@@ -305,9 +303,7 @@ enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct e
 		const struct eco_chunk *chunk = &from->scene.chunks[i];
 		const uint8_t *bytes;
 		size_t size;
-		enum eco_code code = eco_pack_payload(from, i, &bytes, &size, error);
-		if (code)
-			return code;
+		ECO_PASS(eco_pack_payload(from, i, &bytes, &size, error));
 		add_chunk(writer, bytes, size, chunk->element_count, chunk->primitive_count);
 	}
 	*list_id = add_list(writer, list, chunk_first);

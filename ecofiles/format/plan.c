@@ -174,11 +174,11 @@ static enum eco_code check_each(const struct eco_plan *plan, const char *what, u
 
 enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *error)
 {
-	enum eco_code code = check_head(plan, error);
-	code = code ? code : check_each(plan, "placement", plan->placement_count, placement_fault, error);
-	code = code ? code : check_each(plan, "run", plan->run_count, run_fault, error);
-	code = code ? code : check_each(plan, "gate", plan->gate_count, gate_fault, error);
-	return code ? code : check_each(plan, "cut", plan->cut_count, cut_fault, error);
+	ECO_PASS(check_head(plan, error));
+	ECO_PASS(check_each(plan, "placement", plan->placement_count, placement_fault, error));
+	ECO_PASS(check_each(plan, "run", plan->run_count, run_fault, error));
+	ECO_PASS(check_each(plan, "gate", plan->gate_count, gate_fault, error));
+	return check_each(plan, "cut", plan->cut_count, cut_fault, error);
 }
 
 /* ---- Holdings ---- */

@@ -102,9 +102,7 @@ enum eco_code eco_texture_write_outline(struct eco_writer *w, const struct eco_t
 	if (!all_opaque(part)) {
 		struct eco_range range;
 		eco_range_write(&range, w);
-		enum eco_code code = code_outline(&range, part->width, part->height, part->texels, error);
-		if (code)
-			return code;
+		ECO_PASS(code_outline(&range, part->width, part->height, part->texels, error));
 		eco_write_u8(w, (uint8_t)eco_range_end(&range));
 	}
 	return w->failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for an outline") : ECO_OK;
@@ -126,11 +124,9 @@ static enum eco_code read_outline(struct eco_texture_part *part, const uint8_t *
 		return ECO_OK;
 	struct eco_range range;
 	eco_range_read(&range, bytes + OUTLINE_HEAD, size - OUTLINE_HEAD - 1);
-	enum eco_code code = code_outline(&range, width, height, part->texels, error);
-	if (!code && eco_range_end(&range) != bytes[size - 1])
-		code = BAD("texture: the outline of %u x %u texels does not end where its %zu bytes do",
-			width, height, size);
-	return code;
+	ECO_PASS(code_outline(&range, width, height, part->texels, error));
+	return eco_range_end(&range) == bytes[size - 1] ? ECO_OK
+		: BAD("texture: the outline of %u x %u texels does not end where its %zu bytes do", width, height, size);
 }
 
 /* ---- Colours ---- */

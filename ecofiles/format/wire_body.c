@@ -234,9 +234,7 @@ enum eco_code eco_wire_body_needs(struct eco_wire_body *body, const struct eco_h
 			const struct eco_holding *need = &needs->items[i];
 			if (turn_of(&scene->lists[need->list]) != round)
 				continue;
-			enum eco_code code = emit_list(body, need->list, need->chunks, error);
-			if (code)
-				return code;
+			ECO_PASS(emit_list(body, need->list, need->chunks, error));
 		}
 	end_bundle(body);
 	return check(body, error);
@@ -245,9 +243,7 @@ enum eco_code eco_wire_body_needs(struct eco_wire_body *body, const struct eco_h
 enum eco_code eco_wire_body_step(struct eco_wire_body *body, const struct eco_plan *plan,
 	const struct eco_holdings *needs, struct eco_error *error)
 {
-	enum eco_code code = eco_wire_body_needs(body, needs, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_wire_body_needs(body, needs, error));
 	struct eco_frame_mark mark = begin(body, ECO_FRAME_PLAN);
 	eco_wire_write_plan(&body->frames, plan);
 	end(body, mark);

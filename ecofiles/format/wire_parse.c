@@ -292,9 +292,7 @@ static enum eco_code read_bundle(struct eco_wire_parser *p, struct eco_reader *r
 		return BAD("a directory of %llu bytes is longer than the bundle", (unsigned long long)size);
 	eco_range_read(&range, directory, (size_t)size);
 	do {
-		enum eco_code code = read_item(p, &range, r, &item, e);
-		if (code)
-			return code;
+		ECO_PASS(read_item(p, &range, r, &item, e));
 	} while (item.kind != ECO_ITEM_END);
 	if (eco_range_end(&range) != zeros)
 		return BAD("its directory is not as long as it says");
@@ -322,10 +320,8 @@ static enum eco_code check_plan_ids(const struct eco_wire_parser *p, const struc
 static enum eco_code read_plan(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
 {
 	struct eco_plan plan;
-	enum eco_code code = eco_wire_read_plan(r, &plan, e);
-	if (code)
-		return code;
-	code = whole(r, e);
+	ECO_PASS(eco_wire_read_plan(r, &plan, e));
+	enum eco_code code = whole(r, e);
 	code = code ? code : check_plan_ids(p, &plan, e);
 	p->planned = true;
 	p->vertices = plan.vertices;
@@ -338,9 +334,7 @@ static enum eco_code read_plan(struct eco_wire_parser *p, struct eco_reader *r, 
 static enum eco_code read_end(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
 {
 	uint64_t vertices = eco_read_u64(r), bytes = eco_read_u64(r), came = p->offset + ECO_END_FRAME_BYTES;
-	enum eco_code code = whole(r, e);
-	if (code)
-		return code;
+	ECO_PASS(whole(r, e));
 	if (vertices != p->vertices)
 		return BAD("it states %llu vertices, the last plan has %llu",
 			(unsigned long long)vertices, (unsigned long long)p->vertices);
@@ -403,9 +397,7 @@ static enum eco_code read_frame(struct eco_wire_parser *p, struct eco_error *e)
 	struct eco_reader r = { .bytes = payload, .size = p->payload_size };
 	if (eco_frame_hash(header, p->number, payload, p->payload_size) != eco_read_u64(&hash))
 		return BAD("its hash does not match: it was damaged, or a frame is missing before it");
-	enum eco_code code = readers[header[0]](p, &r, e);
-	if (code)
-		return code;
+	ECO_PASS(readers[header[0]](p, &r, e));
 	p->last_type = header[0];
 	p->offset += p->frame.size;
 	p->number++;

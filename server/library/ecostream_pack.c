@@ -61,9 +61,7 @@ static enum eco_code read_request(struct ecostream_answer *answer, const struct 
 	struct eco_request *r = &answer->request;
 	*r = (struct eco_request){ .view = library_view_of(request), .vertices = request->vertices,
 		.bytes = request->bytes ? request->bytes : ECO_BYTES_UNBOUNDED };
-	enum eco_code code = eco_view_check(&r->view, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_view_check(&r->view, error));
 	if (r->vertices > ECO_VERTICES_MAX)
 		return eco_fail(error, ECO_BAD_INPUT, "vertices: at most 2^63 - 1");
 	return request->holdings ? eco_wire_read_holdings(request->holdings, request->holdings_size,
@@ -74,10 +72,9 @@ static enum eco_code plan(struct ecostream_answer *answer, const struct ecostrea
 	const struct ecostream_request *request, struct eco_error *error)
 {
 	const struct srv_scene *scene = pack->store.scenes[0];
-	enum eco_code code = read_request(answer, request, error);
-	if (!code)
-		code = srv_holdings_check(&scene->pack->scene, &answer->holdings, error);
-	return code ? code : srv_stream_plan(&answer->stream, &(struct srv_stream_input){ .scene = scene,
+	ECO_PASS(read_request(answer, request, error));
+	ECO_PASS(srv_holdings_check(&scene->pack->scene, &answer->holdings, error));
+	return srv_stream_plan(&answer->stream, &(struct srv_stream_input){ .scene = scene,
 		.request = &answer->request, .holdings = &answer->holdings }, error);
 }
 

@@ -218,10 +218,8 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 		(struct srv_query){ .request = { .view = { .up = { 0, 0, 1 }, .fov_y_deg = 45 },
 		.bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX, .texel_px = ECO_TEXEL_PX } };
-	enum eco_code code = parse_params(query, view_rows, "eye, target, up, fov_y_deg, width, height, vertices, "
-		"bytes, ground_px, texel_px, next_eye, next_target, name_from, rule, pack and explain", target, error);
-	if (code)
-		return code;
+	ECO_PASS(parse_params(query, view_rows, "eye, target, up, fov_y_deg, width, height, vertices, "
+		"bytes, ground_px, texel_px, next_eye, next_target, name_from, rule, pack and explain", target, error));
 	for (const struct param_row *row = view_rows; row->name; row++)
 		if (row->required && !srv_target_param(target, row->name))
 			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing; a view has "
@@ -232,7 +230,7 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 	if (!(query->request.texel_px >= ECO_TEXEL_PX_MIN && query->request.texel_px <= ECO_TEXEL_PX_MAX))
 		return eco_fail(error, ECO_BAD_INPUT, "texel_px: %g; give a number of pixels from %g to %g",
 			query->request.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX);
-	code = eco_view_check(&query->request.view, error);
+	enum eco_code code = eco_view_check(&query->request.view, error);
 	return code ? code : check_next(query, target, error);
 }
 

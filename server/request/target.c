@@ -180,12 +180,10 @@ enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_
 	if (size >= SRV_TARGET_BYTES_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "the request target has %zu bytes; at most %u are "
 			"accepted", size, SRV_TARGET_BYTES_MAX - 1);
-	enum eco_code code = skip_authority(&raw, &size, error);
-	if (code)
-		return code;
+	ECO_PASS(skip_authority(&raw, &size, error));
 	const char *query = memchr(raw, '?', size);
 	char *out = target->text;
-	code = parse_path(target, raw, query ? (size_t)(query - raw) : size, &out, error);
+	enum eco_code code = parse_path(target, raw, query ? (size_t)(query - raw) : size, &out, error);
 	if (code || !query)
 		return code;
 	const char *end = raw + size;

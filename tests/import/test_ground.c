@@ -19,11 +19,9 @@ static enum eco_code import(const char *scene, uint32_t side_max)
 	import_said[0] = 0;
 	eco_ground_free(&ground);
 	snprintf(text, sizeof text, "{%s, \"plants\": {}}", scene);
-	enum eco_code code = eco_source_parse(&source, text, strlen(text), "build/tmp/ground/scene.json", false,
-		&cause);
-	if (code)
-		return code;
-	code = eco_ground_import(&ground, &(struct eco_ground_options){ .source = &source.ground,
+	ECO_PASS(eco_source_parse(&source, text, strlen(text), "build/tmp/ground/scene.json", false,
+		&cause));
+	enum eco_code code = eco_ground_import(&ground, &(struct eco_ground_options){ .source = &source.ground,
 		.scene_crs = source.crs, .scene_vertical = source.vertical,
 		.origin = { source.origin[0], source.origin[1], source.origin[2] }, .side_max = side_max,
 		.warn = import_note }, &cause);

@@ -157,9 +157,7 @@ static enum eco_code look(struct client *c, const struct eco_request *request, s
 {
 	struct view_selection selection;
 	struct lod_eye eye;
-	enum eco_code code = view_fetch_stream(c->fetch, c->store, request, &c->result, error);
-	if (code)
-		return code;
+	ECO_PASS(view_fetch_stream(c->fetch, c->store, request, &c->result, error));
 	lod_eye_make(&eye, &request->view);
 	assert_ok(view_select_make(&selection, c->store, &eye, error), *error);
 	assert_ok(view_digest_write(c->digest, c->store, &selection, error), *error);

@@ -260,9 +260,7 @@ enum eco_code plant_view_drawing_make(struct plant_view_drawing *drawing, const 
 	struct lod_planner_input input = { .scene = &plant->scene, .request = &request };
 	struct eco_plan plan;
 	*drawing = (struct plant_view_drawing){ 0 };
-	enum eco_code code = lod_plan(&plan, &input, error);
-	if (code)
-		return code;
+	ECO_PASS(lod_plan(&plan, &input, error));
 	struct lod_anchor_band *seen = eco_alloc(plant->scene.plants[plant->number].anchor_count, sizeof *seen);
 	drawing->batches = eco_alloc(plan.cut_count, sizeof *drawing->batches);
 	add_cuts(drawing, plant, &plan, seen);

@@ -153,9 +153,7 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 {
 	const struct eco_ground_image_source *source = options->source;
 	*r = (struct eco_ground_image_reader){ .job = { .options = options, .only_look = only_look } };
-	enum eco_code code = check_files(source->files, source->file_count, error);
-	if (code)
-		return code;
+	ECO_PASS(check_files(source->files, source->file_count, error));
 	struct eco_guard_limits limits = eco_raster_limits((const char *const *)source->files,
 		source->file_count);
 	return eco_guard_start(&r->guard, image_work, &r->job, name_of(source), &limits, &r->stream, error);
@@ -177,10 +175,8 @@ static void warn_all(struct eco_ground_image_reader *r)
 enum eco_code eco_ground_image_look(const struct eco_ground_image_options *options, struct eco_error *error)
 {
 	struct eco_ground_image_reader r;
-	enum eco_code code = start(&r, options, true, error);
-	if (code)
-		return code;
-	code = ground_finish(r.guard, read_head(&r), name_of(options->source), error);
+	ECO_PASS(start(&r, options, true, error));
+	enum eco_code code = ground_finish(r.guard, read_head(&r), name_of(options->source), error);
 	if (!code)
 		warn_all(&r);
 	return code;

@@ -461,9 +461,7 @@ static enum eco_code take_row(struct row_reading *r, struct eco_error *error)
 	if (place->kind != ECO_PLACE_AREA)
 		return skip(r, ECO_AREA_NO_GEOMETRY), ECO_OK;
 	r->converted = r->near = true;
-	enum eco_code code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error));
 	if (!kept)
 		return skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY
 			: ECO_AREA_TOO_FAR), ECO_OK;

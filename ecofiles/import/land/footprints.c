@@ -93,23 +93,13 @@ enum eco_code eco_footprints_read(struct eco_footprints *footprints, const struc
 	for (uint32_t i = 0; i < spec->height_count; i++)
 		columns[i] = spec->heights[i].column;
 	columns[ECO_FOOTPRINT_HEIGHTS] = spec->roof;
-	enum eco_code code = eco_areas_read(&footprints->areas,
-		&(struct eco_areas_request){ .path = spec->path,
-			.layer = spec->layer,
-			.crs = spec->crs,
-			.filters = spec->filters,
-			.filter_count = spec->filter_count,
-			.columns = columns,
-			.column_count = ECO_FOOTPRINT_HEIGHTS + 1,
-			.take = take,
-			.ctx = &r,
-			.surfaces = true },
-		frame, &footprints->report, error);
-	if (!code && footprints->areas.count == 0)
-		code = eco_fail(error, ECO_BAD_INPUT,
-			"%.200s: no footprint is left of its %llu features: buildings are polygons",
-			spec->path, (unsigned long long)footprints->report.features);
-	return code;
+	const struct eco_areas_request request = { .path = spec->path, .layer = spec->layer, .crs = spec->crs,
+		.filters = spec->filters, .filter_count = spec->filter_count, .columns = columns,
+		.column_count = ECO_FOOTPRINT_HEIGHTS + 1, .take = take, .ctx = &r, .surfaces = true };
+	ECO_PASS(eco_areas_read(&footprints->areas, &request, frame, &footprints->report, error));
+	return footprints->areas.count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT,
+		"%.200s: no footprint is left of its %llu features: buildings are polygons", spec->path,
+		(unsigned long long)footprints->report.features);
 }
 
 void eco_footprints_report(const struct eco_footprints *f, void (*say)(void *ctx, const char *text), void *ctx)

@@ -255,9 +255,7 @@ static enum eco_code take_candidates(struct eco_scatter *s, struct filling *f)
 		if (!is_clear(s, c->items[i].at) || is_near(s, c->items[i].at, f->distance))
 			continue;
 		uint32_t plant = next_plant(s->spec, f->total, f->given, f->placed);
-		enum eco_code code = add_place(s, c->items[i].at, plant);
-		if (code)
-			return code;
+		ECO_PASS(add_place(s, c->items[i].at, plant));
 		f->given[plant]++;
 		f->placed++;
 	}

@@ -462,9 +462,7 @@ static enum eco_code read_scene(struct reader *r)
 	read_materials(r);
 	color_nameless(r->soup.model, r->scene);
 	assimp_frame(r->scene, r->path, r->soup.frame, r->axes);
-	enum eco_code code = walk(r);
-	if (code)
-		return code;
+	ECO_PASS(walk(r));
 	if (r->soup.triangle_count == 0)
 		return r->soup.vertex_count > 0 ? eco_fail(r->error, ECO_BAD_INPUT,
 			"%.300s: no triangles in it, only "

@@ -227,9 +227,7 @@ static enum eco_code parse(struct eco_gltf *doc, struct eco_error *error)
 	size_t length = doc->size;
 	json_error_t problem;
 	if (length >= 4 && memcmp(text, "glTF", 4) == 0) {
-		enum eco_code code = open_binary(doc, text, doc->size, &length, error);
-		if (code)
-			return code;
+		ECO_PASS(open_binary(doc, text, doc->size, &length, error));
 		text += 20;
 	}
 	while (length > 0 && text[length - 1] == 0)

@@ -103,9 +103,7 @@ static enum eco_code unpack(struct eco_gltf *doc, uint32_t index, const json_t *
 	struct eco_gltf_bytes *to, struct eco_error *error)
 {
 	struct packed p;
-	enum eco_code code = read_packed(doc, index, extension, &p, error);
-	if (code)
-		return code;
+	ECO_PASS(read_packed(doc, index, extension, &p, error));
 	/* no codec compresses better than 1024 to 1: a view that claims more gets no memory */
 	const uint64_t size = p.count * p.stride;
 	uint8_t *bytes = size <= p.length * 1024 ? eco_alloc((size_t)size, 1) : NULL;
@@ -194,9 +192,7 @@ static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_
 	uint64_t offset = eco_gltf_whole(json, "byteOffset", 0), need;
 	const uint8_t *start;
 	size_t size;
-	enum eco_code code = eco_gltf_view(doc, view, &start, &size, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_gltf_view(doc, view, &start, &size, error));
 	need = count == 0 ? 0 : (count - 1) * stride + bytes;
 	if (offset > size || need > size - offset)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u needs %llu bytes of bufferView %u, "

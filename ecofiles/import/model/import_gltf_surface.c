@@ -52,9 +52,7 @@ static enum eco_code open_attribute(struct gltf_reader *r, enum gltf_attribute w
 	struct eco_gltf_accessor *a = &r->to->values[which].a;
 	if (!json_object_get(attributes, name))
 		return ECO_OK;
-	enum eco_code code = eco_gltf_accessor_open(r->doc, eco_gltf_index(attributes, name), 0, a, r->error);
-	if (code)
-		return code;
+	ECO_PASS(eco_gltf_accessor_open(r->doc, eco_gltf_index(attributes, name), 0, a, r->error));
 	r->to->values[which].there = a->components == (which == GLTF_POSITION ? 3u : which == GLTF_TEXCOORD
 		? 2u : 4u)
 		|| (which == GLTF_COLOR && a->components == 3);
@@ -212,9 +210,7 @@ static void add_strip(struct gltf_reader *r, bool fan)
 static enum eco_code read_triangles(struct gltf_reader *r, uint64_t mode)
 {
 	uint64_t most = mode == TRIANGLES ? r->index_count / 3 : r->index_count > 2 ? r->index_count - 2 : 0;
-	enum eco_code code = gltf_too_many(r, most);
-	if (code)
-		return code;
+	ECO_PASS(gltf_too_many(r, most));
 	r->to->index = eco_alloc((size_t)most, 3 * sizeof *r->to->index);
 	if (mode != TRIANGLES) {
 		add_strip(r, mode == TRIANGLE_FAN);
@@ -294,15 +290,13 @@ static enum eco_code read_primitive(struct gltf_reader *r)
 		return fail(r, ECO_DAMAGED, "its mode is none that glTF knows");
 	if (mode < TRIANGLES)
 		return count_others(r, mode);
-	enum eco_code code = open_attributes(r, look);
-	if (code)
-		return code;
+	ECO_PASS(open_attributes(r, look));
 	if (!r->to->values[GLTF_POSITION].there) {
 		r->shapeless++;
 		return ECO_OK;
 	}
 	r->vertex_count = r->to->values[GLTF_POSITION].a.count;
-	code = draco ? open_draco(r, draco, look) : open_indices(r);
+	enum eco_code code = draco ? open_draco(r, draco, look) : open_indices(r);
 	if (!code)
 		code = read_triangles(r, draco ? TRIANGLES : mode);
 	if (code)

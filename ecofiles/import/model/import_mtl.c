@@ -177,9 +177,7 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 	uint8_t *bytes;
 	size_t size;
 	bool inside = false;
-	enum eco_code code = eco_file_read(path, MTL_BYTES_MAX, &bytes, &size, error);
-	if (code)
-		return code;
+	ECO_PASS(eco_file_read(path, MTL_BYTES_MAX, &bytes, &size, error));
 	eco_obj_text_start(&text, bytes, size);
 	mtl->linear |= text.blender;
 	for (char *line; (line = eco_obj_line(&text, false));) {

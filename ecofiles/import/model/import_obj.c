@@ -345,9 +345,7 @@ static enum eco_code make_materials(struct obj *o)
 	uint32_t count = o->materials.count;
 	struct eco_model *model = o->soup.model;
 	struct eco_images images = { .model = model, .path = o->text.path, .notes = o->notes };
-	enum eco_code code = read_libraries(o);
-	if (code)
-		return code;
+	ECO_PASS(read_libraries(o));
 	o->mtl.linear |= o->text.blender;
 	model->materials = eco_alloc(count, sizeof *model->materials);
 	model->material_count = count;
@@ -454,9 +452,7 @@ static enum eco_code make_soup(struct obj *o)
 	struct eco_model *model = o->soup.model;
 	*o->soup.frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .unit_m = o->unit_m,
 		.convention = ECO_UP_Y };
-	enum eco_code code = make_materials(o);
-	if (code)
-		return code;
+	ECO_PASS(make_materials(o));
 	add_faces(o);
 	model->parts = eco_alloc(o->parts.count, sizeof *model->parts);
 	for (uint32_t i = 0; i < o->parts.count; i++)

@@ -283,9 +283,7 @@ static enum eco_code stand(struct stance *s, struct model_clean *c)
 	find_ground(s, c->frame);
 	for (int k = 0; k < 3 && (c->options->keep_origin || c->options->object); k++)
 		s->foot[k] = c->options->origin[k] - c->frame->base[k];
-	enum eco_code code = find_scale(c, s->high - s->foot[2]);
-	if (code)
-		return code;
+	ECO_PASS(find_scale(c, s->high - s->foot[2]));
 	for (int k = 0; k < 3; k++) {
 		m->source.size[k] = s->box[1][k] - s->box[0][k];
 		m->foot[k] = s->foot[k] + c->frame->base[k];

@@ -12,10 +12,8 @@ static enum eco_code work(void *path, FILE *out, struct eco_error *error)
 	struct eco_raster_extent extent;
 	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
 	memset(&extent, 0, sizeof extent);
-	enum eco_code code = !gdal ? ECO_NOT_FOUND : gdal->raster_extent(path, &extent, error);
-	if (!code && fwrite(&extent, sizeof extent, 1, out) != 1)
-		code = eco_fail(error, ECO_IO, "nobody reads on");
-	return code;
+	ECO_PASS(!gdal ? ECO_NOT_FOUND : gdal->raster_extent(path, &extent, error));
+	return fwrite(&extent, sizeof extent, 1, out) != 1 ? eco_fail(error, ECO_IO, "nobody reads on") : ECO_OK;
 }
 
 enum eco_code eco_raster_extent(const char *path, struct eco_raster_extent *extent, struct eco_error *error)

@@ -519,10 +519,9 @@ static enum eco_code start(struct eco_positions *p, struct eco_error *error)
 	for (int i = 0; i < ECO_COLUMN_COUNT; i++)
 		if (names[i])
 			wanted[source.wanted_count++] = names[i];
-	enum eco_code code = eco_rows_open(&p->rows, &source, error);
-	if (!code)
-		code = find_columns(p, names, error);
-	return code ? code : open_crs(p, error);
+	ECO_PASS(eco_rows_open(&p->rows, &source, error));
+	ECO_PASS(find_columns(p, names, error));
+	return open_crs(p, error);
 }
 
 static enum eco_code find_levels(struct eco_positions *p, struct eco_error *error)

@@ -137,10 +137,8 @@ enum eco_code eco_zones_find(const struct eco_table *table, const struct eco_row
 	for (uint32_t i = 0; i < table->column_count && !found; i++) {
 		enum kind kind = kind_of(table->columns[i]);
 		struct eco_table_values values = { .items = NULL };
-		enum eco_code code = kind == NO_ZONES ? ECO_OK
-			: eco_table_values_read(&values, source, (const char *const *)&table->columns[i], 1, error);
-		if (code)
-			return code;
+		ECO_PASS(kind == NO_ZONES ? ECO_OK
+			: eco_table_values_read(&values, source, (const char *const *)&table->columns[i], 1, error));
 		*zones = (struct eco_zones){ .column = i };
 		found = are_zones(&values, kind, utm, zones);
 		eco_table_values_free(&values);
@@ -292,12 +290,9 @@ enum eco_code eco_offsets_find(struct eco_offsets *offsets, const struct eco_tab
 	const struct eco_columns *columns, bool said, struct eco_error *error)
 {
 	*offsets = (struct eco_offsets){ .quadrat_m = 0 };
-	enum eco_code code = find_quadrats(offsets, table, columns, error);
-	if (!code)
-		code = find_polar(offsets, table, columns, error);
-	if (!code && !offsets->polar && offsets->quadrat_m == 0 && !said)
-		code = refuse_heaps(table, columns, error);
-	return code;
+	ECO_PASS(find_quadrats(offsets, table, columns, error));
+	ECO_PASS(find_polar(offsets, table, columns, error));
+	return !offsets->polar && offsets->quadrat_m == 0 && !said ? refuse_heaps(table, columns, error) : ECO_OK;
 }
 
 /* ---- Columns of x and y that no name tells ---- */
@@ -349,11 +344,9 @@ bool eco_place_dem_has(const struct eco_place_look *l, const double degrees[2])
 static enum eco_code metric(const char *crs, const double at[2], struct eco_crs_facts *facts,
 	struct eco_error *error)
 {
-	enum eco_code code = eco_crs_look(crs, at, facts, error);
-	if (!code && !facts->metric_map)
-		code = eco_fail(error, ECO_BAD_INPUT, "--scene-crs %.60s: a scene is in a projected CRS in "
-			"metres, such as a UTM zone", crs);
-	return code;
+	ECO_PASS(eco_crs_look(crs, at, facts, error));
+	return !facts->metric_map ? eco_fail(error, ECO_BAD_INPUT, "--scene-crs %.60s: a scene is in a projected CRS in "
+		"metres, such as a UTM zone", crs) : ECO_OK;
 }
 
 static enum eco_code guess_scene(struct eco_place_look *l)

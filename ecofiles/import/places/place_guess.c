@@ -356,10 +356,8 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 		span.low[k] = l->xy[k].low;
 		span.high[k] = l->xy[k].high;
 	}
-	code = eco_crs_refuse_degrees(&span, crs, is_heap_of_degrees(l), l->asked->table->path, &fit, area,
-		l->error);
-	if (code)
-		return code;
+	ECO_PASS(eco_crs_refuse_degrees(&span, crs, is_heap_of_degrees(l), l->asked->table->path, &fit, area,
+		l->error));
 	if (facts.geographic)
 		look_for_swapping(l, crs, why);
 	else if (fit == ECO_CRS_SWAPPED)
@@ -397,15 +395,13 @@ static enum eco_code take_zone(struct eco_place_look *l, bool *taken)
 {
 	struct eco_zones zones;
 	char crs[32], who[100];
-	enum eco_code code = eco_zones_find(l->asked->table, l->asked->source,
-		l->names[0] && eco_words_any(l->names[0], "utm"), &zones, l->error);
-	if (code)
-		return code;
+	ECO_PASS(eco_zones_find(l->asked->table, l->asked->source,
+		l->names[0] && eco_words_any(l->names[0], "utm"), &zones, l->error));
 	*taken = zones.column != ECO_NONE && (zones.zone.epsg || may_be_utm(l));
 	if (!*taken)
 		return ECO_OK;
 	const char *name = l->asked->table->columns[zones.column];
-	code = zone_crs(l, &zones, crs);
+	enum eco_code code = zone_crs(l, &zones, crs);
 	if (!code && zones.other[0] != 0)
 		return eco_place_fail(l, "its rows are in several zones: \"%.40s\" "
 			"is \"%s\" and \"%s\", and an entry has one CRS. Put each zone into a table of its own; or "

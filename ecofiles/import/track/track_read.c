@@ -309,11 +309,9 @@ static enum eco_code read_layer(struct eco_track *track, const char *layer, stru
 	struct eco_rows_source source = { .path = track->path, .layer = layer, .partial = true };
 	struct eco_rows *rows;
 	struct table table;
-	enum eco_code code = layer ? eco_rows_open_here(&rows, &source, error)
-		: eco_rows_open_csv(&rows, track->path, 0, error);
-	if (code)
-		return code;
-	code = find_header(&table, rows, track->path, error);
+	ECO_PASS(layer ? eco_rows_open_here(&rows, &source, error)
+		: eco_rows_open_csv(&rows, track->path, 0, error));
+	enum eco_code code = find_header(&table, rows, track->path, error);
 	track->degrees = rows->has_geometry ? !rows->degrees_doubted : table.degrees;
 	code = code ? code : read_rows(track, &table, rows, error);
 	for (uint32_t i = 0; i < rows->note_count; i++)
@@ -473,10 +471,8 @@ static enum eco_code find_text(struct eco_track *track, struct eco_error *error)
 static enum eco_code find_format(struct eco_track *track, struct eco_error *error)
 {
 	size_t blank = strspn(track->text, " \t\r\n"), length = strlen(track->text);
-	enum eco_code code = eco_file_check_head(track->path, track->text, blank < track->size ? track->size
-		: 0, false, "a track", error);
-	if (code)
-		return code;
+	ECO_PASS(eco_file_check_head(track->path, track->text, blank < track->size ? track->size
+		: 0, false, "a track", error));
 	if (length < track->size && length < HEAD_BYTES)
 		return refuse(track, "this is binary, or text in UTF-16", error);
 	return track->text[blank] == '{' ? find_json(track, error) : find_text(track, error);

@@ -796,9 +796,7 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	}
 	rows->row++;
 	rows->line++;
-	enum eco_code code = take_geometry(r, error);
-	if (code)
-		return code;
+	ECO_PASS(take_geometry(r, error));
 	take_fields(r);
 	if (r->text_point.found)
 		eco_rows_point_take(rows, &r->text_point);
@@ -879,9 +877,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 			"not beside it; copy all of them (.shp, .shx, .dbf, .prj, .cpg)", r->path);
 	if (lacks_part(source->path, "dbf"))
 		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
-	enum eco_code code = check_shape(r, error);
-	if (code)
-		return code;
+	ECO_PASS(check_shape(r, error));
 	VSIFCloseL(VSIFileFromMemBuffer(OSM_FILE, (GByte *)(uintptr_t)osm_tags, sizeof osm_tags - 1, FALSE));
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (!r->data)

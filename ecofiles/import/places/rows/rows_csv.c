@@ -223,9 +223,7 @@ static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *err
 	*more = c != EOF;
 	csv->rows.line = csv->line;
 	while (*more) {
-		enum eco_code code = read_field(csv, &c, error);
-		if (code)
-			return code;
+		ECO_PASS(read_field(csv, &c, error));
 		if (c != csv->separator)
 			break;
 	}
