@@ -30,9 +30,8 @@ static void make_crown(uint32_t leaves, double length)
 
 static void measure(const struct lod_plant_options *options)
 {
-	struct eco_error error = { 0 };
-	assert_ok(lod_plant_build(&plant, &soup.model, options, &error), error);
-	assert_ok(lod_plant_measure(&plant, &soup.model, options, &error), error);
+	assert_good(lod_plant_build(&plant, &soup.model, options, &cause));
+	assert_good(lod_plant_measure(&plant, &soup.model, options, &cause));
 }
 
 static void finish(void)

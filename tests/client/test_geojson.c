@@ -28,12 +28,10 @@ static int free_picture(void **state)
 
 static json_t *make(const struct view_map *map)
 {
-	struct eco_error error = { 0 };
 	json_t *json;
-	assert_ok(view_geojson_make(&(struct view_geojson_job){ held.store, &held.selection, &picture, map,
+	assert_good(view_geojson_make(&(struct view_geojson_job){ held.store, &held.selection, &picture, map,
 					    NULL },
-			  &json, &error),
-		error);
+			  &json, &cause));
 	return json;
 }
 

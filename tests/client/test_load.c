@@ -98,9 +98,8 @@ static struct view_load_options options_at(uint16_t at)
 
 static void run(const struct view_load_options *options)
 {
-	struct eco_error error = { 0 };
 	view_load_free(&report);
-	assert_ok(view_load_run(&report, options, &error), error);
+	assert_good(view_load_run(&report, options, &cause));
 }
 
 static void run_clean(const struct view_load_options *options)
@@ -316,11 +315,10 @@ UNIT_TEST(budgets_are_asked_for_and_held_against_answers)
 static struct view_load_options views_of(const char *camera, uint64_t seed)
 {
 	struct view_fetch *fetch;
-	struct eco_error error = { 0 };
 	struct view_load_options made = { .camera = camera, .width = 32, .height = 24, .seed = seed };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, port);
-	assert_ok(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), error);
-	assert_ok(view_views_make(&made, fetch, &error), error);
+	assert_good(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &cause));
+	assert_good(view_views_make(&made, fetch, &cause));
 	view_fetch_free(fetch);
 	return made;
 }
@@ -365,24 +363,22 @@ static double slope(double x, double y)
 UNIT_TEST(a_sample_is_drawn_and_scored)
 {
 	struct view_fetch *fetch;
-	struct eco_error error = { 0 };
 	struct srv_store plain;
 	struct srv_daemon *other;
 	char path[64];
 	snprintf(path, sizeof path, "build/tmp/load-%d.eco", (int)getpid());
 	srv_store_init(&plain);
 	struct eco_ground ground = ground_make(16, 16, -8, -8, 8, slope);
-	assert_ok(sample_pack_write_on(path, &ground, true, &error), error);
+	assert_good(sample_pack_write_on(path, &ground, true, &cause));
 	eco_ground_free(&ground);
-	assert_ok(srv_store_add(&plain, "sample", path, &error), error);
-	assert_ok(srv_daemon_start(&other, &(struct srv_config){ .listen = "127.0.0.1:0" }, &plain, &error),
-		error);
+	assert_good(srv_store_add(&plain, "sample", path, &cause));
+	assert_good(srv_daemon_start(&other, &(struct srv_config){ .listen = "127.0.0.1:0" }, &plain, &cause));
 	struct view_load_options options = options_at(srv_daemon_port(other));
 	options.rate = 10;
 	run_clean(&options);
 	assert_int_equal(report.answers.count, 3);
-	assert_ok(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), error);
-	assert_ok(view_score_sample(&report, fetch, 3, &error), error);
+	assert_good(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &cause));
+	assert_good(view_score_sample(&report, fetch, 3, &cause));
 	assert_int_equal(report.scored_count, 3);
 	const struct view_scored *scored = report.scored;
 	for (uint32_t i = 0; i < 3; i++) {
@@ -391,7 +387,7 @@ UNIT_TEST(a_sample_is_drawn_and_scored)
 		assert_true(fabs(scored[i].q - scored[i % 2].q) < 1e-9);
 	}
 	options.vertices = ECO_VERTICES_MAX;     /* all there is */
-	assert_ok(view_score_sample(&report, fetch, 1, &error), error);
+	assert_good(view_score_sample(&report, fetch, 1, &cause));
 	assert_true(report.scored->q > 0.99 && report.scored->recall > 0.99);
 	assert_int_equal(report.scored->coarse, 0);
 	view_fetch_free(fetch);

@@ -41,8 +41,7 @@ static void make(struct made *m)
 	make_tile(m, 1, 100, 0, 50);
 	make_tile(m, 2, 150, 0, 50);
 	make_tile(m, 3, 100, 50, 50);
-	struct eco_error error = { 0 };
-	assert_ok(view_image_of(&m->image, m->tiles, TILES, &error), error);
+	assert_good(view_image_of(&m->image, m->tiles, TILES, &cause));
 }
 
 static void unmake(struct made *m)
@@ -91,14 +90,13 @@ UNIT_TEST(a_small_tile_far_from_the_others_is_as_sharp)
 {
 	struct made m;
 	memset(&m, 0, sizeof m);
-	struct eco_error error = { 0 };
 	double west = 8e6, side = 1.0 / 64;
 	make_tile(&m, 0, 0, 0, 1);
 	make_tile(&m, 1, west, 0, side);
 	for (uint32_t y = 0; y < SIDE; y++)
 		for (uint32_t x = 0; x < SIDE; x++)
 			memset(m.lists[1].parts[3].texels + 3 * (y * SIDE + x), (int)x, 3);
-	assert_ok(view_image_of(&m.image, m.tiles, 2, &error), error);
+	assert_good(view_image_of(&m.image, m.tiles, 2, &cause));
 	for (uint32_t x = 0; x < SIDE; x++)
 		assert_true(fabsf(ask(&m, west + (x + 0.5) * side / SIDE, side / 2, 1e-9).light[0]
 			- (float)lod_light_of[x] / 65535) < 1e-4f);

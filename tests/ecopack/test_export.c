@@ -27,13 +27,12 @@ static double slope(double x, double y) { return 0.1 * x + sin(0.05 * y); }
 
 static int make_pack(void **state)
 {
-	struct eco_error error = { 0 };
 	FREED(eco_ground) ground = ground_make(90, 70, -8, -8, 8, slope);
 	assert_int_equal(system("rm -rf " ROOT), 0);
 	folder_make(ROOT);
 	eco_progress_quiet(true);
 	eco_ground_extend(&ground);
-	assert_ok(sample_pack_write_on(ROOT "/sample.eco", &ground, true, &error), error);
+	assert_good(sample_pack_write_on(ROOT "/sample.eco", &ground, true, &cause));
 	return 0;
 }
 
@@ -79,14 +78,13 @@ static enum eco_code count_instances(void *ctx, uint32_t node, const double worl
 static uint64_t read_content(const char *uri)
 {
 	char path[200];
-	struct eco_error error = { 0 };
 	struct { struct eco_gltf *doc; uint64_t instances, meshes; } c = { .instances = 0 };
 	snprintf(path, sizeof path, DIR "/%s", uri);
-	assert_ok(eco_gltf_open(&c.doc, path, &error), error);
+	assert_good(eco_gltf_open(&c.doc, path, &cause));
 	size_t accessors = json_array_size(json_object_get(c.doc->root, "accessors"));
 	for (uint32_t i = 0; i < accessors; i++) {
 		AT_END(eco_gltf_accessor_close) struct eco_gltf_accessor a;
-		assert_ok(eco_gltf_accessor_open(c.doc, i, 0, &a, &error), error);
+		assert_good(eco_gltf_accessor_open(c.doc, i, 0, &a, &cause));
 		for (uint64_t k = 0; k < a.count; k++) {
 			double values[16];
 			eco_gltf_element(&a, k, values);
@@ -94,7 +92,7 @@ static uint64_t read_content(const char *uri)
 				assert_true(isfinite(values[v]));
 		}
 	}
-	assert_ok(eco_gltf_walk(c.doc, count_instances, &c, &error), error);
+	assert_good(eco_gltf_walk(c.doc, count_instances, &c, &cause));
 	assert_true(c.meshes > 0);
 	eco_gltf_close(c.doc);
 	return c.instances;
@@ -163,12 +161,11 @@ struct sums { double of[2][4]; size_t count; };
 
 static struct sums sums_of(struct eco_gltf *doc, const json_t *primitive, const char *name)
 {
-	struct eco_error error = { 0 };
 	AT_END(eco_gltf_accessor_close) struct eco_gltf_accessor index, a;
 	struct sums sums = { .count = 0 };
-	assert_ok(eco_gltf_accessor_open(doc, eco_gltf_index(primitive, "indices"), 1, &index, &error), error);
-	assert_ok(eco_gltf_accessor_open(doc, eco_gltf_index(json_object_get(primitive, "attributes"), name), 0, &a,
-		&error), error);
+	assert_good(eco_gltf_accessor_open(doc, eco_gltf_index(primitive, "indices"), 1, &index, &cause));
+	assert_good(eco_gltf_accessor_open(doc, eco_gltf_index(json_object_get(primitive, "attributes"), name), 0, &a,
+		&cause));
 	sums.count = (size_t)index.count;
 	for (size_t i = 0; i < sums.count; i++) {
 		double values[16];
@@ -214,13 +211,12 @@ static void assert_same_content(const char *name)
 {
 	static const char *const dirs[2] = { PLAIN, DIR };
 	struct eco_gltf *docs[2];
-	struct eco_error error = { 0 };
 	const json_t *mesh;
 	size_t number, i;
 	for (i = 0; i < 2; i++) {
 		char path[400];
 		snprintf(path, sizeof path, "%s/tiles/%s", dirs[i], name);
-		assert_ok(eco_gltf_open(&docs[i], path, &error), error);
+		assert_good(eco_gltf_open(&docs[i], path, &cause));
 		assert_int_equal(requires_meshopt(docs[i]), i == 1);
 	}
 	assert_true(json_equal(json_object_get(docs[0]->root, "nodes"),

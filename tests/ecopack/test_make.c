@@ -206,9 +206,8 @@ UNIT_TEST(test_buildings_are_blocks_that_stand_on_the_ground)
 	assert_null(json_object_get(json_array_get(said, 0), "object"));
 	json_decref(meta);
 	OWNED(eco_pack) *again = NULL;
-	struct eco_error error = { 0 };
-	assert_ok(make("quarter.json", "again.eco", 1, &error), error);
-	assert_ok(eco_pack_open(&again, in_root("again.eco"), &error), error);
+	assert_good(make("quarter.json", "again.eco", 1, &cause));
+	assert_good(eco_pack_open(&again, in_root("again.eco"), &cause));
 	assert_memory_equal(&pack->id, &again->id, sizeof pack->id);
 }
 
@@ -317,12 +316,11 @@ static enum eco_code add_widths(void *ctx, uint32_t node, const double world[16]
 	struct { struct eco_gltf *doc; double sum; uint64_t count; } *c = ctx;
 	const json_t *places = json_object_get(eco_gltf_extension(eco_gltf_item(c->doc, "nodes", node), "EXT_mesh_gpu_instancing"),
 		"attributes");
-	struct eco_error error = { 0 };
 	(void)world;
 	if (!places)
 		return ECO_OK;
 	AT_END(eco_gltf_accessor_close) struct eco_gltf_accessor a;
-	assert_ok(eco_gltf_accessor_open(c->doc, eco_gltf_index(places, "SCALE"), 0, &a, &error), error);
+	assert_good(eco_gltf_accessor_open(c->doc, eco_gltf_index(places, "SCALE"), 0, &a, &cause));
 	for (uint64_t k = 0; k < a.count; k++, c->count++) {
 		double scale[16];
 		eco_gltf_element(&a, k, scale);
@@ -335,14 +333,13 @@ static enum eco_code add_widths(void *ctx, uint32_t node, const double world[16]
 static double mean_width_of_tiles(const char *folder)
 {
 	struct { struct eco_gltf *doc; double sum; uint64_t count; } c = { .count = 0 };
-	struct eco_error error = { 0 };
 	char pattern[200];
 	glob_t found;
 	snprintf(pattern, sizeof pattern, "%s/tiles/*.gltf", folder);
 	assert_int_equal(glob(pattern, 0, NULL, &found), 0);
 	for (size_t i = 0; i < found.gl_pathc; i++) {
-		assert_ok(eco_gltf_open(&c.doc, found.gl_pathv[i], &error), error);
-		assert_ok(eco_gltf_walk(c.doc, add_widths, &c, &error), error);
+		assert_good(eco_gltf_open(&c.doc, found.gl_pathv[i], &cause));
+		assert_good(eco_gltf_walk(c.doc, add_widths, &c, &cause));
 		eco_gltf_close(c.doc);
 	}
 	globfree(&found);
@@ -381,8 +378,7 @@ UNIT_TEST(test_crowns_have_a_width_of_their_own)
 	assert_true(fabs(root->area / (pack->scene.plants[0].area * place[0].scale * place[0].scale) - narrow - wide) < 0.001);
 	eco_pack_close(pack);
 	char *line[] = { eco_copy_text(in_root("widths.eco")), "--3dtiles", eco_copy_text(in_root("widths-tiles")), "--plain", "--quiet" };
-	struct eco_error error = { 0 };
-	assert_ok(main_command_export.run(5, line, &error), error);
+	assert_good(main_command_export.run(5, line, &cause));
 	assert_true(fabs(mean_width_of_tiles(line[2]) - (narrow + wide) / 2) < 1e-5);
 	free(line[0]);
 	free(line[2]);
@@ -698,7 +694,6 @@ static void write_sphere(const char *name, uint32_t leaves)
 /* Hashes hold, but the bytes of a level are no level, or another one. */
 UNIT_TEST(test_damaged_impostors_are_named)
 {
-	struct eco_error error = { 0 };
 	struct eco_bytes levels[2];
 	write_sphere("many.obj", 400);
 	write_text("levels.json", "{\"name\": \"levels\", \"plants\": {\"a\": {\"model\": \"many.obj\"}}, "
@@ -710,7 +705,7 @@ UNIT_TEST(test_damaged_impostors_are_named)
 	for (uint32_t i = 0; i < 2; i++) {
 		const uint8_t *payload;
 		size_t size;
-		assert_ok(eco_pack_payload(pack, first + i, &payload, &size, &error), error);
+		assert_good(eco_pack_payload(pack, first + i, &payload, &size, &cause));
 		levels[i] = (struct eco_bytes){ memcpy(malloc(size), payload, size), size };
 	}
 	verify_says(levels, 2, 0, NULL);

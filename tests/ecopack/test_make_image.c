@@ -197,10 +197,9 @@ UNIT_TEST(exports_carry_buildings_and_classes_of_the_ground)
 	globfree(&contents);
 	assert_true(objects > 0);
 	char line[600];
-	struct eco_error error = { 0 };
 	snprintf(line, sizeof line, "%s", in_root("house.json"));
 	char *argv[] = { line, (char *)"-o", strdup(in_root("all.geojson")), (char *)"--quiet" };
-	assert_ok(main_command_map.run(4, argv, &error), error);
+	assert_good(main_command_map.run(4, argv, &cause));
 	free(argv[2]);
 	json_t *all = json_load_file(in_root("all.geojson"), 0, NULL), *features = json_object_get(all, "features");
 	uint32_t seen[3] = { 0 };

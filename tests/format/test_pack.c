@@ -42,9 +42,8 @@ static void empty_folder(void)
 static uint8_t *small_pack(size_t *size)
 {
 	AT_END(scene_free) struct scene_builder p;
-	struct eco_error error = { 0 };
 	empty_folder();
-	assert_ok(small_pack_write(&p, PATH, NULL, &error), error);
+	assert_good(small_pack_write(&p, PATH, NULL, &cause));
 	return file_read(PATH, size);
 }
 
@@ -178,8 +177,7 @@ UNIT_TEST(the_small_pack_is_the_golden_one)
 	if (getenv("WRITE_SEEDS"))
 		file_write(GOLDEN_PATH, bytes, size);
 	FREED_MEMORY uint8_t *golden = file_read(GOLDEN_PATH, &golden_size);
-	struct eco_error error = { 0 };
-	assert_ok(open_exact(golden, golden_size, &error), error);
+	assert_good(open_exact(golden, golden_size, &cause));
 	assert_int_equal(size, golden_size);
 	assert_memory_equal(bytes, golden, size);
 }
