@@ -122,15 +122,11 @@ UNIT_TEST(what_does_not_fit_is_named)
 
 UNIT_TEST(numbers_are_read_whole_or_refused)
 {
-	static const char *const bad[] = { "size=", "size=8", "size=8x", "size=x6", "size=8x6x", "size=0x6",
-		"size=8x0", "size=-8x6", "size=99999x6",
-		"jobs=", "jobs=-1", "jobs=+1", "jobs=1.5", "jobs=1e6", "jobs=0x10",
-		"jobs=18446744073709551616", "jobs=101", "jobs=1k", "vertices=1.5M", "vertices=1m", "vertices=1g",
-		"vertices=M", "vertices=1kk", "vertices=9223372037G", "memory=8589934592G", "pace=", "pace=0",
-		"pace=-1", "pace=nan", "pace=inf", "pace=1s", "vertices=9223372036854775808" };
+	uint32_t count;
+	const char *const *bad = cases_read("tests/base/cases/option_numbers.tsv", sizeof *bad, &count);
 	struct eco_error error;
 	char line[64];
-	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+	for (size_t i = 0; i < count; i++) {
 		snprintf(line, sizeof line, "a -o b --%s", bad[i]);
 		if (read_line(line, &error) != ECO_BAD_USAGE)
 			fail_msg("%s is taken", line);

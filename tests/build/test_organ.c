@@ -1,6 +1,7 @@
 /* Wood, foliage and flowers by shape and colour. */
 #include "lod/build/organ/organ.h"
 #include "lod/build/organ/organ_state.h"
+#include "tests/support/cases.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
@@ -154,10 +155,7 @@ static void bare_tree(struct soup *s, uint32_t material)
 	}
 }
 
-enum { W = ECO_ORGAN_WOOD, F = ECO_ORGAN_FOLIAGE, B = ECO_ORGAN_FLOWER };
-
-/* `pieces` of a part: rings of a tube along it; fronds all around; boxes `first` apart along x, `last` upwards;
- * tubes of a twine, each turned by half a radian. first, last: radii; for leaves their spread and size. */
+/* As tests/build/cases/organs.tsv says. */
 enum kind { TUBE = 1, TWINE, BALL, LEAVES, BOX, QUAD, FRONDS, POT, DISC, BARE };
 struct part {
 	enum kind kind;
@@ -203,106 +201,52 @@ static void part_make(struct soup *s, const struct part *p)
 	}
 }
 
-#define O { 0, 0, 0 }
+/* Organs of the materials that it makes. */
+static void make_materials(struct soup *s, const char *text, int organs[4])
+{
+	char organ[16], name[32];
+	unsigned rgb;
+	for (int m = 0; text; m++, text = strchr(text, ';') ? strchr(text, ';') + 1 : NULL) {
+		name[0] = 0;
+		assert_true(sscanf(text, "%15[a-z] %x %31[^;]", organ, &rgb, name) >= 2);
+		named(s, name, (uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb);
+		for (organs[m] = 0; strcmp(eco_organ_names[organs[m]], organ) != 0;)
+			organs[m]++;
+	}
+}
 
-/* Each `times`, `apart` along x. */
-static const struct {
-	const char *name;
-	struct { int organ; uint32_t rgb; const char *name; } material[4];
-	struct part parts[5];
-	uint32_t times;
-	double apart;
-} plants[] = {
-	{ "palm", { { W, 0x786450, "" }, { F, 0x467828, "" } }, {
-		{ TUBE, 0, O, { 0, 0, 5 }, 0.16, 0.13, 8, 1, 10 },
-		{ TUBE, 0, O, { 0, 0, 5 }, 0.12, 0.12, 8, 10, 1 },
-		{ FRONDS, 1, { 0, 0, 5 }, { 2, 0, 0.8 }, 0.3, 0, 0, 8, 14 } }, 1, 0 },
-	{ "palm of rings, each its own", { { W, 0x786450, "" }, { F, 0x467828, "" } }, {
-		{ TUBE, 0, O, { 0, 0, 5 }, 0.16, 0.13, 8, 1, 10 },
-		{ FRONDS, 1, { 0, 0, 5 }, { 2, 0, 0.8 }, 0.3, 0, 0, 8, 14 } }, 1, 0 },
-	{ "bamboo", { { W, 0x5a8c32, "" }, { F, 0x3c9628, "" } }, {
-		{ TUBE, 0, O, { 0, 0.3, 5 }, 0.04, 0.02, 8, 12, 1 },
-		{ LEAVES, 1, { 0, 0, 4 }, O, 0.8, 0.2, 60, 0, 1 } }, 9, 0.3 },
-	{ "grass of thin boxes", { { F, 0x999999, "" } }, {
-		{ BOX, 0, O, { 0.03, 0.003, 0.5 }, 0.05, 0, 0, 0, 30 } }, 1, 0 },
-	{ "grass of spikes", { { F, 0x507832, "" } }, {
-		{ TUBE, 0, O, { 0, 0.1, 1 }, 0.02, 0.001, 4, 2, 1 } }, 12, 0.1 },
-	{ "bare tree", { { W, 0x999999, "" } }, { { BARE, 0, O, O, 0, 0, 0, 0, 1 } }, 1, 0 },
-	{ "cactus", { { F, 0x3c6e3c, "" } }, {
-		{ TUBE, 0, O, { 0, 0, 3 }, 0.1, 0.09, 12, 10, 1 },
-		{ TUBE, 0, { 0, 0, 1 }, { 0.8, 0, 2.5 }, 0.05, 0.05, 12, 10, 1 } }, 1, 0 },
-	{ "low-poly tree without colours", { { W, 0x999999, "" }, { F, 0x999999, "" } }, {
-		{ TUBE, 0, O, { 0, 0, 2 }, 0.1, 0.07, 6, 2, 1 },
-		{ BALL, 1, { 0, 0, 3 }, O, 1.2, 0, 6, 0, 1 } }, 1, 0 },
-	{ "stout trunk and hull", { { W, 0x6e5a46, "" }, { F, 0x466e3c, "" } }, {
-		{ TUBE, 0, O, { 0, 0, 0.7 }, 0.25, 0.2, 12, 4, 1 },
-		{ BALL, 1, { 0, 0, 2.5 }, O, 2, 0, 12, 0, 1 } }, 1, 0 },
-	{ "trunk of two pieces, without colours", { { W, 0xe7e7e7, "" } }, {
-		{ TUBE, 0, O, { 0, 0, 6 }, 0.2, 0.15, 8, 6, 1 },
-		{ TUBE, 0, { 0, 0, 6.1 }, { 0, 0, 7 }, 0.15, 0.1, 8, 2, 1 } }, 1, 0 },
-	{ "stump", { { W, 0x6e503c, "" } }, { { TUBE, 0, O, { 0, 0, 0.5 }, 0.4, 0.35, 12, 3, 1 } }, 1, 0 },
-	{ "rock by its name", { { W, 0x808080, "Rock_01" } }, {
-		{ BALL, 0, { 0, 0, 0.5 }, O, 0.5, 0, 8, 0, 1 } }, 1, 0 },
-	{ "hedge", { { F, 0x3c6432, "" } }, { { BOX, 0, O, { 4, 0.6, 1.2 }, 0, 0, 0, 0, 1 } }, 1, 0 },
-	{ "potted plant",
-		{ { W, 0xaa6450, "" }, { W, 0x3c2d23, "" }, { W, 0x5a783c, "" }, { F, 0x3c8c28, "" } }, {
-		{ POT, 0, O, O, 0.25, 0.4, 0, 0, 1 }, { DISC, 1, { 0, 0, 0.36 }, O, 0.22, 0, 0, 0, 1 },
-		{ TUBE, 2, { 0, 0, 0.3 }, { 0.1, 0, 1.2 }, 0.02, 0.01, 8, 8, 1 },
-		{ LEAVES, 3, { 0, 0, 1.1 }, O, 0.5, 0.2, 100, 0, 1 } }, 1, 0 },
-	{ "tulips, mostly large petals", { { W, 0x50823c, "" }, { F, 0x468246, "" }, { B, 0xd2281e, "" } }, {
-		{ TUBE, 0, O, { 0, 0, 0.4 }, 0.008, 0.006, 6, 6, 1 },
-		{ FRONDS, 2, { 0, 0, 0.4 }, { 0.02, 0, 0.09 }, 0.06, 0, 0, 6, 6 },
-		{ FRONDS, 1, O, { 0.094, 0, 0.2 }, 0.02, 0, 0, 8, 1 } }, 4, 0.1 },
-	{ "cherry in bloom", { { W, 0x503c37, "" }, { B, 0xf0aac8, "" } }, {
-		{ BARE, 0, O, O, 0, 0, 0, 0, 1 },
-		{ LEAVES, 1, { 0, 0, 3.5 }, O, 1.8, 0.1, 500, 0, 1 } }, 1, 0 },
-	{ "autumn, some still green",
-		{ { W, 0x5a4b3c, "" }, { F, 0xdcb428, "" }, { F, 0xc83c1e, "" }, { F, 0x5a7828, "" } }, {
-		{ BARE, 0, O, O, 0, 0, 0, 0, 1 },
-		{ LEAVES, 1, { 0, 0, 3.5 }, O, 1.8, 0.12, 300, 0, 1 },
-		{ LEAVES, 2, { 0, 0, 3.5 }, O, 1.8, 0.12, 200, 0, 1 },
-		{ LEAVES, 3, { 0, 0, 3.5 }, O, 1.8, 0.12, 150, 0, 1 } }, 1, 0 },
-	{ "some yellow leaves", { { W, 0x5a4b3c, "" }, { F, 0x5a8232, "" }, { F, 0xd2b43c, "" } }, {
-		{ BARE, 0, O, O, 0, 0, 0, 0, 1 },
-		{ LEAVES, 1, { 0, 0, 3.5 }, O, 1.8, 0.12, 500, 0, 1 },
-		{ LEAVES, 2, { 0, 0, 3.5 }, O, 1.8, 0.12, 40, 0, 1 } }, 1, 0 },
-	{ "vine", { { W, 0x999999, "" }, { F, 0x9a9a9a, "" } }, {
-		{ TWINE, 0, O, O, 0.012, 0.012, 5, 2, 20 },
-		{ LEAVES, 1, { 0, 0, 1.5 }, O, 1, 0.1, 80, 0, 1 } }, 1, 0 },
-	{ "brown crown of hulls", { { W, 0x62433e, "" }, { F, 0xa96f45, "" }, { F, 0x8c5a32, "" } }, {
-		{ TUBE, 0, O, { 0, 0, 2.4 }, 0.1, 0.06, 8, 6, 1 },
-		{ BALL, 1, { 0.2, 0, 2 }, O, 0.9, 0, 8, 0, 1 },
-		{ BALL, 2, { -0.2, 0.1, 2.9 }, O, 0.6, 0, 8, 0, 1 } }, 1, 0 },
-	{ "hollow log by its name, with snow", { { W, 0x62433e, "Holz" }, { F, 0xaaa2ae, "Snow" } }, {
-		{ TUBE, 0, { -1.2, 0, 0.3 }, { 1.2, 0, 0.3 }, 0.3, 0.28, 10, 4, 1 },
-		{ TUBE, 0, { -1.2, 0, 0.3 }, { 1.2, 0, 0.3 }, 0.2, 0.22, 10, 4, 1 },
-		{ QUAD, 1, { -1, -0.1, 0.62 }, { 2, 0.2, 0 }, 0, 0, 0, 0, 1 } }, 1, 0 },
-	{ "fence", { { W, 0x826e5a, "" } }, {
-		{ BOX, 0, O, { 0.1, 0.1, 1.2 }, 1, 0, 0, 0, 5 },
-		{ BOX, 0, { 2, 0.08, 0.4 }, { 4, 0.05, 0.1 }, 0, 0.5, 0, 0, 2 } }, 1, 0 },
-};
+static void make_parts(struct soup *s, const char *text)
+{
+	static const char *const kinds[] = { "", "tube", "twine", "ball", "leaves", "box", "quad", "fronds", "pot", "disc", "bare", NULL };
+	for (; text; text = strchr(text, ';') ? strchr(text, ';') + 1 : NULL) {
+		struct part p;
+		char kind[16];
+		assert_int_equal(sscanf(text, "%15[a-z] %u %lf %lf %lf %lf %lf %lf %lf %lf %u %u %u", kind, &p.material, &p.at.x, &p.at.y,
+			&p.at.z, &p.to.x, &p.to.y, &p.to.z, &p.first, &p.last, &p.around, &p.along, &p.pieces), 13);
+		p.kind = (enum kind)cases_choice(kind, kinds);
+		part_make(s, &p);
+	}
+}
 
 UNIT_TEST(plants_are_what_they_look_like)
 {
-	uint32_t wrong = 0;
-	for (size_t i = 0; i < sizeof plants / sizeof *plants; i++) {
+	struct row { const char *name, *materials, *parts; uint32_t times; double apart; };
+	uint32_t wrong = 0, count;
+	const struct row *plants = cases_rows("tests/build/cases/organs.tsv", "sssud", sizeof *plants, &count);
+	for (size_t i = 0; i < count; i++) {
+		int organs[4];
 		soup_begin(&soup);
-		for (uint32_t m = 0; m < 4 && plants[i].material[m].rgb; m++) {
-			uint32_t rgb = plants[i].material[m].rgb;
-			named(&soup, plants[i].material[m].name, (uint8_t)(rgb >> 16),
-				(uint8_t)(rgb >> 8), (uint8_t)rgb);
+		make_materials(&soup, plants[i].materials, organs);
+		for (uint32_t n = 0; n < plants[i].times; n++) {
+			uint32_t first = soup.model.vertex_count;
+			make_parts(&soup, plants[i].parts);
+			for (uint32_t v = first; v < soup.model.vertex_count; v++)
+				soup.model.position[3 * v] += (float)(n * plants[i].apart);
 		}
-		for (uint32_t n = 0; n < plants[i].times; n++)
-			for (const struct part *p = plants[i].parts; p < plants[i].parts + 5 && p->kind; p++) {
-				uint32_t first = soup.model.vertex_count;
-				part_make(&soup, p);
-				for (uint32_t v = first; v < soup.model.vertex_count; v++)
-					soup.model.position[3 * v] += (float)(n * plants[i].apart);
-			}
 		find();
 		for (uint32_t c = 0; c < found.mesh.component_count; c++) {
 			const struct lod_component *part = &found.organs.components[c];
-			if (part->organ == plants[i].material[part->material].organ)
+			if (part->organ == organs[part->material])
 				continue;
 			print_error("%s: a component of material %u, %u triangles, is %s\n", plants[i].name,
 				part->material, part->triangle_count, eco_organ_names[part->organ]);
@@ -461,27 +405,11 @@ UNIT_TEST(rules_win_over_everything)
 
 UNIT_TEST(names_hint_in_many_languages)
 {
-	static const struct { const char *name; enum lod_hint hint; } names[] = {
-		{ "Bark", LOD_HINT_WOOD }, { "oak_bark_2k.png", LOD_HINT_WOOD },
-			{ "Birkenrinde", LOD_HINT_WOOD }, { "TreeTrunk01", LOD_HINT_WOOD },
-		{ "écorce", LOD_HINT_WOOD }, { "corteza de pino", LOD_HINT_WOOD }, { "кора", LOD_HINT_WOOD },
-		{ "PotMat", LOD_HINT_WOOD },
-		{ "Blumenkasten", LOD_HINT_WOOD }, { "Bl\xc3\xbctenstiel", LOD_HINT_WOOD },
-		{ "branches", LOD_HINT_WOOD },
-		{ "leaves", LOD_HINT_FOLIAGE }, { "Leaf.003", LOD_HINT_FOLIAGE },
-		{ "LEAVES", LOD_HINT_FOLIAGE }, { "Laub", LOD_HINT_FOLIAGE },
-		{ "feuillage", LOD_HINT_FOLIAGE }, { "hojas", LOD_HINT_FOLIAGE },
-		{ "PineNeedles", LOD_HINT_FOLIAGE }, { "листья", LOD_HINT_FOLIAGE },
-		{ "petal_red", LOD_HINT_FLOWER }, { "Blüte", LOD_HINT_FLOWER }, { "fleur", LOD_HINT_FLOWER },
-		{ "CherryBlossom", LOD_HINT_FLOWER },
-		{ "stamens", LOD_HINT_FLOWER },
-		{ "", LOD_HINT_NONE }, { "Material.001", LOD_HINT_NONE },
-		{ "DefaultMaterial", LOD_HINT_NONE }, { "Green", LOD_HINT_NONE },
-		{ "Blume_Blatt", LOD_HINT_NONE }, { "bark_leaf_atlas", LOD_HINT_NONE },
-		{ "12345", LOD_HINT_NONE }, { "logo", LOD_HINT_NONE },
-		{ "boisterous", LOD_HINT_WOOD },     /* a beginning is enough: a hint is no proof */
-	};
-	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+	static const char *const hints[] = { "none", "wood", "foliage", "flower", NULL };
+	struct row { const char *name, *hint; };
+	uint32_t count;
+	const struct row *names = cases_read("tests/build/cases/hints.tsv", sizeof *names, &count);
+	for (size_t i = 0; i < count; i++)
 		if (lod_name_hint(names[i].name) != names[i].hint)
 			fail_msg("%s hints at %d", names[i].name, lod_name_hint(names[i].name));
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "client-min/view_ask.h"
+#include "tests/support/cases.h"
 #include "tests/support/serve/http_client.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
@@ -291,19 +292,10 @@ UNIT_TEST(nothing_fits_is_no_failure)
 
 UNIT_TEST(problems_become_readable_errors)
 {
-	static const struct { const char *head, *body; enum eco_code code; const char *text; } rows[] = {
-		{ "HTTP/1.1 404 Not Found\r\n", "{\"title\":\"No such scene\",\"detail\":\"there is no "
-			"scene 'test'\"}", ECO_NOT_FOUND,
-			"the server answered 404: No such scene: there is no scene 'test'" },
-		{ "HTTP/1.1 400 Bad Request\r\n", "{\"title\":\"Bad view\"}", ECO_BAD_INPUT,
-			"the server answered 400: Bad view" },
-		{ "HTTP/1.1 503 Busy\r\n", "<html>", ECO_IO, "the server answered 503" STRANGER },
-		{ "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n", "<html>", ECO_BAD_INPUT,
-			"the server answered 200 with text/html" STRANGER },
-		{ "HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/\r\n", "", ECO_BAD_INPUT,
-			"the server answered 302" STRANGER },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+	struct row { const char *head, *body; enum eco_code code; const char *text; };
+	uint32_t count;
+	const struct row *rows = cases_rows("tests/client/cases/problems.tsv", "sscs", sizeof *rows, &count);
+	for (size_t i = 0; i < count; i++) {
 		start(rows[i].head, rows[i].body, strlen(rows[i].body), strlen(rows[i].body));
 		assert_int_equal(ask(0), rows[i].code);
 		const char *says = strstr(error.text, "/v1/scenes/");        /* behind whose fault it is */

@@ -16,6 +16,7 @@
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/run.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
@@ -157,16 +158,12 @@ UNIT_TEST(a_folder_that_cannot_be_fails_nothing)
 
 UNIT_TEST(the_default_follows_the_environment)
 {
-	static const struct { const char *base, *home, *is; } rows[] = {
-		{ "/a/b", "/home/x", "/a/b/ecostream" },
-		{ NULL, "/home/x", "/home/x/.cache/ecostream" },
-		{ "", "/home/x", "/home/x/.cache/ecostream" },
-		{ "relative", "/home/x", "/home/x/.cache/ecostream" },
-		{ NULL, NULL, "" },
-		{ NULL, "", "" },
-	};
+	struct row { const char *base, *home, *is; };
+	uint32_t count;
+	const struct row *rows = cases_rows("tests/ecopack/cases/cache_folders.tsv", "sss", sizeof *rows,
+		&count);
 	static char path[MAIN_CACHE_PATH];
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	for (size_t i = 0; i < count; i++) {
 		if (rows[i].base) setenv("XDG_CACHE_HOME", rows[i].base, 1); else unsetenv("XDG_CACHE_HOME");
 		if (rows[i].home) setenv("HOME", rows[i].home, 1); else unsetenv("HOME");
 		path[0] = 0;
@@ -196,8 +193,6 @@ static void write_scene(void)
 	static const uint8_t pixels[] = { 20, 120, 30, 255, 20, 120, 30, 255, 20, 120, 30, 255, 0, 0, 0, 0 };
 	assert_int_equal(eco_png_write(&(struct eco_pixels){ 2, 2, 4, pixels }, in_root("leaf.png"),
 		NULL), ECO_OK);
-	write_text("tree.mtl", "newmtl bark\nKd 0.4 0.3 0.2\nnewmtl leaf\nKd 1 1 1\nmap_Kd leaf.png\nnewmtl "
-		"blossom\nKd 0.9 0.4 0.5\n");
 	FILE *file = fopen(in_root("tree.obj"), "wb");
 	assert_non_null(file);
 	fputs("mtllib tree.mtl\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl bark\n", file);
@@ -226,13 +221,6 @@ static void write_scene(void)
 			"4, 0]}]}", name, name, name);
 		write_text(i ? "renamed.json" : "scene.json", text);
 	}
-	write_text("bush.obj", "v 0 0 0\nv 0.1 0 0\nv 0.1 3 0\nf 1 2 3\nv 0.5 2 0\nv 0.6 2.2 0\nv 0.7 2 0.1\nf 4 5 6\n");
-	write_text("two.json", "{\"name\": \"s\", \"plants\": {\"bush\": {\"model\": \"bush.obj\"}, \"tree\": {\"model\": "
-		"\"tree.obj\"}}, \"instances\": [{\"plant\": \"bush\", \"at\": [0, 0]}, {\"plant\": \"tree\", \"at\": [9, 4]}]}\n");
-	write_text("pruned.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", "
-		"\"unit\": \"m\", \"parts\":\n"
-		"[{\"name\": \"blossom\", \"is\": \"left out\"}]}}, \"instances\": [{\"plant\": \"tree\", "
-		"\"at\": [0, 0, 0]}]}\n");
 }
 
 UNIT_TEST(packs_are_the_same_with_and_without)
@@ -359,6 +347,7 @@ UNIT_TEST(what_an_interrupted_make_has_finished_is_kept)
 int main(void)
 {
 	scratch_open("cache");
+	cases_write("tests/ecopack/cases/cache_files.tsv", scratch_root);
 	snprintf(folder, sizeof folder, "%s/kept", scratch_root);
 	eco_progress_quiet(true);
 	return unit_tests_run(NULL, scratch_close);

@@ -169,9 +169,6 @@ static void write_quarter(void)
 	for (int i = 0; i < 441; i++)
 		fprintf(file, "%d%c", 100 + i % 21, i % 21 == 20 ? '\n' : ' ');
 	assert_int_equal(fclose(file), 0);
-	write_text("quarter.json", "{\"crs\": \"EPSG:32617\", \"origin\": [500000, 4200000, 100], \"ground\": {\"heights\": \"rise.asc\", "
-		"\"crs\": \"EPSG:32617\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [5, 5]}, "
-		"{\"extrude\": \"quarter.geojson\", \"height_m\": {\"storeys\": \"levels\"}}]}");
 }
 
 UNIT_TEST(test_buildings_are_blocks_that_stand_on_the_ground)
@@ -229,9 +226,6 @@ UNIT_TEST(test_crowns_cover_what_the_table_says)
 			base[i] * h);
 	}
 	write_text("stand.csv", text);
-	write_text("stand.json", "{\"plants\": {\"a\": {\"variants\": [\"low.obj\", \"high.obj\"], \"up\": \"y\"}}, \"instances\": [{\"from\": "
-		"\"stand.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": \"h\", \"crown_m\": {\"column\": \"c\", \"is\": "
-		"\"diameter\"}, \"crown_base\": {\"column\": \"b\"}}]}");
 	OWNED(eco_pack) *pack = made("stand.json", "stand.eco");
 	const struct eco_scene *s = &pack->scene;
 	uint32_t low = s->anchors[s->plants[0].anchor_first].radius > s->anchors[s->plants[1].anchor_first].radius ? 1 : 0;
@@ -255,12 +249,6 @@ UNIT_TEST(test_crowns_choose_the_variant_and_the_size)
 	uint32_t plant[8];
 	write_tree("narrow.obj", 1, 5);
 	write_tree("wide.obj", 5, 5);
-	write_text("crowns.csv", "x,y,h,c\n0,0,20,1.9\n100,0,5,2.6\n200,0,10,5\n300,0,8,0.9\n");
-	write_text("crowns.json", "{\"plants\": {\"a\": {\"variants\": [\"narrow.obj\", \"wide.obj\"], "
-		"\"up\": \"y\"}}, \"instances\": [{\"from\": "
-		"\"crowns.csv\", "
-		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, "
-		"\"crown_m\": {\"column\": \"c\", \"is\": \"radius\"}}]}");
 	struct eco_pack *pack = made("crowns.json", "crowns.eco");
 	const struct eco_scene *s = &pack->scene;
 	uint32_t count = standing(s, at, plant, 8);
@@ -271,11 +259,6 @@ UNIT_TEST(test_crowns_choose_the_variant_and_the_size)
 		assert_int_equal(plant[i] == wide, at[i][0] > 50 && at[i][0] < 250);
 	eco_pack_close(pack);
 	/* without a height the crown says how large */
-	write_text("crown.csv", "x,y,h,d\n0,0,10,\n100,0,NA,4\n");
-	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, "
-		"\"instances\": [{\"from\": \"crown.csv\", \"x\": "
-		"\"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": "
-		"{\"column\": \"d\", \"is\": \"diameter\"}}]}");
 	pack = made("crown.json", "crown.eco");
 	struct lod_place place[2];
 	assert_int_equal(placed(&pack->scene, place, plant, 2), 2);
@@ -292,9 +275,6 @@ UNIT_TEST(test_the_library_grows_what_a_scene_names)
 	for (int i = 0; i < 40; i++)
 		snprintf(rows + strlen(rows), sizeof rows - strlen(rows), "%d,0,%d\n", 9 * i, i < 20 ? 1 : 2 + i % 2);
 	write_text("library.csv", rows);
-	write_text("library.json", "{\"plants\": {\"a\": {\"library\": \"fern\", \"height_m\": [1, 2.5], \"individual\": [1, 2]}}, "
-		"\"instances\": [{\"from\": \"library.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": "
-		"{\"column\": \"h\"}}]}");
 	struct eco_pack *pack = made("library.json", "library.eco");
 	const struct eco_scene *s = &pack->scene;
 	double at[40][3];
@@ -355,7 +335,6 @@ UNIT_TEST(test_crowns_have_a_width_of_their_own)
 	char text[600];
 	struct lod_place place[2];
 	write_tree("wide.obj", 5, 5);
-	write_text("widths.csv", "x,y,h,c\n0,0,20,8\n100,0,20,16\n");
 	snprintf(text, sizeof text, entry, "");
 	write_text("widths.json", text);
 	struct eco_pack *pack = made("widths.json", "plain.eco");
@@ -396,8 +375,6 @@ UNIT_TEST(test_plants_have_the_tint_of_their_row)
 		{ "owner", "[\"#ff0000\", \"#00ff00\"]", 4, { 2, 1, 1, 4, 3, 3 } } };
 	char text[600], tint[200];
 	write_tree("wide.obj", 5, 5);
-	write_text("tints.csv", "x,y,health,age,owner\n0,0,Good,9.9,B\n10,0,POOR (root),10,a\n20,0,who knows,99,A\033\n"
-		"30,0,,NaN,\n40,0,n/a,-,C\n50,0,who knows,old,D\n");
 	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
 		snprintf(tint, sizeof tint, ", \"tint\": {\"column\": \"%s\", \"palette\": %s}", cases[c].column,
 			cases[c].palette);
@@ -457,15 +434,6 @@ UNIT_TEST(test_what_stands_beyond_the_ground_is_counted)
 {
 	write_slope();
 	write_text("two.csv", "x,y\n1000,2000\n1500,2001\n");
-	write_text("leaf.json", "{\"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": "
-		"\"a\", \"at\": [0, 0]}]}");
-	write_text("off.json", "{\"name\": \"off\", \"origin\": [1000, 2000, 100], \"ground\": "
-		"{\"heights\": \"slope.asc\"}, \"plants\": {\"a\": "
-		"{\"model\": \"a.obj\"}},"
-		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}, {\"plant\": \"a\", \"at\": [0, -300]}, "
-		"{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
-			"\"y\", \"plant\": \"a\"}],\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, "
-			"10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
 	OWNED(eco_pack) *pack = made("off.json", "off.eco");
 	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
 	assert_int_equal(pack->scene.tiles[pack->scene.root].instance_count, 6);
@@ -501,17 +469,6 @@ UNIT_TEST(test_tiles_are_small_and_summed_up)
 
 UNIT_TEST(test_nested_files_are_built_once)
 {
-	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", "
-		"\"height_m\": 2.5}}, \"instances\": [{\"plant\": "
-		"\"c\", \"at\": [0, 0, 0]}, {\"plant\": \"c\", \"at\": [1, 2, 0], \"scale\": 0.5}]}");
-	write_text("field.json", "{\"name\": \"field\", \"children\": [{\"eco\": \"patch.json\", \"at\": "
-		"[0, 0, 0]}, {\"eco\": \"patch.json\", \"at\": "
-		"[10, 0, 0], \"yaw_deg\": 90}, {\"eco\": \"patch.json\", \"at\": [20, 0, 1], \"scale\": "
-		"2}]}");
-	write_text("nest.json", "{\"name\": \"nest\", \"plants\": {\"b\": {\"model\": \"b.obj\", "
-		"\"height_m\": 2.5}}, \"instances\": [{\"plant\": \"b\", \"at\": [5, 5, 0]}], "
-		"\"children\": [{\"eco\": \"field.json\", \"at\": [100, 0, 0]}, {\"eco\": \"field.json\", "
-		"\"at\": [0, 100, 0]}, {\"eco\": \"patch.json\", \"at\": [0, 50, 0]}]}");
 	OWNED(eco_pack) *pack = made("nest.json", "nest.eco");
 	const struct eco_scene *s = &pack->scene;
 	assert_int_equal(s->plant_count, 1);
@@ -545,13 +502,11 @@ UNIT_TEST(test_failure_leaves_the_old_pack)
 	struct fault { const char *scene, *says; };
 	uint32_t count;
 	const struct fault *bad = cases_read("tests/ecopack/cases/make_faults.tsv", sizeof *bad, &count);
-	write_text("broken.obj", "v 0 0\nf 1 2 3\n");
 	write_text("two.csv", "x,y\n1,2\n500,1\n");
 	for (uint32_t i = 0; i < count; i++) {
 		struct eco_error error = { 0 };
 		size_t size;
 		write_text("bad.json", bad[i].scene);
-		write_text("kept.eco", "ECOPACK1 that was there before");
 		assert_int_not_equal(make("bad.json", "kept.eco", 1, &error), ECO_OK);
 		if (!strstr(error.text, bad[i].says))
 			fail_msg("case %u: \"%s\" does not name %s", i, error.text, bad[i].says);
@@ -602,9 +557,6 @@ static void write_hills(void)
 			fprintf(file, "%.2f%c", 50 + 9 * sin(c * 0.37) * cos(r * 0.29) + 0.1 * c,
 				c == 149 ? '\n' : ' ');
 	assert_int_equal(fclose(file), 0);
-	write_text("hills.json", "{\"name\": \"hills\", \"ground\": {\"heights\": \"hills.asc\"}, "
-		"\"plants\": {\"a\": {\"model\": \"a.obj\"}},"
-		"\"instances\": [{\"plant\": \"a\", \"at\": [50, 50]}]}");
 }
 
 UNIT_TEST(test_ground_is_tiles_that_hold_what_they_say)
@@ -629,8 +581,6 @@ UNIT_TEST(test_steps_of_heights_are_as_fine_as_cells_show)
 		snprintf(text, sizeof text, "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize %s\n"
 			"99.0217 %s 99.3791\n99.3 99.012 99\n", grids[i].cell, grids[i].top);
 		write_text("wide.asc", text);
-		write_text("wide.json", "{\"ground\": {\"heights\": \"wide.asc\"}, \"plants\": {\"a\": "
-			"{\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
 		OWNED(eco_pack) *pack = made("wide.json", "wide.eco");
 		assert_true(pack->scene.lists[pack->scene.ground[0].list].grid_step[2] == grids[i].step);
 	}
@@ -696,8 +646,6 @@ UNIT_TEST(test_damaged_impostors_are_named)
 {
 	struct eco_bytes levels[2];
 	write_sphere("many.obj", 400);
-	write_text("levels.json", "{\"name\": \"levels\", \"plants\": {\"a\": {\"model\": \"many.obj\"}}, "
-		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}");
 	finished = true;
 	OWNED(eco_pack) *pack = made("levels.json", "levels.eco");
 	finished = false;
@@ -725,6 +673,7 @@ UNIT_TEST(test_damaged_impostors_are_named)
 static int prepare(void **state)
 {
 	scratch_open("make");
+	cases_write("tests/ecopack/cases/make_files.tsv", scratch_root);
 	eco_progress_quiet(true);
 	write_shrub(in_root("a.obj"), "mtllib none.mtl\n", 4, 60);
 	write_shrub(in_root("b.obj"), "mtllib none.mtl\n", 1.5, 25);

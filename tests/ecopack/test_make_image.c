@@ -12,6 +12,7 @@
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/image.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/serve/served.h"
@@ -223,28 +224,11 @@ UNIT_TEST(exports_carry_buildings_and_classes_of_the_ground)
 static int prepare(void **state)
 {
 	scratch_open("make_image");
+	cases_write("tests/ecopack/cases/image_files.tsv", scratch_root);
 	eco_progress_quiet(true);
 	write_shrub(in_root("a.obj"), "", 4, 20);
 	write_photo();
 	/* no heights, no CRS: the picture is laid where the scene says */
-	write_text("photo.json", "{\"name\": \"photo\", \"ground\": {\"image\": {\"file\": \"photo.png\", \"north_west\": "
-		"[-64, 64], \"pixel\": 0.25}}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": "
-		"\"a\", \"at\": [-56, -56]}, {\"plant\": \"a\", \"at\": [56, -56]}, {\"plant\": \"a\", \"at\": [56, 56]}, "
-		"{\"plant\": \"a\", \"at\": [-56, 56]}]}");
-	write_text("draw.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {\"highway\": "
-		"\"track\"}, \"geometry\": {\"type\": \"LineString\", \"coordinates\": [[-400, -390], [380, 400]]}}, {\"type\": \"Feature\", "
-		"\"properties\": {\"natural\": \"water\"}, \"geometry\": {\"type\": \"Polygon\", \"coordinates\": [[[-390, 300], [-350, 300], "
-		"[-350, 350], [-390, 300]]]}}]}");
-	write_text("draw.json", "{\"name\": \"draw\", \"crs\": \"EPSG:32617\", \"origin\": [0, 0], \"ground\": {\"draw\": [{\"from\": \"draw.geojson\", "
-		"\"crs\": \"EPSG:32617\"}]}, \"plants\": {\"a\": "
-		"{\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [-400, -400]}, {\"plant\": \"a\", \"at\": [400, 400]}]}");
-	write_text("house.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {}, \"geometry\": "
-		"{\"type\": \"Polygon\", \"coordinates\": [[[0, 0], [30, 0], [30, 20], [0, 20], [0, 0]], [[10, 5], [20, 5], [20, 15], [10, 15], "
-		"[10, 5]]]}}]}");
-	write_text("house.json", "{\"name\": \"house\", \"crs\": \"EPSG:32617\", \"origin\": [0, 0], \"ground\": {\"draw\": [{\"from\": "
-		"\"draw.geojson\", \"crs\": \"EPSG:32617\"}]}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
-		"\"at\": [-400, -400]}, {\"plant\": \"a\", \"at\": [400, 400]}, {\"extrude\": \"house.geojson\", \"crs\": \"EPSG:32617\", "
-		"\"height_m\": 9}]}");
 	return 0;
 }
 

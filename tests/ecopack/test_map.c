@@ -10,6 +10,7 @@
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/run.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
@@ -20,27 +21,8 @@
 static int make_files(void **state)
 {
 	folder_make(ROOT);
+	cases_write("tests/ecopack/cases/map_files.tsv", ROOT);
 	eco_progress_quiet(true);
-	file_write_text(ROOT "/any.obj", "this is never read\n");
-	file_write_text(ROOT "/rows.csv",
-		"x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,"
-		"3,stump,1\n4,4,stump,1\n5,5,weed,1\n");
-	file_write_text(ROOT "/one.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [1, 2], "
-		"\"height_m\": 4, \"scale\": 2},"
-		"{\"from\": \"rows.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"sp\", \"map\": "
-		"{\"oak\": \"oak\", \"ash\": \"ash\", \"stump\": null},"
-		"\"height_m\": {\"column\": \"h\"}}]}");
-	file_write_text(ROOT "/plot.json",
-		"{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, "
-		"{\"plant\": \"oak\", \"at\": [10, 0]},"
-		"{\"plant\": \"ash\", \"at\": [0, 10]}]}");
-	file_write_text(ROOT "/block.json",
-		"{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": "
-		"\"plot.json\", \"at\": [100, 0], "
-		"\"yaw_deg\": 90, \"scale\": 2}]}");
-	file_write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, "
-		"5]}], \"children\": [{\"eco\": \"block.json\", "
-		"\"at\": [0, 0]},{\"eco\": \"plot.json\", \"at\": [1000, 0]}]}");
 	return 0;
 }
 
@@ -108,16 +90,6 @@ UNIT_TEST(test_nested_plants_are_turned_moved_and_scaled)
 UNIT_TEST(test_scattered_plants_are_shown_with_their_areas)
 {
 	FREED(map) m;
-	file_write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": "
-		"\"Feature\", \"properties\": {}, \"geometry\": "
-		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, "
-		"47]]]}}]}");
-	file_write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], "
-		"[9.002, 47.0003]]}");
-	file_write_text(ROOT "/scatter.json", "{\"crs\": \"EPSG:32632\", \"origin\": [500000, 5205000], "
-		PLANTS ", \"instances\": [{\"scatter\": \"areas.geojson\","
-		"\"density_per_ha\": {\"oak\": 200, \"ash\": 100}, \"distance_m\": 1, \"clear_of\": "
-		"\"roads.geojson\", \"clear_m\": 4}]}");
 	gather(&m, ROOT "/scatter.json");
 	assert_int_equal(m.areas.count, 3);
 	assert_int_equal(m.clear_of.count, 1);
@@ -184,9 +156,6 @@ static void write_ground(void)
 		for (int c = 0; c < 11; c++)
 			fprintf(file, "%d%s", 5 * c, c < 10 ? " " : "\n");
 	fclose(file);
-	file_write_text(ROOT "/hill.json", "{\"ground\": {\"heights\": \"dem.asc\"}, " PLANTS
-		", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]},"
-		"{\"plant\": \"ash\", \"at\": [100, 50]}, {\"plant\": \"elm\", \"at\": [130, 20]}]}");
 }
 
 UNIT_TEST(test_the_same_scene_gives_the_same_picture)
@@ -215,11 +184,6 @@ UNIT_TEST(test_tables_are_inventories_of_the_same_plants)
 {
 	static const char *const names[] = { "table.gpkg", "table.geojson" };
 	static const uint32_t rows[] = { 0, 1, 3 }, lines[] = { 0, 2, 4 };
-	file_write_text(ROOT "/utm.csv", "x,y,sp,h\n691010,5334020,oak,10\n,5,oak,1\n691500.25,5334700.5,"
-		"ASH,7\n");
-	file_write_text(ROOT "/utm.json", "{" UTM PLANTS ", \"instances\": [{\"plant\": \"ash\", \"at\": [1, "
-		"2], \"height_m\": 4}, {\"from\": \"utm.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": "
-		"\"sp\", " TWO_MAPPED "\"h\"}}]}");
 	for (size_t t = 0; t < sizeof names / sizeof *names; t++) {
 		char line[200], scene[600];
 		struct map m, again;
@@ -318,9 +282,6 @@ UNIT_TEST(test_bad_command_lines_and_scenes_are_told)
 			"nothing to show" },
 		{ ROOT "/column.json -o " ROOT "/x.png", ECO_BAD_INPUT, "easting" } };
 	unlink(ROOT "/x.png");
-	file_write_text(ROOT "/nothing.json", "{" PLANTS "}");
-	file_write_text(ROOT "/column.json", "{" PLANTS ", \"instances\": [{\"from\": \"rows.csv\", \"x\": "
-		"\"easting\", \"y\": \"y\", \"plant\": \"oak\"}]}");
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error;
 		enum eco_code code = run(cases[i].line, &error);

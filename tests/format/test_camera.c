@@ -24,18 +24,11 @@ static struct eco_camera *camera_of(const char *json)
 
 UNIT_TEST(frames_run_to_the_last_keyframe)
 {
-	static const struct { const char *json; uint32_t frames; double last_s; } rows[] = {
-		{ SCRIPT("2", KEY("0", "1")), 1, 0 },
-		{ SCRIPT("2", KEY("5", "1")), 1, 5 },
-		{ SCRIPT("2", KEY("0", "1") "," KEY("3", "2")), 7, 3 },
-		{ SCRIPT("2", KEY("1", "1") "," KEY("3.9", "2")), 6, 3.5 },
-		{ SCRIPT("30", KEY("0", "1") "," KEY("0.1", "2")), 4, 0.1 },
-		{ SCRIPT("3", KEY("0", "1") "," KEY("0.3333333333", "2")), 2, 0.3333333333 },
-		{ SCRIPT("1", KEY("-2", "1") "," KEY("0.5", "2") "," KEY("2", "3")), 5, 2 },
-		{ SCRIPT("0.001", KEY("0", "1") "," KEY("5", "2")), 1, 0 },
-		{ SCRIPT("1000", KEY("0", "1") "," KEY("999.999", "2")), 1000000, 999.999 },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct row { const char *json; uint32_t frames; double last_s; };
+	uint32_t count;
+	const struct row *rows = cases_rows("tests/format/cases/camera_frames.tsv", "sud", sizeof *rows,
+		&count);
+	for (size_t i = 0; i < count; i++) {
 		OWNED(eco_camera) *camera = camera_of(rows[i].json);
 		struct eco_view view = { .width = 640, .height = 480 };
 		assert_int_equal(eco_camera_frame_count(camera), rows[i].frames);

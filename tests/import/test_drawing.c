@@ -8,6 +8,7 @@
 #include "ecofiles/import/land/drawing.h"
 #include "ecofiles/import/land/scatter.h"
 #include "ecofiles/import/places/rows/rows.h"
+#include "tests/support/cases.h"
 #include "tests/support/model_try.h"
 
 #define SIDE ECO_GROUND_IMAGE_SIDE
@@ -17,21 +18,11 @@ static const struct eco_frame frame = { .crs = "EPSG:32617" };
 
 UNIT_TEST(attributes_tell_classes)
 {
-	static const struct { const char *columns[2], *fields[2]; bool line; const char *class; } cases[] = {
-		{ { "highway", "name" }, { "residential", "Forest Road" }, true, "street" },
-		{ { "highway", "tunnel" }, { "residential", "yes" }, true, "underground" },
-		{ { "highway", "tunnel" }, { "residential", "no" }, true, "street" },
-		{ { "landuse", "natural" }, { "forest", "" }, false, "wood" },
-		{ { "natural", "landuse" }, { "water", "grass" }, false, "water" },
-		{ { "natural", "name" }, { "tree_row", "" }, true, "tree row" },
-		{ { "Nutzungsart", "x" }, { "Gehölz", "" }, false, "wood" },
-		{ { "fclass", "code" }, { "residential", "7203" }, false, "built up" },
-		{ { "fclass", "code" }, { "residential", "7203" }, true, "street" },
-		{ { "highway", "name" }, { "proposed", "" }, true, NULL },
-		{ { "name", "x" }, { "Forest", "" }, false, NULL },       /* of no land use */
-		{ { "highway", "x" }, { "no", "" }, false, NULL },
-	};
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	struct row { const char *columns[2], *fields[2]; bool line; const char *class; };
+	uint32_t count;
+	const struct row *cases = cases_rows("tests/import/cases/land_classes.tsv", "ssssbs", sizeof *cases,
+		&count);
+	for (size_t i = 0; i < count; i++) {
 		struct eco_land_reader reader;
 		struct eco_land_class class = { .name = NULL };
 		eco_land_reader_open(&reader, (char *const *)(uintptr_t)cases[i].columns, 2);

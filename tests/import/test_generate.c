@@ -9,6 +9,7 @@
 #include "ecofiles/generate/generate_plants.h"
 #include "ecofiles/scene/scene.h"
 #include "ecofiles/format/view.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
@@ -97,18 +98,11 @@ UNIT_TEST(test_scenes_and_cameras_parse)
 
 UNIT_TEST(test_plants_have_believable_sizes)
 {
-	static const struct { const char *name; double low, high, wide; uint32_t faces; } sizes[] = {
-		{ "oak", 12, 17, 8, 6000 }, { "birch", 10, 15, 4, 4000 }, { "linden", 10, 14, 6, 2000 },
-			{ "spruce", 14, 18, 5, 6000 },
-		{ "beech", 19, 25, 6, 5000 }, { "maple", 17, 23, 6, 1800 }, { "pine", 15, 20, 5, 3000 },
-		{ "palm", 7, 11, 5, 3000 },
-		{ "fern", 0.3, 1, 1.2, 300 }, { "shrub", 1.6, 3, 2.2, 1000 },
-		{ "azalea", 1, 2, 1.8, 2000 }, { "grass", 0.4, 0.9, 1, 200 }, { "turf", 0.15, 0.4, 1.2, 300 },
-		{ "daisy", 0.3, 0.8, 0.6, 300 },
-		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 },
-		{ "sunflower", 1.4, 2.1, 0.7, 1000 }, { "cards-1", 9, 13, 5, 300 },
-		{ "cards-2", 9, 13, 5, 300 }, { "cards-3", 9, 13, 5, 300 } };
-	assert_int_equal(sizeof sizes / sizeof *sizes, gen_plant_count);
+	struct row { const char *name; double low, high, wide; uint32_t faces; };
+	uint32_t count;
+	const struct row *sizes = cases_rows("tests/import/cases/plant_sizes.tsv", "sdddu", sizeof *sizes,
+		&count);
+	assert_int_equal(count, gen_plant_count);
 	for (uint32_t i = 0; i < gen_plant_count; i++) {
 		struct gen_mesh mesh = { 0 };
 		struct gen_random random = { 99 };

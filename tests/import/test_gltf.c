@@ -4,6 +4,7 @@
 #include <meshoptimizer.h>
 
 #include "ecofiles/import/model/gltf.h"
+#include "tests/support/cases.h"
 #include "tests/support/gltf_writer.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
@@ -104,17 +105,12 @@ UNIT_TEST(a_document_that_is_cut_off_is_refused)
 
 UNIT_TEST(what_is_no_gltf_2_is_named)
 {
-	static const struct { const char *text; enum eco_code code; const char *says; } cases[] = {
-		{ "{\"asset\":{\"version\":\"1.0\"}}", ECO_UNSUPPORTED, "glTF 1.0" },
-		{ "{\"asset\":{},\"meshes\":{\"a\":{}}}", ECO_UNSUPPORTED, "glTF 1.0" },
-		{ "glTF\1\0\0\0________________", ECO_DAMAGED, "cut off" },
-		{ "{\"asset\":{\"version\":\"3.0\"}}", ECO_UNSUPPORTED, "glTF 3.0" },
-		{ "{\"type\":\"FeatureCollection\"}", ECO_BAD_INPUT, "no \"asset\"" },
-		{ "[1,2]", ECO_BAD_INPUT, "no \"asset\"" },
-		{ "{\"asset\":\n{]}", ECO_BAD_INPUT, "line 2" },
-	};
+	struct row { const char *text; enum eco_code code; const char *says; };
+	uint32_t count;
+	const struct row *cases = cases_rows("tests/import/cases/gltf_versions.tsv", "scs", sizeof *cases,
+		&count);
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+	for (size_t i = 0; i < count; i++)
 		assert_code(open_bytes(cases[i].text, strlen(cases[i].text), &cause), cases[i].code, cases[i].says);
 }
 
@@ -140,16 +136,12 @@ UNIT_TEST(buffers_are_found_beside_or_within)
 
 UNIT_TEST(a_buffer_that_is_missing_is_told_when_it_is_needed)
 {
-	static const struct { const char *buffer; enum eco_code code; const char *says; } cases[] = {
-		{ ",'uri':'none.bin'", ECO_NOT_FOUND, "none.bin" },
-			{ "", ECO_DAMAGED, "buffer 0 has no data" },
-		{ ",'uri':'data:base64'", ECO_DAMAGED, "comma" },
-		{ ",'uri':'data:;base64,?'", ECO_DAMAGED, "base64" },
-		{ ",'uri':'data:,%00'", ECO_DAMAGED, "base64" },
-		{ ",'uri':'data:;base64,AAAA'", ECO_DAMAGED, "has only 3 bytes" },
-	};
+	struct row { const char *buffer; enum eco_code code; const char *says; };
+	uint32_t count;
+	const struct row *cases = cases_rows("tests/import/cases/gltf_buffers.tsv", "scs", sizeof *cases,
+		&count);
 	static const float p[3] = { 1, 2, 3 };
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	for (size_t i = 0; i < count; i++) {
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
 		assert_int_equal(eco_gltf_open(&doc,
@@ -234,17 +226,12 @@ UNIT_TEST(sparse_accessors_are_filled_in)
 UNIT_TEST(accessors_beyond_their_bytes_are_refused)
 {
 	static const float four[4];
-	static const struct { const char *more; size_t count; const char *kind; enum eco_code code;
-		const char *says; } cases[] = {
-		{ "", 5, "SCALAR", ECO_DAMAGED, "needs 20 bytes" },
-			{ ",'byteOffset':4", 4, "SCALAR", ECO_DAMAGED, "needs 16 bytes" },
-		{ ",'byteOffset':-4", 1, "SCALAR", ECO_DAMAGED, "needs 4 bytes" },
-		{ "", 2, "VEC3", ECO_DAMAGED, "needs 24 bytes" },
-		{ ",'byteOffset':18446744073709551615", 1, "SCALAR", ECO_DAMAGED, "" },
-		{ "", 1, "VEC5", ECO_DAMAGED, "VEC5" },
-		{ "", (size_t)1 << 40, "SCALAR", ECO_TOO_LARGE, "more numbers" } };
+	struct row { const char *more; size_t count; const char *kind; enum eco_code code; const char *says; };
+	uint32_t count;
+	const struct row *cases = cases_rows("tests/import/cases/gltf_accessors.tsv", "szscs", sizeof *cases,
+		&count);
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	for (size_t i = 0; i < count; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		gw_begin();
 		gw_accessor(gw_view(four, sizeof four, ""), GLTF_FLOAT, cases[i].count, cases[i].kind,
@@ -341,25 +328,12 @@ UNIT_TEST(filters_of_meshopt_are_undone)
 UNIT_TEST(meshopt_that_makes_no_sense_is_refused)
 {
 	uint8_t bytes[64] = { 0 };
-	static const struct { size_t count, stride; const char *mode, *filter; enum eco_code code; uint8_t first;
-	} cases[] = {
-		{ 10, 12, "ATTRIBUTES", "NONE", ECO_DAMAGED, 0xa0 },
-		{ 10, 13, "ATTRIBUTES", "NONE", ECO_DAMAGED, 0xa0 },
-		{ 10, 512, "ATTRIBUTES", "NONE", ECO_DAMAGED, 0xa0 },
-		{ 10, 0, "ATTRIBUTES", "NONE", ECO_DAMAGED, 0xa0 },
-		{ 10, 4, "TRIANGLES", "NONE", ECO_DAMAGED, 0xa0 },
-		{ 9, 3, "TRIANGLES", "NONE", ECO_DAMAGED, 0xa0 },
-		{ 9, 4, "TRIANGLES", "OCTAHEDRAL", ECO_DAMAGED, 0xa0 },
-		{ 10, 12, "ATTRIBUTES", "QUATERNION", ECO_DAMAGED, 0xa0 },
-		{ 10, 12, "ATTRIBUTES", "SECRET", ECO_UNSUPPORTED, 0xa0 },
-		{ 10, 12, "QUADS", "NONE", ECO_UNSUPPORTED, 0xa0 },
-		{ 10, 4, "ATTRIBUTES", "COLOR", ECO_UNSUPPORTED, 0xa0 },
-		{ (size_t)1 << 31, 256, "ATTRIBUTES", "NONE", ECO_TOO_LARGE, 0xa0 },
-		{ (size_t)1 << 20, 256, "ATTRIBUTES", "NONE", ECO_DAMAGED, 0xa0 },
-		{ 4, 4, "ATTRIBUTES", "NONE", ECO_UNSUPPORTED, 0xa1 },
-	};
+	struct row { size_t count, stride; const char *mode, *filter; enum eco_code code; uint8_t first; };
+	uint32_t count;
+	const struct row *cases = cases_rows("tests/import/cases/gltf_meshopt.tsv", "zzsscy", sizeof *cases,
+		&count);
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	for (size_t i = 0; i < count; i++) {
 		const uint8_t *view;
 		size_t size;
 		bytes[0] = cases[i].first;

@@ -11,6 +11,7 @@
 #include "ecofiles/generate/generate_growth.h"
 #include "ecofiles/generate/library.h"
 #include "ecofiles/import/model/model_parts.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
@@ -386,17 +387,9 @@ UNIT_TEST(wood_is_the_same_in_all_seasons)
 
 UNIT_TEST(a_genus_has_its_habit)
 {
-	static const char *const cases[][2] = { { "Zelkova serrata", "vase" }, { "Picea abies", "spruce" },
-		{ "Pinus sylvestris", "pine young" }, { "Quercus robur 'Fastigiata'", "columnar" },
-		{ "Washingtonia filifera", "fan palm" }, { "Phyllostachys", "bamboo" },
-		{ "Cupressus sempervirens", "cypress" }, { "Salix babylonica", "weeping" }, { "Salix alba", "oval" },
-		{ "Calluna vulgaris", "heath" },
-		{ "Corylus colurna", "conical" }, { "Corylus avellana", "round shrub" },
-		{ "Polyalthia longifolia var. pendula", "columnar" }, { "Betula nana", "round shrub" },
-		{ "Prunus laurocerasus", "round shrub" }, { "Cornus mas", "multi-stemmed" }, { "Pinus pinea", "umbrella" },
-		{ "Juniperus sabina", "juniper" }, { "Quercus ilex", "round" }, { "Populus nigra 'Italica'", "columnar" },
-		{ "tree", "round" }, { "xyz", "round" } };
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	uint32_t count;
+	const char *const (*cases)[2] = cases_read("tests/import/cases/habits.tsv", sizeof *cases, &count);
+	for (size_t i = 0; i < count; i++) {
 		struct eco_flora flora = eco_flora_of(cases[i][0], NULL);
 		assert_string_equal(eco_library_habit_of(&flora), cases[i][1]);
 		const char *taxon = eco_library_taxon_of(&flora);

@@ -7,10 +7,6 @@
 
 #define TEST_FOLDER "model-colours"
 
-/* Positions (0,0,0) (1,0,0) (0,1,0), uv (0,0) (1,0) (0,1), indices 0 1 2, as base64: 36 + 24 + 6 bytes. */
-
-/* Three triangles beside each other, one for each of the materials. */
-
 static const struct { const char *name; uint32_t width, height; uint8_t rgba[16]; } pictures[] = {
 	{ "leaf one.png", 2, 2, { 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 0 } },
 	{ "palette.png", 2, 2, { 200, 10, 20, 255, 0, 255, 0, 255, 0, 0, 255, 255, 30, 90, 40, 255 } },

@@ -1,5 +1,6 @@
 /* Rules about parts of a plant: which triangles they name, and what becomes of these. */
 #include "ecofiles/import/model/model_import.h"
+#include "tests/support/cases.h"
 #include "tests/support/model_try.h"
 
 #include "ecofiles/import/model/model_parts.h"
@@ -7,23 +8,12 @@
 
 UNIT_TEST(names_fit_patterns_whole_or_between_slashes)
 {
-	static const struct { const char *pattern, *name; bool fits; } cases[] = {
-		{ "pot", "pot", true }, { "pot", "POT", true }, { "pot", "pots", false },
-			{ "pot*", "pots and pans", true }, { "*pot", "flowerpot", true },
-		{ "*pot*", "a Pot here", true }, { "p?t", "pit", true }, { "p?t", "pt", false },
-		{ "?", "", false }, { "*", "", true }, { "", "", true },
-		{ "", "x", false }, { "**a**b", "xaxxb", true }, { "*a*b", "xaxxbx", false },
-		{ "leaves", "tree/leaves", true },
-		{ "tree", "tree/leaves", true },
-		{ "tree/*", "tree/leaves", true }, { "leaf.obj", "leaf.obj/Plane", true },
-		{ "ree", "tree/leaves", false },
-		{ "bl\xc3\xa4tter", "BL\xc3\x84TTER", true }, { "bl?tter", "Bl\xc3\xa4tter", true },
-		{ "\xd0\xb4\xd1\x83\xd0\xb1", "\xd0\x94\xd0\xa3\xd0\x91", true },
-		{ "a?c", "a\xff" "c", true }, { "[a]", "a", false },
-		{ "a*b*c*d*e", "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa", false },
-	};
+	struct row { const char *pattern, *name; bool fits; };
+	uint32_t count;
+	const struct row *cases = cases_rows("tests/import/cases/part_names.tsv", "ssb", sizeof *cases,
+		&count);
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+	for (size_t i = 0; i < count; i++)
 		if (eco_part_name_fits(cases[i].pattern, cases[i].name) != cases[i].fits)
 			fail_msg("%s on %s", cases[i].pattern, cases[i].name);
 }

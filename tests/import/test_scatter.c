@@ -6,6 +6,7 @@
 
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/land/scatter.h"
+#include "tests/support/cases.h"
 #include "tests/support/model_try.h"
 
 static const struct eco_frame frame = { .crs = "EPSG:32617" };
@@ -151,16 +152,12 @@ UNIT_TEST(what_is_to_be_clear_is_clear)
 
 UNIT_TEST(errors_say_what_to_do)
 {
-	static const struct { const char *name, *text, *says; } wrong[] = {
-		{ "wrong.geojson", "{\"type\":\"FeatureCollection\",\"features\":[", "wrong.geojson" },
-		{ "wrong.csv", "a,b\n1,2\n", "no polygons in it" },
-		{ "raster.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n", "gdal_polygonize" },
-		{ "degrees.geojson", HEAD "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
-			"\"coordinates\":[[[8.6,50.1],[8.61,50.1],[8.61,50.11],[8.6,50.1]]]}}]}", "look like degrees, but "
-			"EPSG:32617 counts in metres or feet" },
-	};
+	struct row { const char *name, *text, *says; };
+	uint32_t count;
+	const struct row *wrong = cases_rows("tests/import/cases/scatter_faults.tsv", "sss", sizeof *wrong,
+		&count);
 	struct eco_scatter *s;
-	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+	for (size_t i = 0; i < count; i++) {
 		struct eco_scatter_spec spec =
 			spec_of((char *)input_text("scatter", wrong[i].name, wrong[i].text));
 		struct eco_error error = { .code = ECO_OK };

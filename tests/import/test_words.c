@@ -224,18 +224,10 @@ UNIT_TEST(tables_of_words_are_whole)
 
 UNIT_TEST(names_become_words)
 {
-	static const char *const pairs[][2] = { { "H\u00f6he (m)", "hohe m" }, { "HOEHE_M", "hoehe m" },
-		{ "decimalLatitude", "decimal latitude" },
-		{ "utm17n_e", "utm 17 n e" },
-		{ "\u00c9pic\u00e9a", "epicea" }, { "sapling_oak_s7.obj", "sapling oak s 7 obj" },
-		{ "CommonTree_1", "common tree 1" }, { "Stra\u00dfe", "strasse" },
-		{ "\u0160\u0164\u0158\u0142\u0153", "strlo" }, { "\u4e2d x", "\u4e2d x" }, { "  ", "" },
-		{ "H\u00f6HE", "hohe" }, { "HH\u00f6he", "hhohe" }, { "H\u00c3\u00b6he", "hohe" },
-		{ "\u3051\u3084\u304d\uff08\u6b05\uff09", "\u30b1\u30e4\u30ad \u6b05" },
-		{ "20\u00a0m\u00b2", "20 m" }, { "\u6a39\u9ad8\uff08\uff4d\uff09", "\u6a39\u9ad8 m" },
-		{ "długość", "dlugosc" }, { "růžeŽ", "ruze z" }, { "Ho\u0308he", "hohe" }, { "Πλάτανος", "πλατανοσ" }, { "ΠΕΥΚΟ", "πευκο" }, { "Высота, м", "высота м" }, { "ЁЛКАКрона2", "елкакрона 2" } };
+	uint32_t count;
+	const char *const (*pairs)[2] = cases_read("tests/import/cases/words.tsv", sizeof *pairs, &count);
 	char words[ECO_WORDS_BYTES];
-	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+	for (size_t i = 0; i < count; i++) {
 		assert_int_equal(eco_words_of(pairs[i][0], words, sizeof words), strlen(pairs[i][1]));
 		assert_string_equal(words, pairs[i][1]);
 	}

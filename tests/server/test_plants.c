@@ -3,6 +3,7 @@
 
 #include "server/exchange.h"
 #include "server/request/json.h"
+#include "tests/support/cases.h"
 #include "tests/support/files.h"
 #include "tests/support/serve/serve_daemon.h"
 
@@ -161,25 +162,10 @@ UNIT_TEST(plants_of_a_list_are_asked_for_in_pieces)
 
 UNIT_TEST(what_is_asked_for_must_be_there)
 {
-	static const struct { const char *target; unsigned status; const char *says; } rows[] = {
-		{ LIST("0"), 404, "no list of plants '0'" }, /* triangles */
-		{ LIST("4294967296"), 404, "no list of plants" },
-		{ LIST("x"), 404, "no list of plants 'x'" },
-		{ LIST("%u") "?first=100000", 400, "the first is 0" },
-		{ LIST("%u") "?count=0", 400, "from 1 to 1024" },
-		{ LIST("%u") "?count=1025", 400, "from 1 to 1024" },
-		{ LIST("%u") "?first=-1", 400, "'first'" },
-		{ LIST("%u") "?pack=x", 400, "hex digits" },
-		{ LIST("%u") "?species=oak", 400, "known are first, count and pack" },
-		{ LIST("%u") "?pack=00000000000000000000000000000000", 409, "numbers" },
-		{ BASE "/find", 400, "'text' is missing" },
-		{ BASE "/find?text=%20&count=65", 400, "from 1 to 64" },
-		{ BASE "/find?text=%ff", 400, "no UTF-8" },
-		{ BASE "/find?text=%0a", 400, "'text': control characters are not allowed" },
-		{ BASE "/find?text=a%20B%c3%a4um&first=0&count=1", 200, "\"plants\":[]" },
-		{ BASE "/find?text=x&pack=00000000000000000000000000000000", 409, "numbers" },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct row { const char *target; unsigned status; const char *says; };
+	uint32_t count;
+	const struct row *rows = cases_rows("tests/server/cases/plants.tsv", "sus", sizeof *rows, &count);
+	for (size_t i = 0; i < count; i++) {
 		char target[200];
 		const char *number = strstr(rows[i].target, "%u");
 		if (number)

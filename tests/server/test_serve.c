@@ -184,16 +184,10 @@ UNIT_TEST(a_tag_that_matches_needs_no_plan)
 /* A planned answer has Server-Timing; a kept one has none. */
 UNIT_TEST(what_was_answered_is_kept)
 {
-	static const struct { const char *method, *target; bool planned; unsigned status;
-	} rows[] = { { "HEAD", BASE "/stream?" VIEW_BY("7777"), true, 200 },
-		{ "HEAD", BASE "/stream?" VIEW_BY("7777"), false, 200 },
-		{ "GET", BASE "/stream?" VIEW_BY("7777"), false, 200 },
-		{ "GET", BASE "/plan?" VIEW_BY("7777"), true, 200 },
-		{ "GET", BASE "/plan?" VIEW_BY("7777"), false, 200 },
-		{ "GET", BASE "/stream?" VIEW_BY("7777") "&bytes=1", true, 204 },
-		{ "HEAD", BASE "/stream?" VIEW_BY("7777") "&bytes=1", false, 204 },
-		{ "GET", BASE "/stream?" VIEW_BY("7777") "&bytes=90000000", true, 200 } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+	struct row { const char *method, *target; bool planned; unsigned status; };
+	uint32_t count;
+	const struct row *rows = cases_rows("tests/server/cases/kept.tsv", "ssbu", sizeof *rows, &count);
+	for (size_t i = 0; i < count; i++) {
 		struct http_answer answer = http_ask(port, rows[i].method, rows[i].target, "", NULL, 0);
 		char timing[128], length[32] = "0";
 		bool head = strcmp(rows[i].method, "HEAD") == 0;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "server/work.h"
+#include "tests/support/cases.h"
 #include "tests/support/unit_test.h"
 
 static pthread_mutex_t closed = PTHREAD_MUTEX_INITIALIZER;
@@ -70,21 +71,11 @@ static void open_and_free(struct srv_work *work)
 /* Jobs as they come, by address and number; '+' in front of those that are accepted. */
 UNIT_TEST(addresses_share_the_queue)
 {
-	static const struct { uint32_t capacity, share; const char *jobs, *displaced, *order; } rows[] = {
-		/* three of four jobs are of the address that holds least, and one is in turn */
-		{ 20, 20, "+a +a +a +a +b +c +c +b +d", "", "dbbaccaaa" },
-		/* no address has more than its share */
-		{ 5, 3, "+a +a +a -a -a +b +b -b", "", "bbaaa" },
-		/* a newcomer displaces the youngest job of the address that holds most, in whatever order they came */
-		{ 5, 5, "+a1 +a2 +a3 +b1 +b2 +c", "a3", "ca1a2b1b2" },
-		{ 5, 5, "+a1 +b1 +b2 +a2 +b3 +c", "b3", "ca1a2b1b2" },
-		{ 5, 5, "+a1 +a2 +a3 +a4 +b1 +c +d +e", "a4a3a2", "a1b1cde" },
-		{ 5, 5, "+a1 +a2 +b1 +b2 +c1 +d +e", "b2a2", "a1b1c1de" },
-		{ 5, 5, "+a1 +a2 +a3 +a4 +a5 +b +b", "a5a4", "bba1a2a3" },
-		/* equals displace nobody */
-		{ 4, 4, "+a +b +c +d -e -a", "", "abcd" } };
+	struct row { uint32_t capacity, share; const char *jobs, *displaced, *order; };
+	uint32_t count;
+	const struct row *rows = cases_rows("tests/server/cases/queue.tsv", "uusss", sizeof *rows, &count);
 	static atomic_bool cancelled;
-	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+	for (size_t r = 0; r < count; r++) {
 		struct srv_work *work = start_held(rows[r].capacity, rows[r].share, &cancelled);
 		char jobs[64];
 		strcpy(jobs, rows[r].jobs);

@@ -47,7 +47,7 @@ static char *expand(char *line, char *const *texts)
 	return whole;
 }
 
-static struct table { const char *path; char **fields; size_t *sizes; uint32_t used, count; } kept[TABLES_MAX];
+static struct table { const char *path; char **fields; size_t *sizes; uint32_t used, count; void *rows; } kept[TABLES_MAX];
 static uint32_t tables;
 
 const void *cases_read(const char *path, size_t row_size, uint32_t *count)
@@ -95,6 +95,58 @@ const void *cases_read(const char *path, size_t row_size, uint32_t *count)
 	return t->fields;
 }
 
+static enum eco_code code_named(const char *name)
+{
+	enum eco_code code = ECO_OK;
+	while (code < ECO_CODE_COUNT && strcmp(eco_code_name(code), name) != 0)
+		code++;
+	if (code == ECO_CODE_COUNT)
+		eco_end("a code of a table of cases is none");
+	return code;
+}
+
+/* Writes a value of its own size, which is returned, or only returns that (to NULL). */
+static size_t put_value(char type, const char *text, void *to)
+{
+	union { const char *s; double d; int i; uint32_t u; size_t z; uint8_t y; bool b; enum eco_code c; } value = { .s = text };
+	static const char letters[] = "sdiuzybc";
+	const size_t sizes[] = { sizeof value.s, sizeof value.d, sizeof value.i, sizeof value.u, sizeof value.z, 1, sizeof value.b,
+		sizeof value.c };
+	size_t size = sizes[strchr(letters, type) - letters];
+	if (!to)
+		return size;
+	if (type == 'd')
+		value.d = cases_number(text);
+	else if (type == 'c')
+		value.c = code_named(text);
+	else if (type != 's')
+		value.z = strtoull(text, NULL, 0);           /* little-endian */
+	memcpy(to, &value, size);
+	return size;
+}
+
+const void *cases_rows(const char *path, const char *types, size_t row_size, uint32_t *count)
+{
+	const char *const *fields = cases_read(path, strlen(types) * sizeof *fields, count);
+	struct table *t = kept;
+	while (t->path != path && strcmp(t->path, path) != 0)
+		t++;
+	if (t->rows)
+		return t->rows;
+	t->rows = eco_alloc(*count, row_size);
+	for (uint32_t i = 0; i < *count; i++) {
+		size_t at = 0;
+		for (const char *type = types; *type; type++, fields++) {
+			size_t size = put_value(*type, NULL, NULL);
+			at = (at + size - 1) / size * size;
+			at += put_value(*type, *fields, (char *)t->rows + i * row_size + at);
+		}
+		if (at > row_size)
+			eco_end("a row of a table of cases is longer than its struct");
+	}
+	return t->rows;
+}
+
 size_t cases_size(const char *const *field)
 {
 	for (const struct table *t = kept; t < kept + tables; t++) {
@@ -103,6 +155,18 @@ size_t cases_size(const char *const *field)
 			return t->sizes[(at - first) / sizeof *t->fields];
 	}
 	eco_end("a text is none of a table of cases");
+}
+
+void cases_write(const char *path, const char *folder)
+{
+	struct row { const char *file, *text; };
+	uint32_t count;
+	const struct row *rows = cases_read(path, sizeof *rows, &count);
+	for (uint32_t i = 0; i < count; i++) {
+		char to[600];
+		snprintf(to, sizeof to, "%s/%s", folder, rows[i].file);
+		file_write_text(to, rows[i].text);
+	}
 }
 
 double cases_number(const char *text)
