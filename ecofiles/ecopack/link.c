@@ -421,9 +421,9 @@ static json_t *rows_json(const struct link *l)
 {
 	json_t *skipped = json_object();
 	for (int k = 0; k < ECO_SKIP_COUNT; k++) {
-		json_int_t count = sum_of(l, "rows", "skipped", eco_skip_names[k]);
+		json_int_t count = sum_of(l, "rows", "skipped", eco_skip_name(k));
 		if (count)
-			json_object_set_new(skipped, eco_skip_names[k], json_integer(count));
+			json_object_set_new(skipped, eco_skip_name(k), json_integer(count));
 	}
 	return json_pack("{s:I, s:o}", "read", sum_of(l, "rows", NULL, "read"), "skipped", skipped);
 }

@@ -260,7 +260,7 @@ static json_t *rows_json(const struct make *m)
 		for (uint32_t s = 0; s < m->sources.count; s++)
 			count += m->ecos[s].skipped[k].count;
 		if (count)
-			json_object_set_new(skipped, eco_skip_names[k], json_integer((json_int_t)count));
+			json_object_set_new(skipped, eco_skip_name(k), json_integer((json_int_t)count));
 	}
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		rows += m->ecos[s].rows;

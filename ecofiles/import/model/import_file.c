@@ -2,6 +2,7 @@
  * mistakes (a packed file, a pointer of Git LFS, a scene of an editor, a point cloud) are known by their
  * first bytes or their name, and each has a sentence of its own: the readers would only say that they do
  * not understand. */
+#include "build/words/other_files.table"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_model.h"
@@ -118,22 +119,6 @@ static const struct packed packed[] = {
 	{ "PK\x03\x04", 4, "zip", "unzip", "", "" },
 };
 
-static const struct { const char *extensions, *says; } others[] = {
-	{ ".mtl ", "a library of materials, not a model: name the OBJ file, which names its library itself" },
-	{ ".las .laz .e57 .pcd ", "a point cloud: it has no surfaces; make a mesh of it first" },
-	{ ".usd .usda .usdc .usdz ", "USD is not read: export GLB or OBJ" },
-	{ ".skp ", "SketchUp's own format is not read: export GLB, Collada or OBJ" },
-	{ ".max ", "3ds Max's own format is not read: export FBX, GLB or OBJ" },
-	{ ".c4d ", "Cinema 4D's own format is not read: export FBX, GLB or OBJ" },
-	{ ".ma .mb ", "Maya's own format is not read: export FBX, GLB or OBJ" },
-	{ ".spm .srt .st ", "SpeedTree's own format is not read: export FBX or OBJ" },
-	{ ".abc ", "Alembic is not read: export FBX, GLB or OBJ" },
-	{ ".3dm ", "Rhino's own format is not read: export FBX, GLB or OBJ" },
-	{ ".step .stp .igs .iges ", "surfaces of CAD are not read: export a mesh, as GLB or OBJ" },
-	{ ".vrm ", "avatars are no plants: export GLB" }, { ".png .jpg ", "a picture, not a model" },
-	{ ".json ", "not a model; glTF files end in .gltf or .glb" },
-};
-
 static enum eco_code refuse_packed(const char *path, const struct packed *p, struct eco_error *error)
 {
 	const char *name = eco_path_last(path);
@@ -187,9 +172,9 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 	char extension[16];
 	if (dot)
 		snprintf(extension, sizeof extension, "%.10s ", dot);
-	for (size_t i = 0; code == ECO_OK && i < sizeof others / sizeof *others; i++)
-		if (dot && strcasestr(others[i].extensions, extension))
-			code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: %s", path, others[i].says);
+	for (size_t i = 0; code == ECO_OK && i < sizeof other_files_rows / sizeof *other_files_rows; i++)
+		if (dot && strcasestr(other_files_rows[i].extensions, extension))
+			code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: %s", path, other_files_rows[i].says);
 	return code;
 }
 

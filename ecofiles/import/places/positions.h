@@ -170,7 +170,7 @@ enum eco_skip {
 	ECO_KEPT_DUPLICATE,          /* at the place of an earlier plant */
 	ECO_SKIP_COUNT
 };
-extern const char *const eco_skip_names[ECO_SKIP_COUNT];
+const char *eco_skip_name(enum eco_skip reason);
 
 struct eco_skipped {
 	uint64_t count, first_line;

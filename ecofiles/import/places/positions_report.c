@@ -5,64 +5,18 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/format/model.h"
+#include "build/words/reasons.table"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/positions_parts.h"
 
 #define LINE_BYTES 480u
 
-const char *const eco_skip_names[ECO_SKIP_COUNT] = {
-	[ECO_SKIP_NO_COORDINATES] = "no coordinates",
-	[ECO_SKIP_BAD_NUMBER] = "a coordinate that is not a number",
-	[ECO_SKIP_NO_GEOMETRY] = "no geometry",
-	[ECO_SKIP_NOT_A_POINT] = "not a point",
-	[ECO_SKIP_NO_CONVERSION] = "not convertible to the scene's CRS",
-	[ECO_SKIP_OUTSIDE] = "too far from the origin",
-	[ECO_SKIP_UNKNOWN_SPECIES] = "a species that the map does not have",
-	[ECO_SKIP_LEFT_OUT] = "left out by the map",
-	[ECO_SKIP_FILTERED] = "left out by \"only\" or \"skip\"",
-	[ECO_SKIP_DUPLICATE] = "at the place of an earlier plant",
-	[ECO_SKIP_SHORT_ROW] = "too few fields",
-	[ECO_KEPT_NO_HEIGHT] = "no usable height",
-	[ECO_KEPT_BY_CROWN] = "no usable height but a crown",
-	[ECO_KEPT_RANGE] = "a size as a range",
-	[ECO_KEPT_OPEN] = "a size as a bound",
-	[ECO_KEPT_STEMS] = "several stems in a field",
-	[ECO_KEPT_OTHER_UNIT] = "a size with a unit of its own",
-	[ECO_KEPT_UNREAD] = "a size that is not understood",
-	[ECO_KEPT_UNUSED] = "a size beyond the limits",
-	[ECO_KEPT_IMPLAUSIBLE] = "an implausible size",
-	[ECO_KEPT_DUPLICATE] = "kept at the place of an earlier plant",
-};
-
-/* The lines of the table; NULL: counted in lines of its own (per key, per filter). */
-static const char *const lines[ECO_SKIP_COUNT] = {
-	[ECO_SKIP_NO_COORDINATES] = "left out: no coordinates",
-	[ECO_SKIP_BAD_NUMBER] = "left out: a coordinate that is not a number",
-	[ECO_SKIP_NO_GEOMETRY] = "left out: no geometry",
-	[ECO_SKIP_NOT_A_POINT] = "left out: not a point (areas with many plants: see \"scatter\")",
-	[ECO_SKIP_NO_CONVERSION] = "left out: not convertible to the scene's CRS",
-	[ECO_SKIP_OUTSIDE] = "left out: more than 10,000 km from the origin",
-	[ECO_SKIP_DUPLICATE] = "left out: at the place of an earlier plant, to the millimetre",
-	[ECO_SKIP_SHORT_ROW] = "left out: too few fields",
-	[ECO_KEPT_NO_HEIGHT] = "kept at their plant's own height: the row says no usable one",
-	[ECO_KEPT_BY_CROWN] = "kept, scaled to their crown: no usable height",
-	[ECO_KEPT_RANGE] = "kept: a size as a range, its middle is taken",
-	[ECO_KEPT_OPEN] = "kept: a size as a bound, the bound is taken",
-	[ECO_KEPT_STEMS] = "kept: several stems in a field, one trunk of the same area is taken",
-	[ECO_KEPT_OTHER_UNIT] = "kept: a size with a unit of its own, which counts",
-	[ECO_KEPT_UNREAD] = "kept: a size that is not understood, the next source or the plant's own is "
-			    "taken",
-	[ECO_KEPT_UNUSED] =
-		"kept at another size: a height below 0.01 or above 300 m, a trunk above 12 m or a crown above 100 m is not used; "
-		"is \"unit\" another?",
-	[ECO_KEPT_IMPLAUSIBLE] =
-		"kept at a size that no plant reaches: a height > 116 m or a crown > 60 m; "
-		"is \"unit\" another?",
-	[ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier "
-			       "plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
-};
+const char *eco_skip_name(enum eco_skip reason)
+{
+	_Static_assert(sizeof reasons_rows / sizeof *reasons_rows == ECO_SKIP_COUNT, "reasons.tsv has a row for each reason");
+	return reasons_rows[reason].name;
+}
 
 struct report {
 	const struct eco_positions *reader;
@@ -195,8 +149,8 @@ void eco_positions_report(const struct eco_positions *reader, void (*say)(void *
 	head_line(&r, &c);
 	size_lines(&r);
 	for (int i = 0; i < ECO_SKIP_COUNT; i++) {
-		if (lines[i])
-			count_line(&r, &c.skipped[i], c.where, "%s", lines[i]);
+		if (*reasons_rows[i].line)
+			count_line(&r, &c.skipped[i], c.where, "%s", reasons_rows[i].line);
 		else if (i == ECO_SKIP_UNKNOWN_SPECIES)
 			unknown_lines(&r, &c);
 		else if (i == ECO_SKIP_LEFT_OUT)

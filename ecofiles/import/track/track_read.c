@@ -18,6 +18,7 @@
 #include <ctype.h>
 #include <time.h>
 
+#include "build/words/track_columns.table"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/track/track_read.h"
@@ -97,26 +98,6 @@ struct table {
 	bool degrees;                        /* it has longitudes and latitudes */
 };
 
-/* each between spaces, the best first (a gimbal's pitch before an aircraft's) */
-static const char *const names[TRACK_ROLES] = {
-	[TRACK_TIME] = " t time timestamp times seconds elapsed elapsedtime unixtime epoch datetime "
-		"datetimeutc utc gpstime offsettime flytime millisecond ",
-	[TRACK_X] = " east easting x xeast e utmx px posx positionx camerax ",
-	[TRACK_Y] = " north northing y ynorth n utmy py posy positiony cameray ",
-	[TRACK_Z] = " up z zup pz posz positionz cameraz altitude alt altitudeabovesealevel altmsl absalt "
-		"gpsaltitude gpsalt elevation ele elev height ",
-	[TRACK_ABOVE] = " relalt relativealtitude heightabovetakeoff relativeheight heightagl agl barometer "
-		"h hb ",
-	[TRACK_YAW] = " gimbalyaw gimbalheading gbyaw camerayaw cameraheading yaw heading compassheading "
-		"bearing direction course track ",
-	[TRACK_PITCH] = " gimbalpitch gbpitch camerapitch gimbalpitchangle pitch tilt ",
-	[TRACK_ROLL] = " gimbalroll gbroll cameraroll roll ",
-	[TRACK_FOV] = " fovy fov fieldofview verticalfov ",
-	[TRACK_LON] = " lon longitude lng long longtitude gpslongitude gpslon positionlong ",
-	[TRACK_LAT] = " lat latitude gpslatitude gpslat positionlat ",
-	[TRACK_DATE] = " date day gpsdate dateutc ",
-};
-
 /* The factor to seconds, metres and degrees; NaN: no unit. */
 static double unit_of(const char *text, size_t length)
 {
@@ -136,7 +117,8 @@ static double unit_of(const char *text, size_t length)
  * for it, 0 the best; unit: the factor of what the name states, or NaN. */
 static enum track_role role_of(const char *text, uint32_t *rank, double *unit)
 {
-	char word[NAME_BYTES] = " ";
+	_Static_assert(sizeof track_columns_rows / sizeof *track_columns_rows == TRACK_ROLES, "track_columns.tsv has a row for each role");
+	char word[NAME_BYTES] = "|";
 	const char *end = text + strcspn(text, "(["), *last = end, *at = NULL;
 	*unit = *end ? unit_of(end + 1, strcspn(end + 1, ")]")) : NAN;
 	while (!*end && last > text && last[-1] != '_' && last[-1] != ' ')
@@ -147,11 +129,11 @@ static enum track_role role_of(const char *text, uint32_t *rank, double *unit)
 	for (; text < end && length < NAME_BYTES - 2; text++)
 		if (isalnum((unsigned char)*text))
 			word[length++] = (char)tolower((unsigned char)*text);
-	word[length] = ' ';
+	word[length] = '|';
 	enum track_role role = 0;
-	while (role < TRACK_ROLES && !(at = strstr(names[role], word)))
+	while (role < TRACK_ROLES && !(at = strstr(track_columns_rows[role].words, word)))
 		role++;
-	*rank = at ? (uint32_t)(at - names[role]) : 0;
+	*rank = at ? (uint32_t)(at - track_columns_rows[role].words) : 0;
 	return role;
 }
 
