@@ -68,11 +68,8 @@ enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, str
 {
 	double eye_m, target_m;
 	*result = (struct view_fetch_result){ .requests = 0 };
-	enum eco_code code = ground_at(fetch, store, request->view.eye, &eye_m, result, error);
-	if (!code)
-		code = ground_at(fetch, store, request->view.target, &target_m, result, error);
-	if (code)
-		return code;
+	ECO_PASS(ground_at(fetch, store, request->view.eye, &eye_m, result, error));
+	ECO_PASS(ground_at(fetch, store, request->view.target, &target_m, result, error));
 	request->view.eye[2] += eye_m;
 	request->view.target[2] += target_m;
 	request->next.eye[2] += eye_m;

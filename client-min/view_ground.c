@@ -326,10 +326,9 @@ static enum eco_code put_tiles(struct view_image *image, struct square *squares,
 	if (!eco_array_grow(&image->nodes, &room, 0, sizeof *image->nodes))
 		return eco_no_memory(error, "the image of the ground");
 	image->nodes[image->node_count++] = 0;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < image->count && !code; i++)
-		code = put_tile(image, &room, &root, &squares[i], i, error);
-	return code;
+	for (uint32_t i = 0; i < image->count; i++)
+		ECO_PASS(put_tile(image, &room, &root, &squares[i], i, error));
+	return ECO_OK;
 }
 
 enum eco_code view_image_of(struct view_image *image, const struct view_image_tile *tiles, uint32_t count,

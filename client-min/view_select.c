@@ -262,14 +262,13 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 static enum eco_code walk_list(struct walk *w, const struct eco_placement *placement, uint32_t left,
 	const struct view_list *list)
 {
-	enum eco_code code = ECO_OK;
 	if (list->list.kind != ECO_LIST_INSTANCES
 			|| list->elements.primitive_count != list->list.primitive_count)
 		return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which were "
 			"not all sent", list->id);
-	for (uint32_t i = 0; i < list->list.group_count && !code; i++)
-		code = walk_group(w, placement, left, list, &list->groups[i]);
-	return code;
+	for (uint32_t i = 0; i < list->list.group_count; i++)
+		ECO_PASS(walk_group(w, placement, left, list, &list->groups[i]));
+	return ECO_OK;
 }
 
 static enum eco_code walk_once(struct walk *w, uint32_t cut)
@@ -461,15 +460,14 @@ static enum eco_code hash_impostor(uint64_t *h, const struct lod_impostor *impos
 
 static enum eco_code hash_list(uint64_t *h, const struct view_list *list, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
 	*h = hash_word(hash_word(*h, list->id), list->chunk_count);
 	*h = hash(*h, list->palette, (size_t)list->list.palette_count * 3);
 	*h = hash_elements(*h, &list->elements);
 	for (uint32_t i = 0; list->parts && i < list->list.primitive_count; i++)
 		*h = hash_part(*h, &list->parts[i]);
-	for (uint32_t i = 0; list->impostors && i < list->chunk_count && !code; i++)
-		code = hash_impostor(h, &list->impostors[i], error);
-	return code;
+	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
+		ECO_PASS(hash_impostor(h, &list->impostors[i], error));
+	return ECO_OK;
 }
 
 static uint64_t hash_instance(uint64_t h, const struct view_instance *p)

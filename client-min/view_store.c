@@ -401,16 +401,15 @@ static uint32_t levels_of(const struct eco_plan *plan, uint32_t list)
 
 static enum eco_code show_textures(struct view_store *store, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < store->plan.cut_count && !code; i++) {
+	for (uint32_t i = 0; i < store->plan.cut_count; i++) {
 		struct view_list *list = view_cache_find(&store->cache, store->plan.cuts[i].list);
 		uint32_t outline = list->list.image;
 		if (list->list.kind == ECO_LIST_IMAGE)
-			code = view_list_show(list, store->plan.cuts[i].end,
+			ECO_PASS(view_list_show(list, store->plan.cuts[i].end,
 				outline == ECO_NONE ? NULL : view_cache_find(&store->cache, outline),
-				outline == ECO_NONE ? 0 : levels_of(&store->plan, outline), error);
+				outline == ECO_NONE ? 0 : levels_of(&store->plan, outline), error));
 	}
-	return code;
+	return ECO_OK;
 }
 
 /* Chunks that come behind a plan, for a finer one or a later view, take no place of those that it needs.

@@ -69,12 +69,11 @@ static enum eco_code read_file(struct srv_site *site, const char *dir, const cha
 	struct srv_site_file *file = &site->files[site->count++];
 	snprintf(file->name, sizeof file->name, "%s", name);
 	file->type = type;
-	enum eco_code code = ECO_OK;
-	for (int form = 0; form < SRV_FORM_COUNT && !code; form++) {
+	for (int form = 0; form < SRV_FORM_COUNT; form++) {
 		snprintf(path, sizeof path, "%s/%s%s", dir, name, ends[form]);
-		code = read_whole(path, &file->forms[form].bytes, &file->forms[form].size, error);
+		ECO_PASS(read_whole(path, &file->forms[form].bytes, &file->forms[form].size, error));
 	}
-	return code;
+	return ECO_OK;
 }
 
 static enum eco_code read_version(struct srv_site *site, const char *dir, struct eco_error *error)

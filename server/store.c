@@ -218,11 +218,9 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 {
 	char chosen[SRV_NAME_BYTES];
 	struct eco_pack *pack;
-	enum eco_code code = name ? check_name(store, name, error) : ECO_OK;
-	if (!code && store->cancelled && atomic_load(store->cancelled))
-		code = eco_fail(error, ECO_INTERRUPTED, "%s: interrupted before it was read", path);
-	if (code)
-		return code;
+	ECO_PASS(name ? check_name(store, name, error) : ECO_OK);
+	if (store->cancelled && atomic_load(store->cancelled))
+		return eco_fail(error, ECO_INTERRUPTED, "%s: interrupted before it was read", path);
 	/* before the pack is read: what changes meanwhile is read again at the next reload */
 	const struct srv_file file = file_at(path);
 	ECO_PASS(open_pack(&pack, store, path, error));

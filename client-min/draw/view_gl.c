@@ -416,13 +416,12 @@ static uint32_t programs_of(const struct view_store *store)
 
 enum eco_code view_gl_prepare(struct view_gl *gl, const struct view_store *store, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
 	const uint32_t programs = programs_of(store);
 	view_context_use(&gl->context);
-	for (int i = 0; i < VIEW_PROGRAM_COUNT && !code; i++)
+	for (int i = 0; i < VIEW_PROGRAM_COUNT; i++)
 		if (programs & 1u << i)
-			code = compile(gl, (enum view_program)i, variant_of(store, (enum view_program)i), error);
-	return code;
+			ECO_PASS(compile(gl, (enum view_program)i, variant_of(store, (enum view_program)i), error));
+	return ECO_OK;
 }
 
 static void set_tint(const struct view_shader *s, enum view_role role)
@@ -654,13 +653,12 @@ static void begin(const struct view_gl *gl, unsigned framebuffer, const struct v
 /* From *cut on, until there are `most` vertices. */
 static enum eco_code draw_cuts(struct frame *f, uint64_t most, uint32_t *cut)
 {
-	enum eco_code code = ECO_OK;
 	uint64_t before = f->picture->vertices;
 	bind(1, f->gl->instances.texture);
 	bind(2, f->gl->members.texture);
-	while (*cut < f->job->selection->cut_count && f->picture->vertices - before < most && !code)
-		code = draw_cut(f, (*cut)++);
-	return code ? code : view_gpu_check(&f->gl->gpu, f->error);
+	while (*cut < f->job->selection->cut_count && f->picture->vertices - before < most)
+		ECO_PASS(draw_cut(f, (*cut)++));
+	return view_gpu_check(&f->gl->gpu, f->error);
 }
 
 static enum eco_code begin_record(struct frame *f)
@@ -681,13 +679,11 @@ enum eco_code view_gl_record_part(struct view_gl *gl, const struct view_draw_job
 		return eco_fail(error, ECO_BAD_USAGE, "the picture is %u x %u, the target %u x %u",
 			picture->width, picture->height, gl->width, gl->height);
 	view_context_use(&gl->context);
-	enum eco_code code = make_target(gl, job->eye->sample > 0, error);
-	if (code)
-		return code;
+	ECO_PASS(make_target(gl, job->eye->sample > 0, error));
 	begin(gl, gl->framebuffers[job->eye->sample > 0], picture);
 	if (!*cut)
-		code = begin_record(&f);
-	return code ? code : draw_cuts(&f, most, cut);
+		ECO_PASS(begin_record(&f));
+	return draw_cuts(&f, most, cut);
 }
 
 enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,

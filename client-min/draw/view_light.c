@@ -443,12 +443,11 @@ enum eco_code view_lamp_make(struct view_lamp **out, const struct view_draw_job 
 			byte++;
 		lamp->bytes[light] = (uint8_t)byte;
 	}
-	enum eco_code code = ECO_OK;
 	if (job->selection->ground.count && job->tint != VIEW_TINT_OWN)
-		code = view_shade_make(&lamp->shade, job->store, job->selection, error);
-	if (!code && job->selection->sky.shadows && job->tint != VIEW_TINT_OWN)
-		code = cast_shadows(lamp, first, error);
-	return code;
+		ECO_PASS(view_shade_make(&lamp->shade, job->store, job->selection, error));
+	if (job->selection->sky.shadows && job->tint != VIEW_TINT_OWN)
+		ECO_PASS(cast_shadows(lamp, first, error));
+	return ECO_OK;
 }
 
 void view_lamp_free(struct view_lamp *lamp)

@@ -190,13 +190,12 @@ static enum eco_code open_sessions(struct loop *loops, uint32_t loop_count,
 	const struct view_load_options *o, struct eco_error *error)
 {
 	uint32_t decoding = 0;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < o->clients && !code; i++) {
+	for (uint32_t i = 0; i < o->clients; i++) {
 		bool decodes = view_load_is_one_of(i, o->decoding, o->clients);
 		struct loop *loop = decodes ? &loops[1 + decoding++ % (loop_count - 1)] : loops;
-		code = view_session_new(&loop->sessions[loop->count++], &loop->host, i, decodes, error);
+		ECO_PASS(view_session_new(&loop->sessions[loop->count++], &loop->host, i, decodes, error));
 	}
-	return code;
+	return ECO_OK;
 }
 
 static void show(const struct view_load_options *o, struct loop *loops, uint32_t count, double start_ms)

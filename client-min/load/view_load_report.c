@@ -366,12 +366,9 @@ static enum eco_code score_one(const struct view_load_options *o, struct view_fe
 	struct lod_score score;
 	double all_q;
 	uint64_t coarse;
-	enum eco_code code = draw(fetch, &request, o->stop, &pictures[0], &scored->predicted_q, &coarse,
-		error);
-	if (!code)
-		code = draw(fetch, &everything, o->stop, &pictures[1], &all_q, &scored->coarse, error);
-	if (code)
-		return code;
+	ECO_PASS(draw(fetch, &request, o->stop, &pictures[0], &scored->predicted_q, &coarse,
+		error));
+	ECO_PASS(draw(fetch, &everything, o->stop, &pictures[1], &all_q, &scored->coarse, error));
 	lod_score(&score, &(struct lod_score_input){ view->width, view->height, pictures[0].cover,
 		pictures[1].cover, pictures[0].owner, pictures[1].owner });
 	scored->q = score.q;

@@ -142,15 +142,14 @@ static struct { struct eco_inputs parts; const char *pack; uint64_t jobs; } link
 static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 {
 	memset(&link_given, 0, sizeof link_given);
-	enum eco_code code = main_read(&main_command_link, argc, argv, error);
+	ECO_PASS(main_read(&main_command_link, argc, argv, error));
 	struct link_options link =
 		{ .pack = link_given.pack, .parts = (const char *const *)link_given.parts.names,
 			.count = link_given.parts.count, .jobs = (uint32_t)link_given.jobs };
-	if (!code)
-		code = link_packs(&link, error);
-	if (!code && !main_is_quiet)
-		code = inspect_info(link.pack, false, stdout, error);
-	return code;
+	ECO_PASS(link_packs(&link, error));
+	if (!main_is_quiet)
+		ECO_PASS(inspect_info(link.pack, false, stdout, error));
+	return ECO_OK;
 }
 
 static const struct eco_option link_options[] = {

@@ -52,10 +52,9 @@ static enum eco_code fail_if(const char *fault, const char *table, uint32_t id, 
 static enum eco_code check_each(const struct eco_scene *s, const char *table, uint32_t count,
 	const char *(*fault)(const struct eco_scene *, uint32_t), struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < count && !code; i++)
-		code = fail_if(fault(s, i), table, i, error);
-	return code;
+	for (uint32_t i = 0; i < count; i++)
+		ECO_PASS(fail_if(fault(s, i), table, i, error));
+	return ECO_OK;
 }
 
 /* ---- Single records ---- */
@@ -163,22 +162,21 @@ static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, u
 {
 	const struct eco_list *list = &s->lists[id];
 	uint64_t primitives = 0, elements = 0;
-	enum eco_code code = ECO_OK;
 	if (!range_fits(list->chunk_first, list->chunk_count, s->chunk_count)
 			|| list->chunk_count > *chunks_left)
 		return BAD("list %u: its chunks are not there, or are shared with another list", id);
 	*chunks_left -= list->chunk_count;
-	for (uint32_t i = 0; i < list->chunk_count && !code; i++) {
+	for (uint32_t i = 0; i < list->chunk_count; i++) {
 		const struct eco_chunk *chunk = &s->chunks[list->chunk_first + i];
-		code = eco_chunk_check(list, chunk, error);
+		ECO_PASS(eco_chunk_check(list, chunk, error));
 		primitives += chunk->primitive_count;
 		elements += chunk->element_count;
 	}
-	if (!code && (primitives != list->primitive_count || elements != list->element_count))
-		code = BAD("list %u: its chunks hold other counts than it says", id);
-	if (!code && list->chunk_count && !s->chunks[list->chunk_first + list->chunk_count - 1].primitive_count)
-		code = BAD("list %u: a strip follows its last level", id);
-	return code;
+	if (primitives != list->primitive_count || elements != list->element_count)
+		return BAD("list %u: its chunks hold other counts than it says", id);
+	if (list->chunk_count && !s->chunks[list->chunk_first + list->chunk_count - 1].primitive_count)
+		return BAD("list %u: a strip follows its last level", id);
+	return ECO_OK;
 }
 
 /* A form has one element for each of the partner's, chunk by chunk, with no more vertices. */

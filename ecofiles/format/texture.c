@@ -211,11 +211,9 @@ static enum eco_code write_rows(struct eco_writer *w, const struct eco_texture_p
 		level->texels + (size_t)first * level->width * level->channels };
 	size_t at = w->size, size;
 	eco_write_u32(w, 0);
-	enum eco_code code = (level->channels == 1 ? eco_texture_write_outline : eco_texture_write_colors)(w, &strip,
-		error);
+	ECO_PASS((level->channels == 1 ? eco_texture_write_outline : eco_texture_write_colors)(w, &strip,
+		error));
 	size = w->size - at - 4;
-	if (code)
-		return code;
 	if (size <= ECO_TEXTURE_CHUNK_BYTES || rows <= ECO_TEXTURE_STRIP_ROWS) {
 		for (int i = 0; i < 4; i++)
 			w->bytes[at + (size_t)i] = (uint8_t)(size >> 8 * i);
@@ -226,9 +224,9 @@ static enum eco_code write_rows(struct eco_writer *w, const struct eco_texture_p
 		each = (rows / count + unit - 1) / unit * unit;
 	w->size = at;
 	each = each > unit ? each : unit;
-	for (uint32_t y = 0; y < rows && !code; y += each)
-		code = write_rows(w, level, first + y, rows - y < each ? rows - y : each, error);
-	return code;
+	for (uint32_t y = 0; y < rows; y += each)
+		ECO_PASS(write_rows(w, level, first + y, rows - y < each ? rows - y : each, error));
+	return ECO_OK;
 }
 
 enum eco_code eco_texture_write_strips(struct eco_writer *w, const struct eco_texture_part *level,

@@ -77,11 +77,9 @@ void eco_request_snap(struct eco_request *request, double step_m)
 
 enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error)
 {
-	enum eco_code code = check_vector(view->eye, "eye", error);
-	code = code ? code : check_vector(view->target, "target", error);
-	code = code ? code : check_vector(view->up, "up", error);
-	if (code)
-		return code;
+	ECO_PASS(check_vector(view->eye, "eye", error));
+	ECO_PASS(check_vector(view->target, "target", error));
+	ECO_PASS(check_vector(view->up, "up", error));
 	if (view->eye[0] == view->target[0] && view->eye[1] == view->target[1]
 			&& view->eye[2] == view->target[2])
 		return eco_fail(error, ECO_BAD_INPUT, "target: it is the same point as eye (%g, %g, %g); "

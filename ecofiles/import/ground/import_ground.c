@@ -93,10 +93,9 @@ struct eco_guard_limits eco_raster_limits(const char *const *paths, uint32_t cou
 
 static enum eco_code check_files(char *const *paths, uint32_t count, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < count && !code; i++)
-		code = eco_raster_file_check(paths[i], error);
-	return code;
+	for (uint32_t i = 0; i < count; i++)
+		ECO_PASS(eco_raster_file_check(paths[i], error));
+	return ECO_OK;
 }
 
 enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_ground_options *options,

@@ -246,11 +246,8 @@ static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json
 	if (count > a->count || (type != 5121 && type != 5123 && type != 5125))
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part does not fit it",
 			doc->path, index);
-	enum eco_code code = locate(doc, index, indices, count, number_bytes, number_bytes, &where, error);
-	if (!code)
-		code = locate(doc, index, values, count, bytes, bytes, &what, error);
-	if (code)
-		return code;
+	ECO_PASS(locate(doc, index, indices, count, number_bytes, number_bytes, &where, error));
+	ECO_PASS(locate(doc, index, values, count, bytes, bytes, &what, error));
 	own_elements(a);
 	for (uint64_t i = 0; i < count; i++) {
 		uint32_t element = whole_at(where + i * number_bytes, type);

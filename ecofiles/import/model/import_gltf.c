@@ -446,16 +446,15 @@ static enum eco_code place_mesh(struct gltf_reader *r, uint32_t number, uint32_t
 	const char *node_name = eco_gltf_text(eco_gltf_item(r->doc, "nodes", node), "name"),
 		*mesh_name = eco_gltf_text(eco_gltf_item(r->doc, "meshes", number), "name");
 	const struct gltf_skin *skin;
-	enum eco_code code = gltf_too_many(r, r->soup.triangle_count + mesh->triangles);
-	if (!code)
-		code = find_skin(r, node, &skin);
-	for (uint32_t i = 0; i < mesh->count && !code; i++) {
+	ECO_PASS(gltf_too_many(r, r->soup.triangle_count + mesh->triangles));
+	ECO_PASS(find_skin(r, node, &skin));
+	for (uint32_t i = 0; i < mesh->count; i++) {
 		const struct gltf_piece *p = &r->pieces[mesh->first + i];
 		if (!r->looks[p->material].invisible)
 			eco_soup_part(&r->soup, node_name, strlen(node_name), mesh_name, strlen(mesh_name));
 		add_piece(r, p, world, skin);
 	}
-	return code;
+	return ECO_OK;
 }
 
 /* Places a mesh at each instance of EXT_mesh_gpu_instancing. */

@@ -266,16 +266,15 @@ static void look_at_vertices(struct gltf_reader *r)
 /* Counts points and lines, which are not drawn. */
 static enum eco_code count_others(struct gltf_reader *r, uint64_t mode)
 {
-	enum eco_code code = open_attribute(r, GLTF_POSITION, "POSITION");
+	ECO_PASS(open_attribute(r, GLTF_POSITION, "POSITION"));
 	r->vertex_count = r->to->values[GLTF_POSITION].a.count;
-	if (!code)
-		code = open_indices(r);
+	ECO_PASS(open_indices(r));
 	uint64_t n = r->index_count;
 	if (mode == POINTS)
 		r->points += n;
 	else
 		r->lines += mode == LINES ? n / 2 : mode == LINE_LOOP || n == 0 ? n : n - 1;
-	return code;
+	return ECO_OK;
 }
 
 static enum eco_code read_primitive(struct gltf_reader *r)
@@ -296,11 +295,8 @@ static enum eco_code read_primitive(struct gltf_reader *r)
 		return ECO_OK;
 	}
 	r->vertex_count = r->to->values[GLTF_POSITION].a.count;
-	enum eco_code code = draco ? open_draco(r, draco, look) : open_indices(r);
-	if (!code)
-		code = read_triangles(r, draco ? TRIANGLES : mode);
-	if (code)
-		return code;
+	ECO_PASS(draco ? open_draco(r, draco, look) : open_indices(r));
+	ECO_PASS(read_triangles(r, draco ? TRIANGLES : mode));
 	compact(r);
 	look_at_vertices(r);
 	return ECO_OK;

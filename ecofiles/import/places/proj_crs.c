@@ -163,13 +163,10 @@ struct heights { PJ *from, *to; bool from_ellipsoid, to_ellipsoid; };
 static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_request *r, struct heights *h,
 	struct eco_error *error)
 {
-	enum eco_code code = vertical_of(c->context, c->from, r->vertical, &h->from, &h->from_ellipsoid,
-		r->path, error);
-	if (!code)
-		code = vertical_of(c->context, c->to, r->frame->vertical, &h->to, &h->to_ellipsoid,
-			"the scene", error);
-	if (code)
-		return code;
+	ECO_PASS(vertical_of(c->context, c->from, r->vertical, &h->from, &h->from_ellipsoid,
+		r->path, error));
+	ECO_PASS(vertical_of(c->context, c->to, r->frame->vertical, &h->to, &h->to_ellipsoid,
+		"the scene", error));
 	if (h->to && fabs(axis_unit(c->context, h->to) - 1) > 1e-9)
 		return eco_fail(error, ECO_BAD_INPUT, "the scene's vertical datum \"%.80s\" does not count "
 			"in metres, as scenes do; take its twin in metres, such as \"EPSG:5703\" (NAVD88)",

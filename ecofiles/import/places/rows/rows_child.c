@@ -63,11 +63,10 @@ static enum eco_code send_head(FILE *out, const struct eco_rows *rows, struct ec
 static enum eco_code send_notes(FILE *out, const struct eco_rows *rows, uint32_t *sent,
 	struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	for (; *sent < rows->note_count && !code; ++*sent)
-		code = send_message(out, &(struct message){ .kind = 'N', .texts = 1 },
-			(const char *const *)&rows->notes[*sent], NULL, error);
-	return code;
+	for (; *sent < rows->note_count; ++*sent)
+		ECO_PASS(send_message(out, &(struct message){ .kind = 'N', .texts = 1 },
+			(const char *const *)&rows->notes[*sent], NULL, error));
+	return ECO_OK;
 }
 
 static void find_wanted(const struct eco_rows *rows, const struct eco_rows_source *source, bool *wanted)
