@@ -233,27 +233,27 @@ static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 static const char *const heights[] = { "default", "abs", "rel", NULL };
 
 static const struct eco_option options[] = {
-	{ "the recorded track", 0, ECO_OPTION_INPUT, "TRACK", &given.input, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "CAMERA.json", &given.output, .is_required = true },
+	{ "the recorded track", 0, ECO_OPTION_INPUT, "TRACK", .value = &given.input, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "CAMERA.json", .value = &given.output, .is_required = true },
 	{ .help = "Placing" },
-	{ "scene", 0, ECO_OPTION_TEXT, "SCENE.json", &given.scene },
-	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.crs },
-	{ "origin", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.origin, -1e9, 1e9, .count = 3,
+	{ "scene", 0, ECO_OPTION_TEXT, "SCENE.json", .value = &given.scene },
+	{ "crs", 0, ECO_OPTION_TEXT, "CRS", .value = &given.o.crs },
+	{ "origin", 0, ECO_OPTION_NUMBERS, "X,Y,Z", .value = given.o.origin, -1e9, 1e9, .count = 3,
 		.given = &given.origin_given },
-	{ "track-crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.track_crs },
-	{ "to", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.to, -1e7, 1e7, .count = 3,
+	{ "track-crs", 0, ECO_OPTION_TEXT, "CRS", .value = &given.o.track_crs },
+	{ "to", 0, ECO_OPTION_NUMBERS, "X,Y,Z", .value = given.o.to, -1e7, 1e7, .count = 3,
 		.given = &given.o.to_given },
-	{ "turn", 0, ECO_OPTION_NUMBER, "DEG", &given.o.turn_deg, -3600, 3600 },
-	{ "height", 0, ECO_OPTION_CHOICE, "NAME", &given.o.height, .choices = heights },
-	{ "clearance", 0, ECO_OPTION_NUMBER, "M", &given.o.clearance_m, -1e6, 1e6 },
+	{ "turn", 0, ECO_OPTION_NUMBER, "DEG", .value = &given.o.turn_deg, -3600, 3600 },
+	{ "height", 0, ECO_OPTION_CHOICE, "NAME", .value = &given.o.height, .choices = heights },
+	{ "clearance", 0, ECO_OPTION_NUMBER, "M", .value = &given.o.clearance_m, -1e6, 1e6 },
 	{ .help = "Motion" },
-	{ "smooth", 0, ECO_OPTION_NUMBER, "S", &given.o.smooth_s, 0, 1000 },
-	{ "pitch", 0, ECO_OPTION_NUMBER, "DEG", &given.o.pitch_deg, -90, 90 },
-	{ "look-at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.look_at, -1e9, 1e9, .count = 3,
+	{ "smooth", 0, ECO_OPTION_NUMBER, "S", .value = &given.o.smooth_s, 0, 1000 },
+	{ "pitch", 0, ECO_OPTION_NUMBER, "DEG", .value = &given.o.pitch_deg, -90, 90 },
+	{ "look-at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", .value = given.o.look_at, -1e9, 1e9, .count = 3,
 		.given = &given.o.look_at_given },
-	{ "fov", 0, ECO_OPTION_NUMBER, "DEG", &given.o.fov_y_deg, 1, 170 },
-	{ "fps", 0, ECO_OPTION_NUMBER, "N", &given.o.fps, 0.001, 1000 },
-	{ "speed", 0, ECO_OPTION_NUMBER, "X", &given.o.speed, 1e-4, 1e5 }, { 0 }
+	{ "fov", 0, ECO_OPTION_NUMBER, "DEG", .value = &given.o.fov_y_deg, 1, 170 },
+	{ "fps", 0, ECO_OPTION_NUMBER, "N", .value = &given.o.fps, 0.001, 1000 },
+	{ "speed", 0, ECO_OPTION_NUMBER, "X", .value = &given.o.speed, 1e-4, 1e5 }, { 0 }
 };
 
 const struct main_command main_command_camera = { { "ecopack camera",

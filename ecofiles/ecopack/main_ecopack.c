@@ -111,22 +111,23 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option make_options[] = {
-	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &make_given.make.scene, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &make_given.make.pack, .is_required = true },
-	{ "draft", 0, ECO_OPTION_FLAG, NULL, &make_given.make.draft },
-	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &make_given.order, .choices = lod_order_names,
+	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", .value = &make_given.make.scene,
+		.is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", .value = &make_given.make.pack, .is_required = true },
+	{ "draft", 0, ECO_OPTION_FLAG, NULL, .value = &make_given.make.draft },
+	{ "order", 0, ECO_OPTION_CHOICE, "NAME", .value = &make_given.order, .choices = lod_order_names,
 		.given = &make_given.order_given },
-	{ "season", 0, ECO_OPTION_CHOICE, "NAME", &make_given.season, .choices = eco_season_names,
+	{ "season", 0, ECO_OPTION_CHOICE, "NAME", .value = &make_given.season, .choices = eco_season_names,
 		.given = &make_given.make.season_given },
-	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64 },
-	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows },
-	{ "columns", 0, ECO_OPTION_READ, "A,B,...", &make_given.make.columns, .read = read_columns },
-	{ "confine", 0, ECO_OPTION_READ, "DIR", &make_given.confined_to, .read = read_confine,
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", .value = &make_given.jobs, 1, 64 },
+	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, .value = &make_given.make.no_rows },
+	{ "columns", 0, ECO_OPTION_READ, "A,B,...", .value = &make_given.make.columns, .read = read_columns },
+	{ "confine", 0, ECO_OPTION_READ, "DIR", .value = &make_given.confined_to, .read = read_confine,
 		.has_optional_value = true },
-	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times },
-	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache },
-	{ "no-cache", 0, ECO_OPTION_FLAG, NULL, &make_given.uncached },
-	{ "cache-mb", 0, ECO_OPTION_COUNT, "N", &make_given.cache_mb, 1, 1048576 }, { 0 }
+	{ "times", 0, ECO_OPTION_FLAG, NULL, .value = &make_given.times },
+	{ "cache", 0, ECO_OPTION_TEXT, "DIR", .value = &make_given.make.cache },
+	{ "no-cache", 0, ECO_OPTION_FLAG, NULL, .value = &make_given.uncached },
+	{ "cache-mb", 0, ECO_OPTION_COUNT, "N", .value = &make_given.cache_mb, 1, 1048576 }, { 0 }
 };
 
 const struct main_command main_command_make = { {
@@ -153,10 +154,10 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option link_options[] = {
-	{ "a pack to be linked", 0, ECO_OPTION_INPUTS, "A.eco", &link_given.parts, .high = LINK_PARTS_MAX,
-		.is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &link_given.pack, .is_required = true },
-	{ "jobs", 0, ECO_OPTION_COUNT, "N", &link_given.jobs, 1, 64 }, { 0 }
+	{ "a pack to be linked", 0, ECO_OPTION_INPUTS, "A.eco", .value = &link_given.parts,
+		.high = LINK_PARTS_MAX, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", .value = &link_given.pack, .is_required = true },
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", .value = &link_given.jobs, 1, 64 }, { 0 }
 };
 
 const struct main_command main_command_link = { { "ecopack link", "A.eco B.eco ... -o OUT.eco [--jobs N]",
@@ -176,8 +177,8 @@ static enum eco_code run_info(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option info_options[] = {
-	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true },
-	{ "json", 0, ECO_OPTION_FLAG, NULL, &look_given.json }, { 0 }
+	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", .value = &look_given.pack, .is_required = true },
+	{ "json", 0, ECO_OPTION_FLAG, NULL, .value = &look_given.json }, { 0 }
 };
 
 const struct main_command main_command_info =
@@ -198,7 +199,7 @@ static enum eco_code run_verify(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option verify_options[] = {
-	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true }, { 0 }
+	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", .value = &look_given.pack, .is_required = true }, { 0 }
 };
 
 const struct main_command main_command_verify =
@@ -233,13 +234,15 @@ static enum eco_code run_generate(int argc, char **argv, struct eco_error *error
 }
 
 static const struct eco_option generate_options[] = {
-	{ "the name of a scene", 0, ECO_OPTION_INPUT, "NAME", &generate_given.generate.name,
+	{ "the name of a scene", 0, ECO_OPTION_INPUT, "NAME", .value = &generate_given.generate.name,
 		.is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &generate_given.generate.folder, .is_required = true },
-	{ "plants", 0, ECO_OPTION_COUNT, "N", &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX },
-	{ "detail", 0, ECO_OPTION_NUMBER, "D", &generate_given.generate.detail, 0.1,
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", .value = &generate_given.generate.folder,
+		.is_required = true },
+	{ "plants", 0, ECO_OPTION_COUNT, "N", .value = &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX },
+	{ "detail", 0, ECO_OPTION_NUMBER, "D", .value = &generate_given.generate.detail, 0.1,
 		ECO_GENERATE_DETAIL_MAX },
-	{ "seed", 0, ECO_OPTION_COUNT, "S", &generate_given.generate.seed, 0, 9007199254740992.0 }, { 0 }
+	{ "seed", 0, ECO_OPTION_COUNT, "S", .value = &generate_given.generate.seed, 0, 9007199254740992.0 },
+		{ 0 }
 };
 
 const struct main_command main_command_generate = { { "ecopack generate", "NAME -o DIR [--plants N] "
@@ -271,12 +274,13 @@ static enum eco_code run_publish(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option publish_options[] = {
-	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &publish_given.packs, .high = 32,
+	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", .value = &publish_given.packs, .high = 32,
 		.is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &publish_given.publish.folder, .is_required = true },
-	{ "views", 0, ECO_OPTION_TEXT, "FILE", &publish_given.publish.views },
-	{ "columns", 0, ECO_OPTION_READ, "A,B,...", &publish_given.columns, .read = read_columns },
-	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &publish_given.publish.viewer }, { 0 }
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", .value = &publish_given.publish.folder,
+		.is_required = true },
+	{ "views", 0, ECO_OPTION_TEXT, "FILE", .value = &publish_given.publish.views },
+	{ "columns", 0, ECO_OPTION_READ, "A,B,...", .value = &publish_given.columns, .read = read_columns },
+	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", .value = &publish_given.publish.viewer }, { 0 }
 };
 
 const struct main_command main_command_publish = { { "ecopack publish",

@@ -363,9 +363,9 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "MAP", &given.output, .is_required = true },
-	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000 }, { 0 }
+	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", .value = &given.scene, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "MAP", .value = &given.output, .is_required = true },
+	{ "size", 0, ECO_OPTION_COUNT, "PX", .value = &given.pixels, 200, 8000 }, { 0 }
 };
 
 const struct main_command main_command_map = { { "ecopack map",

@@ -364,13 +364,13 @@ static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the model file", 0, ECO_OPTION_INPUTS, "FILE", &given.files, .high = FILES_MAX,
+	{ "the model file", 0, ECO_OPTION_INPUTS, "FILE", .value = &given.files, .high = FILES_MAX,
 		.is_required = true },
-	{ "unit", 0, ECO_OPTION_TEXT, "U", &given.unit },
-	{ "up", 0, ECO_OPTION_TEXT, "x|y|z", &given.up },
-	{ "height", 0, ECO_OPTION_NUMBER, "M", &given.height_m, 0.001, 1000 },
-	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json },
-	{ "as-plant", 0, ECO_OPTION_FLAG, NULL, &given.as_plant }, { 0 }
+	{ "unit", 0, ECO_OPTION_TEXT, "U", .value = &given.unit },
+	{ "up", 0, ECO_OPTION_TEXT, "x|y|z", .value = &given.up },
+	{ "height", 0, ECO_OPTION_NUMBER, "M", .value = &given.height_m, 0.001, 1000 },
+	{ "json", 0, ECO_OPTION_FLAG, NULL, .value = &given.json },
+	{ "as-plant", 0, ECO_OPTION_FLAG, NULL, .value = &given.as_plant }, { 0 }
 };
 
 const struct main_command main_command_model = { {

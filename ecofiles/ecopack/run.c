@@ -230,7 +230,7 @@ enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *erro
 bool main_is_quiet;
 
 const struct eco_option main_common[] = {
-	{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &main_is_quiet }, { 0 }
+	{ "quiet", 'q', ECO_OPTION_FLAG, NULL, .value = &main_is_quiet }, { 0 }
 };
 
 enum eco_code main_read(const struct main_command *command, int argc, char **argv, struct eco_error *error)

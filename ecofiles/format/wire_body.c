@@ -3,7 +3,6 @@
 
 #include "ecofiles/format/wire_body.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -137,9 +137,9 @@ static enum eco_code run(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &given.pack, .is_required = true },
-	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles, .is_required = true },
-	{ "plain", 0, ECO_OPTION_FLAG, NULL, &given.plain }, { 0 }
+	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", .value = &given.pack, .is_required = true },
+	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", .value = &given.tiles, .is_required = true },
+	{ "plain", 0, ECO_OPTION_FLAG, NULL, .value = &given.plain }, { 0 }
 };
 
 const struct main_command main_command_export = { { "ecopack export",

@@ -13,7 +13,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #define HEIGHT_MAX_M 1e5
 #define FOOT_M 0.3048

@@ -10,7 +10,6 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/memory.h"
-#include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/rows/rows.h"

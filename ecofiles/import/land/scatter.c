@@ -9,7 +9,6 @@
 #include "build/words/blue_noise.table"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
-#include "ecofiles/format/model.h"
 #include "ecofiles/import/land/scatter_parts.h"
 
 #define HECTARE_M2 10000.0

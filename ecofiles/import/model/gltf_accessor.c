@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
-#include "ecofiles/format/model.h"
 
 #define UNPACKED_MAX ((uint64_t)1 << 32)     /* bytes of all compressed views together */
 #define STRIDE_MAX (1u << 20)

@@ -10,7 +10,6 @@
 #include <strings.h>
 
 #include "ecofiles/base/memory.h"
-#include "ecofiles/base/text.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/union.h"
 

@@ -13,7 +13,6 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/text.h"
-#include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/growth.h"
 #include "ecofiles/import/places/positions_parts.h"

@@ -9,7 +9,6 @@
 
 #include "build/words/crs_names.table"
 #include "ecofiles/base/text.h"
-#include "ecofiles/format/model.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"

@@ -1,6 +1,5 @@
 /* The report on an inventory: guesses first, then one table, in which a forester sees at a glance which
  * rows are in the scene and why the others are not. */
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

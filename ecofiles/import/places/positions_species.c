@@ -9,7 +9,6 @@
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
-#include "ecofiles/format/model.h"
 #include "ecofiles/import/places/growth.h"
 #include "ecofiles/import/places/positions_parts.h"
 

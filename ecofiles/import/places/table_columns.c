@@ -9,7 +9,6 @@
 #include <strings.h>
 
 #include "ecofiles/base/memory.h"
-#include "ecofiles/format/model.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/inventory_text.h"
@@ -28,7 +27,6 @@ static int points_by_kind(const char *name)
 	return eco_words_any(name, eco_words_set("plant")) && eco_words_any(name, eco_words_set("kind")) ? 55
 		: 0;
 }
-
 
 /* The share of a column's filled texts, of the first rows, that are such. */
 static double share(const struct eco_table *table, uint32_t column, uint32_t rows, bool (*is)(const char *,

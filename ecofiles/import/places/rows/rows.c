@@ -10,7 +10,6 @@
 #include <sys/stat.h>
 #include <math.h>
 
-#include "ecofiles/format/model.h"
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"

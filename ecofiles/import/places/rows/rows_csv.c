@@ -10,14 +10,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/places/flora.h"
-#include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/table_columns.h"
-#include "ecofiles/import/places/words.h"
 
 #define SNIFF_BYTES 65536u
 #define TITLES_MAX 20            /* records before the names */
