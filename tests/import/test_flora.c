@@ -132,6 +132,10 @@ UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
 	assert_string_equal(spelt("Chrysaldocarpus lutescens").genus, "chrysalidocarpus");
 	assert_string_equal(spelt("Querqus").genus, "quercus");
 	assert_string_equal(spelt("Tabebuja rosea").genus, "tabebuia");
+	assert_string_equal(spelt("Acer platanodes").epithet, "platanoides");
+	assert_string_equal(spelt("Acer platanodes").misspelt, "platanodes");
+	assert_string_equal(eco_flora_of("Acer platanodes", NULL).epithet, "platanodes");
+	assert_string_equal(spelt("Crataegus uriflora").epithet, "uriflora"); /* triflora or uniflora */
 	assert_null(spelt("morta").genus);                /* nearly a Polish mulberry */
 }
 

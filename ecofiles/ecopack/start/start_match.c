@@ -12,8 +12,6 @@
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 
-#define COMMON 500u              /* species that a rare one is compared with */
-#define FEWER 20u                /* so many times rarer is a misspelling */
 #define FEW 10u                  /* a share that says nothing of the rows without a species */
 
 /* ---- Scores: same species, genus, form, leaves, size, in this order ---- */
@@ -224,49 +222,6 @@ static void say_tier(struct start *s, enum start_tier tier)
 	}
 }
 
-/* Not where both name plants: a genus is no misspelling of another, nor is a species of its genus's other. */
-static bool may_be_same(const struct start *s, uint32_t rare, uint32_t common)
-{
-	const struct eco_flora *a = &s->matches[rare].flora, *b = &s->matches[common].flora;
-	if (!a->genus || a->misspelt[0] != 0)
-		return true;
-	return b->genus && strcmp(a->genus, b->genus) == 0 && !eco_flora_has_epithet(a->genus, a->epithet);
-}
-
-/* The much commoner species that a rare one differs from by a letter or two; ECO_NONE: none. */
-static uint32_t nearly_same(const struct start *s, uint32_t rare)
-{
-	const struct eco_table_value *values = s->species.items;
-	size_t length = strlen(values[rare].text);
-	for (uint32_t i = 0; i < rare && i < COMMON && length >= 8; i++)
-		if (values[i].rows >= FEWER * values[rare].rows && may_be_same(s, rare, i)
-				&& eco_words_distance(values[i].text, values[rare].text, 2) <= 2)
-			return i;
-	return ECO_NONE;
-}
-
-/* A rare species that is nearly a common one stands for it. */
-static void say_nearly(struct start *s)
-{
-	for (uint32_t i = 1; i < s->species.count; i++) {
-		uint32_t common = nearly_same(s, i);
-		char took[160];
-		if (common == ECO_NONE || s->matches[i].tier >= START_LEFT_OUT ||
-			s->matches[common].tier >= START_LEFT_OUT)
-			continue;
-		s->models[s->matches[i].model].rows -= s->species.items[i].rows;
-		s->matches[i].model = s->matches[common].model;
-		s->models[s->matches[i].model].rows += s->species.items[i].rows;
-		snprintf(took, sizeof took, "\"%.60s\" is meant as \"%.60s\"", s->species.items[i].text,
-			s->species.items[common].text);
-		start_guess(s, "spelling", took, "\"map\" in the scene", "%llu "
-			"against %llu rows "
-			"(first in line %llu)", (unsigned long long)s->species.items[i].rows,
-			(unsigned long long)s->species.items[common].rows,
-			(unsigned long long)s->species.items[i].first_line);
-	}
-}
-
 static void say_spelling(struct start *s)
 {
 	char names[200] = "", took[160];
@@ -274,7 +229,7 @@ static void say_spelling(struct start *s)
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		const struct eco_flora *f = &s->matches[i].flora;
 		snprintf(took, sizeof took, f->coded[0] ? "%.60s: %.60s" : "\"%.60s\" is meant as %s", s->species.items[i].text,
-			f->coded[0] ? f->coded : f->meant ? f->meant : "");
+			f->coded[0] ? f->coded : f->meant ? f->meant : f->epithet);
 		coded += f->coded[0] != 0;
 		if (f->coded[0])
 			eco_phrase_add(names, sizeof names, took);
@@ -384,7 +339,6 @@ static void match_all(struct start *s)
 		s->models[match->model].rows += s->species.items[i].rows;
 	}
 	start_library_merge(s);
-	say_nearly(s);
 	for (int tier = 0; tier < START_TIERS; tier++)
 		say_tier(s, (enum start_tier)tier);
 	say_spelling(s);

@@ -525,13 +525,19 @@ static bool is_binomial(const struct name *n)
 		&& ends_in_one_of(n->word[1], "a us um is i ii ae ens ans oides or ior");
 }
 
-static bool has_epithet_like(const char *genus, const char *word)
+/* The number of a genus's epithets that a word is but for a letter, and the last of them; 1 and the word for its own. */
+static unsigned epithets_like(const char *genus, const char *word, char like[ECO_WORD_BYTES])
 {
 	char epithet[ECO_WORD_BYTES];
-	for (const char *at = epithets_of(genus); eco_words_next(&at, epithet);)
-		if (eco_words_distance(epithet, word, 1) <= 1)
-			return true;
-	return false;
+	unsigned count = 0, away;
+	for (const char *at = epithets_of(genus); eco_words_next(&at, epithet); count += away == 1) {
+		away = eco_words_distance(epithet, word, 1);
+		if (away <= 1)
+			memcpy(like, epithet, sizeof epithet);
+		if (away == 0)
+			return 1;
+	}
+	return count;
 }
 
 static void take_misspelt(struct eco_flora *flora, const char *taxon, const char *word, const char *meant)
@@ -548,11 +554,12 @@ static bool find_misspelt_latin(const struct name *n, struct eco_flora *flora)
 	const char *found = NULL, *word = n->word[0];
 	unsigned most = letters(word) >= 9 ? 2 : 1, count = 0;
 	bool own = false;
+	char like[ECO_WORD_BYTES];
 	for (size_t i = 0; letters(word) >= 5 && i < COUNT(genera_rows) && !own; i++) {
 		const char *genus = genera_rows[i].genus;
 		if (eco_words_distance(genus, word, most) > most)
 			continue;
-		own = n->count > 1 && has_epithet_like(genus, n->word[1]);
+		own = n->count > 1 && epithets_like(genus, n->word[1], like) > 0;
 		found = genus;
 		count++;
 	}
@@ -561,6 +568,18 @@ static bool find_misspelt_latin(const struct name *n, struct eco_flora *flora)
 	take_misspelt(flora, found, word, found);
 	snprintf(flora->epithet, sizeof flora->epithet, "%.31s", own ? n->word[1] : "");
 	return true;
+}
+
+/* "Acer platanodes": an epithet of five letters and more that only one of its genus is like. */
+static void mend_epithet(struct eco_flora *flora)
+{
+	char like[ECO_WORD_BYTES];
+	if (letters(flora->epithet) < 5 || epithets_like(flora->genus, flora->epithet, like) != 1
+			|| strcmp(like, flora->epithet) == 0)
+		return;
+	if (!flora->misspelt[0])
+		snprintf(flora->misspelt, sizeof flora->misspelt, "%s", flora->epithet);
+	snprintf(flora->epithet, sizeof flora->epithet, "%.31s", like);
 }
 
 /* A word of six letters that is nearly one name and the name of no other plant, or one of five with two swapped. */
@@ -713,6 +732,8 @@ struct eco_flora eco_flora_of(const char *name, const struct eco_flora_hint *hin
 			find_misspelt_latin(&n, &flora);
 		known = flora.genus;
 	}
+	if (known && hint->spelling)
+		mend_epithet(&flora);
 	int said = known ? grow(&flora, n.words) : 0;
 	if (known && form != ECO_FORM_NOTHING)       /* Betula pendula does not weep, its 'Youngii' does */
 		form = said > 1 ? ECO_FORM_UNKNOWN : form_by_word(n.words, true, said ? flora.epithet : "");

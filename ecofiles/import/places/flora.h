@@ -32,8 +32,8 @@ struct eco_flora {
 	enum eco_form form;
 	enum eco_leaf leaf;
 	double height_m;             /* that it usually reaches; 0: not known */
-	char misspelt[48];           /* the word that is not quite the genus; "": spelt well */
-	const char *meant;           /* the word taken for it */
+	char misspelt[48];           /* the word that is not quite a genus, or an epithet; "": spelt well */
+	const char *meant;           /* the word taken for it; NULL: the epithet */
 	char coded[64];              /* the species that a code stands for; "": it is none */
 };
 
@@ -42,7 +42,7 @@ struct eco_flora_hint {
 	/* the system of codes that the column uses: of codes.tsv, or "letters": two or three letters of each word of a
 	 * species, "fasy", "QUEROB"; NULL: none */
 	const char *codes;
-	bool spelling;               /* also words of five letters and more that are nearly a genus or a common name */
+	bool spelling;               /* also words of five letters and more that are nearly a genus, epithet or common name */
 };
 
 /* The plant that a name means; hint NULL: nothing is known beside the name. */
