@@ -82,10 +82,10 @@ uint8_t gen_foliage_shade(const struct gen_foliage *f, double light)
 }
 
 static void place_piece(const struct gen_foliage *f, struct gen_v3 at, struct gen_v3 along,
-	struct gen_v3 face, double light)
+	struct gen_v3 face, double light, bool flower)
 {
 	double size = gen_random_in(f->random, 0.82, 1.16);
-	bool flower = gen_random_unit(f->random) < f->flowers && at.z >= f->flowers_from, spray = f->spray.leaves > 0;
+	bool spray = f->spray.leaves > 0;
 	if (spray)                                   /* turned anyhow, it stays above the ground */
 		at.z = fmax(at.z, f->lowest + 0.5 * f->width);
 	along = gen_unit(along);
@@ -107,10 +107,10 @@ static void place_piece(const struct gen_foliage *f, struct gen_v3 at, struct ge
 
 /* Leaflets in two rows on a midrib that is not drawn, and one at its end. */
 static void place_leaf(const struct gen_foliage *f, struct gen_v3 at, struct gen_v3 along, struct gen_v3 face,
-	double light)
+	double light, bool flower)
 {
 	if (f->pieces <= 1) {
-		place_piece(f, at, along, face, light);
+		place_piece(f, at, along, face, light, flower);
 		return;
 	}
 	struct gen_v3 way = gen_unit(along), side = gen_unit(gen_cross(way, face));
@@ -122,7 +122,7 @@ static void place_leaf(const struct gen_foliage *f, struct gen_v3 at, struct gen
 		out.z -= 0.25;
 		place_piece(f,
 			gen_mad(gen_mad(at, way, t * rachis), gen_v3(0, 0, 1), -0.3 * f->droop * t * rachis),
-			out, face, light);
+			out, face, light, flower);
 	}
 }
 
@@ -152,7 +152,8 @@ static void place_on(const struct gen_foliage *f, const struct gen_bearer *b, do
 		along.z -= f->droop;
 		face = gen_mad(up, gen_v3(at.x, at.y, 0), 0.5 / (1e-3 + gen_length(gen_v3(at.x, at.y, 0))));
 	}
-	place_leaf(f, at, along, face, b->light);
+	double end = 1 - f->flowers * gen_random_in(f->random, 0.5, 1.5); /* heads and panicles end their branches */
+	place_leaf(f, at, along, face, b->light, b->start + share * b->part > end);
 }
 
 /* Leaflets around the end of a stalk, in one plane that nods a little. */
@@ -164,7 +165,7 @@ static void place_fan(const struct gen_foliage *f, const struct gen_bearer *b, u
 		double turn = -135 + 270.0 * (i + 0.5) / count;
 		struct gen_v3 along = gen_turned(way, normal, turn);
 		along.z -= 0.12 + 0.1 * fabs(turn) / 135;
-		place_piece(f, at, along, normal, b->light);
+		place_piece(f, at, along, normal, b->light, false);
 	}
 }
 

@@ -186,8 +186,8 @@ static void bear(struct grower *g, const struct branch *b, double from)
 			continue;
 		struct gen_v3 step = gen_sub(b->at[i + 1], b->at[i]), foot = gen_mad(b->at[i], step, low);
 		eco_grow(&g->bearers, &g->bearer_capacity, g->bearer_count, sizeof *g->bearers);
-		g->bearers[g->bearer_count++] = (struct gen_bearer){ foot, gen_mul(step, 1 - low),
-			light_at(g, b->at[i + 1]), i + 1 == steps };
+		g->bearers[g->bearer_count++] = (struct gen_bearer){ foot, gen_mul(step, 1 - low), light_at(g, b->at[i + 1]),
+			((i + low) / steps - from) / (1 - from), (1 - low) / steps / (1 - from), i + 1 == steps };
 	}
 }
 
@@ -592,7 +592,6 @@ void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], str
 	g.foliage = (struct gen_foliage){ .mesh = mesh,
 		.random = &random,
 		.lowest = 0.004 * g.height,
-		.flowers_from = strcmp(h->like, "herb") == 0 ? 0.6 * g.height : 0,
 		.arrangement = (enum gen_arrangement)one_of(h->leaf, arrangements) };
 	g.lowest = g.height * (h->hang > 0 ? 0.05 : fmax(0.85 * fmin(h->base, h->foot), 0.012));
 	gen_foliage_plan(&g.foliage, look, area * h->lai, LEAF_MOST * fmin(plant->height_m, plant->crown_m),

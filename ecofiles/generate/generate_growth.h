@@ -14,15 +14,15 @@ struct gen_plant_look {
 	uint32_t bark, leaf, flower; /* 0xRRGGBB */
 	const char *shape;           /* as in leaves.tsv */
 	double leaf_cm, slim;        /* slim 0: of the shape */
-	double flowers;              /* share of leaves that are flowers */
+	double flowers;              /* share of leaves that are flowers, at the ends of branches */
 	bool is_bare;                /* without leaves */
 	bool is_motley;              /* leaves differ in colour, as in autumn */
 };
 
-/* A piece of a branch along which leaves grow. */
+/* A piece of a branch along which leaves grow. start, part: where it lies along all of the branch that bears leaves, as shares. */
 struct gen_bearer {
 	struct gen_v3 from, along;
-	double light;
+	double light, start, part;
 	bool is_tip;
 };
 
@@ -35,7 +35,6 @@ struct gen_foliage {
 	enum gen_leaf_shape outline;
 	double length, width; /* of a piece, metres */
 	double angle_deg, droop, flowers;
-	double flowers_from;  /* height of the lowest, metres */
 	uint32_t pieces;      /* of a leaf */
 	struct gen_spray spray; /* that a piece is; spray.leaves 0: a leaf or leaflet */
 	uint32_t count;       /* leaves or sprays wanted; also of a tree in winter, whose shoots bear none */

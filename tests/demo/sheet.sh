@@ -15,7 +15,7 @@ awk -F '\t' -v only="${HABITS:-.*}" '
 	/^#/ { next }
 	!named[FILENAME]++ { split("", c); for (i = 1; i <= NF; i++) c[$i] = i; next }
 	FILENAME ~ /genera[.]tsv$/ { known[$1] = 1; next }
-	FILENAME ~ /looks/ { if ($c["taxon"] in known) genus[$c["habit"]] = $c["taxon"]; next }
+	FILENAME ~ /looks/ { split($c["taxon"], part, " "); if ($c["taxon"] in known || (part[1] in known && !($c["habit"] in genus))) genus[$c["habit"]] = $c["taxon"]; next }
 	$1 ~ "^(" only ")$" {
 		low = $c["least_m"]; high = $c["most_m"]; base = $c["base"]; size[1] = low; size[2] = $c["height_m"]; size[3] = high
 		for (i = 1; i <= 3; i++)

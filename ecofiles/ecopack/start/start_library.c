@@ -46,11 +46,9 @@ uint32_t start_library_add(struct start *s, const char *name)
 
 uint32_t start_library_plant(struct start *s, const struct eco_flora *flora)
 {
-	struct eco_flora plant = *flora;
 	uint32_t i = add_plant(s, eco_library_habit_of(flora), eco_library_taxon_of(flora),
 		flora->form != ECO_FORM_UNKNOWN ? flora->form : ECO_FORM_BROAD);
-	if (plant.height_m > s->models[i].flora.height_m)
-		s->models[i].flora.height_m = plant.height_m;
+	s->models[i].flora.height_m = fmax(s->models[i].flora.height_m, flora->height_m);
 	return i;
 }
 
