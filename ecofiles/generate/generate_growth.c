@@ -148,15 +148,15 @@ static void draw_branch(struct grower *g, const struct branch *b, uint32_t sides
 	gen_tube(g->mesh, g->bark, &(struct gen_tube){ b->at, b->radius, b->count, sides });
 }
 
-/* The last branches of habits with blades: a strip along the path, widest in its lower part. */
+/* The last branches of habits with blades: a strip along the path, widest in its lower part; wide ones are rounder. */
 static void draw_ribbon(struct grower *g, const struct branch *b)
 {
 	double light = light_at(g, b->at[b->count - 1]), width = b->length * g->h->slim / 2;
 	uint8_t material = (uint8_t)(g->foliage.leaf + gen_foliage_shade(&g->foliage, light));
 	struct gen_v3 side = gen_across(gen_sub(b->at[1], b->at[0]));
 	for (uint32_t i = 0; i < b->count; i++) {
-		double t = (double)i / (b->count - 1),
-		       half = width * (0.55 + 1.5 * t * (1 - t)) * (1 - t * t * t);
+		double t = (double)i / (b->count - 1), round = 2 * sqrt(t * (1 - t)),
+		       half = width * (round * g->h->slim + (0.55 + 1.5 * t * (1 - t)) * (1 - t * t * t) * (1 - g->h->slim));
 		uint32_t first = gen_vertex(g->mesh, gen_mad(b->at[i], side, -half));
 		if (i + 1 < b->count)
 			gen_vertex(g->mesh, gen_mad(b->at[i], side, half));
