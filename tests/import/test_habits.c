@@ -83,8 +83,17 @@ static void check_valid(const struct eco_model *m, const char *what)
 	assert_int_equal(m->triangles_in, m->triangle_count + m->dropped[ECO_DROP_DEGENERATE]);
 }
 
+/* Leaves of a quarter of to six times the area under the crown and beside it; none on bare wood. */
+static void check_leaves(const struct eco_model *m, const struct eco_habit *habit, double crown_m)
+{
+	double share = (area_of(m, ECO_ORGAN_FOLIAGE) + area_of(m, ECO_ORGAN_FLOWER)) / (0.39 * crown_m * (crown_m + habit->height_m));
+	bool bare = strcmp(habit->name, "dead") == 0 || strcmp(habit->name, "bare") == 0 || strcmp(habit->name, "cactus") == 0;
+	if (bare ? share > 0 : share < 0.25 || share > 6)
+		fail_msg("%s: %g times the crown's area", habit->name, share);
+}
+
 /* At its usual size, its least, its greatest, and one that no such plant has. */
-UNIT_TEST(every_habit_has_the_size_asked_for)
+UNIT_TEST(every_habit_has_the_size_asked_for_and_a_believable_area_of_leaves)
 {
 	struct eco_habit habit;
 	for (size_t i = 0; eco_library_habit(i, &habit); i++) {
@@ -101,6 +110,8 @@ UNIT_TEST(every_habit_has_the_size_asked_for)
 			if (!(fabs(width(&model) / crown - 1) < 0.03))
 				fail_msg("%s of %g m: a crown of %g m, not %g", habit.name, plant.height_m,
 					width(&model), crown);
+			if (k == 0)
+				check_leaves(&model, &habit, crown);
 			eco_model_free(&model);
 		}
 	}
@@ -132,26 +143,6 @@ UNIT_TEST(a_narrow_crown_begins_higher_and_a_measured_base_counts)
 		if (lowest_leaf(&usual) > 0.2 || lowest_leaf(&narrow) < 0.3 || fabs(lowest_leaf(&measured) - 0.68) > 0.08)
 			fail_msg("%s: leaves from %g, %g and %g of the height on", cases[i].habit, lowest_leaf(&usual),
 				lowest_leaf(&narrow), lowest_leaf(&measured));
-	}
-}
-
-/* Between a quarter of and six times the area under the crown and beside it; none on bare wood. */
-UNIT_TEST(leaves_have_a_believable_area)
-{
-	struct eco_habit habit;
-	for (size_t i = 0; eco_library_habit(i, &habit); i++) {
-		struct eco_model model;
-		struct eco_library_plant plant = plant_of(habit.name, habit.height_m, 0);
-		make(&model, &plant);
-		double crown = eco_library_crown(&habit, habit.height_m),
-		       beside = 0.39 * crown * crown + 0.39 * crown * habit.height_m;
-		double share =
-			(area_of(&model, ECO_ORGAN_FOLIAGE) + area_of(&model, ECO_ORGAN_FLOWER)) / beside;
-		bool bare = strcmp(habit.name, "dead") == 0 || strcmp(habit.name, "bare") == 0 ||
-			strcmp(habit.name, "cactus") == 0;
-		if (bare ? share > 0 : share < 0.25 || share > 6)
-			fail_msg("%s: %g times the crown's area", habit.name, share);
-		eco_model_free(&model);
 	}
 }
 
@@ -401,17 +392,8 @@ UNIT_TEST(a_genus_has_its_habit)
 /* A tall young pine is an old one: bare below. A young palm has no stem. */
 UNIT_TEST(a_habit_grows_older)
 {
-	struct eco_model model;
-	struct eco_library_plant plant = plant_of("pine young", 8, 4);
-	double low[2] = { 20, 20 };
-	for (int k = 0; k < 2; k++, plant.height_m = 20) {
-		make(&model, &plant);
-		for (uint32_t t = 0; t < model.triangle_count; t++)
-			if (model.organ[t] == ECO_ORGAN_FOLIAGE)
-				low[k] = fmin(low[k], (double)model.position[3 * (size_t)model.index[3 * (size_t)t] + 2]);
-		eco_model_free(&model);
-	}
-	assert_true(low[0] < 1 && low[1] > 6);
+	struct eco_library_plant young = plant_of("pine young", 8, 4), old = plant_of("pine young", 20, 4);
+	assert_true(lowest_leaf(&young) < 0.12 && lowest_leaf(&old) > 0.3);
 	struct eco_library_plant palm = plant_of("feather palm", 1, 0), grown = plant_of("feather palm", 9, 0);
 	assert_true(lowest_leaf(&palm) < 0.3 && lowest_leaf(&grown) > 0.4);
 }
