@@ -1,7 +1,6 @@
 /* Wood of library plants: stems, boughs, twigs and shoots, each a bent path that ends at the crown's edge (after Weber
  * and Penn 1995, with lengths from a profile of the crown instead of curves for each species). All differences between
- * habits are columns of words/habits.tsv. The wood is scaled so that its leaves end where the plant does.
- * Longer than 600 lines: all orders of branches grow by the same paths. */
+ * habits are columns of words/habits.tsv. The wood is scaled so that its leaves end where the plant does. */
 #include "ecofiles/generate/generate_growth.h"
 
 #include <math.h>
@@ -250,8 +249,7 @@ static void grow_twigs(struct grower *g, const struct branch *bough)
 		double length =
 			g->h->twig * bough->length * (1 - 0.6 * t) * gen_random_in(g->random, 0.8, 1.25);
 		length = fmax(room(g, from, out, length), 0.25 * length);
-		grow_branch(g, &b,
-			&(struct path){ .from = from,
+		grow_branch(g, &b, &(struct path){ .from = from,
 				.way = out,
 				.length = length,
 				.steps = length > 1.2 ? 3 : 2,
@@ -279,9 +277,8 @@ static void grow_bough(struct grower *g, const struct branch *stem, double t, do
 {
 	const struct habits_row *h = g->h;
 	struct branch b;
-	double radius,
-		elevation =
-			h->low_deg + (h->top_deg - h->low_deg) * light_t + gen_random_in(g->random, -6, 6);
+	double radius, elevation =
+		h->low_deg + (h->top_deg - h->low_deg) * light_t + gen_random_in(g->random, -6, 6);
 	struct gen_v3 way, from = point_on(stem, t, &way, &radius), out = gen_heading(azimuth, elevation);
 	double length = h->reach > 0 ? h->reach * g->half * gen_random_in(g->random, 0.88, 1.1)
 				     : room(g, from, out, 2.5 * fmax(g->half, 0.3 * g->height)) *
@@ -289,8 +286,7 @@ static void grow_bough(struct grower *g, const struct branch *stem, double t, do
 	bool last = g->twigs < 0.5;
 	length = fmax(length, 0.05 * g->half);
 	radius = fmax(h->thick * radius * gen_clamp(0.3 + 0.7 * length / g->half, 0.3, 1.1), TWIG_M);
-	grow_branch(g, &b,
-		&(struct path){ .from = from,
+	grow_branch(g, &b, &(struct path){ .from = from,
 			.way = out,
 			.length = length,
 			.radius = radius,
@@ -396,8 +392,7 @@ static void grow_stem(struct grower *g, uint32_t i, uint32_t count)
 			90 - lean);
 	way.y *= g->plan == PLAN_WALL ? WALL_DEPTH : 1;
 	double length = h->leader * g->height * (many ? gen_random_in(g->random, 0.74, 1.02) : 1);
-	grow_branch(g, &b,
-		&(struct path){ .from = foot, .way = way, .length = length,
+	grow_branch(g, &b, &(struct path){ .from = foot, .way = way, .length = length,
 			.steps = ribbon ? 5 : many ? 7 : POINTS - 1,
 			.sway = many ? 1 : 0.4,
 			.curve_deg = many ? h->stem_deg * (0.4 + 0.6 * share) : 0,

@@ -157,23 +157,18 @@ enum eco_code eco_library_check(const struct eco_library_plant *plant, struct ec
 	if (!find_habit(plant->habit, &number, &habit)) {
 		for (size_t i = 0; eco_library_habit(i, &habit); i++)
 			eco_phrase_add(known, sizeof known, habit.name);
-		return eco_fail(error, ECO_BAD_INPUT,
-			"no habit \"%.24s\" in the library: %s", plant->habit, known);
+		return eco_fail(error, ECO_BAD_INPUT, "no habit \"%.24s\" in the library: %s", plant->habit, known);
 	}
 	if (!(plant->height_m >= ECO_LIBRARY_LEAST_M && plant->height_m <= ECO_LIBRARY_MOST_M))
-		return eco_fail(error, ECO_BAD_INPUT,
-			"%s, %g m high: a plant of the library is %g to %g m high", habit.name,
-			plant->height_m, ECO_LIBRARY_LEAST_M, ECO_LIBRARY_MOST_M);
-	if (plant->crown_m != 0 &&
-		!(plant->crown_m >= SLENDER_LEAST * plant->height_m &&
+		return eco_fail(error, ECO_BAD_INPUT, "%s, %g m high: a plant of the library is %g to %g m high",
+			habit.name, plant->height_m, ECO_LIBRARY_LEAST_M, ECO_LIBRARY_MOST_M);
+	if (plant->crown_m != 0 && !(plant->crown_m >= SLENDER_LEAST * plant->height_m &&
 			plant->crown_m <= SLENDER_MOST * plant->height_m))
-		return eco_fail(error, ECO_BAD_INPUT,
-			"%s, %g m high with a crown of %g m: a crown is %g to %g times as wide as its plant "
-			"is high",
-			habit.name, plant->height_m, plant->crown_m, SLENDER_LEAST, SLENDER_MOST);
+		return eco_fail(error, ECO_BAD_INPUT, "%s, %g m high with a crown of %g m: a crown is %g to %g times as "
+			"wide as its plant is high", habit.name, plant->height_m, plant->crown_m, SLENDER_LEAST, SLENDER_MOST);
 	if (!(plant->base >= 0 && plant->base <= ECO_LIBRARY_BASE_MOST))
-		return eco_fail(error, ECO_BAD_INPUT, "%s with a crown from %g of its height on: it begins at 0 to %g", habit.name,
-			plant->base, ECO_LIBRARY_BASE_MOST);
+		return eco_fail(error, ECO_BAD_INPUT, "%s with a crown from %g of its height on: it begins at 0 to %g",
+			habit.name, plant->base, ECO_LIBRARY_BASE_MOST);
 	if (plant->individual > ECO_LIBRARY_INDIVIDUALS)
 		return eco_fail(error, ECO_BAD_INPUT, "individual %u: there are %u", plant->individual,
 			ECO_LIBRARY_INDIVIDUALS);
