@@ -196,18 +196,6 @@ void bench_cells(const json_t *array, double *values, uint32_t count)
 		values[i] = bench_cell(array, i);
 }
 
-static int ascending(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return x < y ? -1 : x > y;
-}
-
-double bench_median(double *values, uint32_t count)
-{
-	qsort(values, count, sizeof *values, ascending);
-	return count ? (values[(count - 1) / 2] + values[count / 2]) / 2 : NAN;
-}
-
 void bench_plot(struct bench *bench, const struct bench_plot *plot)
 {
 	json_t *all = json_array();

@@ -78,7 +78,6 @@ void bench_table_values(struct bench_table *table, const double *values, const c
 
 /* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` names the figure to
  * reach, in words. */
-double bench_median(double *values, uint32_t count);         /* sorts them; NaN of none */
 void bench_key(struct bench *bench, const char *key, double value, const char *bar);
 
 /* A heading within the section, and a paragraph: plain text, escaped. */
@@ -128,17 +127,12 @@ bool bench_scene_asked(struct bench *bench, const char *name);
 /* False, too, where the scene needs data that is not there (scbi): the report says so. Makes its pack. */
 bool bench_scene_there(struct bench *bench, const char *name, char pack[512]);
 /* The pack of one model, made anew each time; its plant comes from a cache. */
-void bench_model_pack(struct bench *bench, const struct bench_model *model, bool draft, char pack[512]);
+void bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512]);
 /* Stamp of the pack's content for units: the same for the same bytes. Borrowed until the next call. */
 const char *bench_pack_stamp(const char *path);
 /* Its cameras: `room` requests along the scene's path; views never used in building. Returns their number. */
 uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests,
 	uint32_t room);
-
-/* Median milliseconds of planning alone, in memory: at least thrice, until `least_ms` have gone by or 200
- * times; and the last plan, which the caller frees (bench_planner.c). */
-double bench_plan_time(struct lod_planner_stats *stats, struct eco_plan *plan, const struct eco_scene *scene,
-	const struct eco_request *request, double least_ms);
 
 /* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step
  * timed ---- */
@@ -185,8 +179,8 @@ void bench_client_score(const struct bench_client *client, struct bench_frame *f
 /* Plants and tiles that are coarse even in the last reference; 0: it is full detail. */
 uint64_t bench_client_coarse(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller frees it. Draws from an empty client: bytes are those of a first
- * visit. False where no answer has as few bytes as are asked for. */
-bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture);
+ * visit. */
+void bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture);
 /* Milliseconds in which OpenGL draws a selection the second time; NaN where there is no OpenGL. */
 struct view_store;
 struct view_selection;

@@ -277,52 +277,43 @@ void bench_client_score(const struct bench_client *client, struct bench_frame *f
 	frame->colour_rms = colour_rms(picture, reference);
 }
 
-/* One answer into a new store. False where no answer has so few bytes. */
-static bool answer(struct bench_client *client, struct bench_frame *frame, struct view_store **store)
+/* One answer into a new store. */
+static void answer(struct bench_client *client, struct bench_frame *frame, struct view_store **store)
 {
 	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion };
 	must(view_store_new(store, &(struct view_store_options){ .images = true }, must_error));
-	enum eco_code code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, *store, must_error);
-	if (code == ECO_TOO_LARGE && frame->request.bytes != ECO_BYTES_UNBOUNDED) {
-		*must_error = (struct eco_error){ 0 };
-		return false;
-	}
-	must(code);
+	must(bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, *store, must_error));
 	const struct eco_plan *plan = view_store_plan(*store);
 	frame->predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
 	frame->vertices = plan ? plan->vertices : 0;
 	frame->bytes = fetch.bytes;
 	frame->plan_ms = fetch.plan_ms;
 	frame->decode_ms = fetch.decode_ms;
-	return true;
 }
 
-bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture)
+void bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture)
 {
 	const struct eco_view *view = &frame->request.view;
 	struct view_store *store = NULL;
 	struct view_picture drawn = { 0 };
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	bench_client_reference(client, &frame->request);
-	bool answered = answer(client, frame, &store);
-	if (answered) {
-		must(bench_draw(&drawing, store, view, sky_of(client), &drawn, must_error));
-		double gl_ms = client->untimed ? NAN : bench_gl_ms(store, &drawing.selection, view);
-		frame->vertices = drawn.vertices;
-		frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
-		if (client->bench)
-			draw_samples(&drawing.job, &drawn);
-		bench_client_score(client, frame, &drawn);
-		if (frame->look)
-			frame->look(frame->ctx, &drawing.job);
-	}
+	answer(client, frame, &store);
+	must(bench_draw(&drawing, store, view, sky_of(client), &drawn, must_error));
+	double gl_ms = client->untimed ? NAN : bench_gl_ms(store, &drawing.selection, view);
+	frame->vertices = drawn.vertices;
+	frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
+	if (client->bench)
+		draw_samples(&drawing.job, &drawn);
+	bench_client_score(client, frame, &drawn);
+	if (frame->look)
+		frame->look(frame->ctx, &drawing.job);
 	view_select_free(&drawing.selection);
 	view_store_free(store);
 	if (picture)
 		*picture = drawn;
 	else
 		view_picture_free(&drawn);
-	return answered;
 }
 
 void bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,

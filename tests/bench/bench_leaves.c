@@ -207,7 +207,7 @@ void bench_leaves_ours(struct bench *bench, struct bench_leaves *leaves, const s
 	char path[512];
 	struct eco_pack *pack;
 	struct ours ours;
-	bench_model_pack(bench, model, false, path);
+	bench_model_pack(bench, model, path);
 	must(eco_pack_open(&pack, path, must_error));
 	must(plant_view_open(&ours.plant, pack, 0, BENCH_PIXELS, must_error));
 	for (uint32_t i = 0; i < count; i++) {

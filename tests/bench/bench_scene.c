@@ -185,21 +185,21 @@ void bench_scene(struct bench *bench, const char *name, const char *order, char 
 	stamp_write(path, stamp);
 }
 
-void bench_model_pack(struct bench *bench, const struct bench_model *model, bool draft, char pack[512])
+void bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512])
 {
 	char scene[512];
 	snprintf(scene, sizeof scene, "%.400s/packs", bench->cache);
 	folder_make(scene);
 	snprintf(scene, sizeof scene, "%.400s/packs/alone-%.60s.json", bench->cache, model->name);
-	snprintf(pack, 512, "%.400s/packs/alone-%.60s%s.eco", bench->cache, model->name, draft ? "-draft" : "");
+	snprintf(pack, 512, "%.400s/packs/alone-%.60s.eco", bench->cache, model->name);
 	char *place = realpath(model->path, NULL);   /* a scene's paths are relative to its own folder */
 	json_t *made = json_pack("{s:s, s:{s:{s:s?}}, s:[{s:s, s:[i,i,i]}]}", "name", model->name, "plants",
 		"plant", "model", place, "instances", "plant", "plant", "at", 0, 0, 0);
 	must(json_dump_file(made, scene, 0) ? eco_fail(must_error, ECO_IO, "%s cannot be written", scene) : ECO_OK);
 	json_decref(made);
 	free(place);
-	bench_command("'%s/ecopack' make '%s' -o '%s'%s --quiet --cache '%s/plants' --cache-mb 16384", bench->build,
-		scene, pack, draft ? " --draft" : "", bench->cache);
+	bench_command("'%s/ecopack' make '%s' -o '%s' --quiet --cache '%s/plants' --cache-mb 16384", bench->build,
+		scene, pack, bench->cache);
 }
 
 /* ---- Views ---- */

@@ -42,8 +42,6 @@ json_t *bench_shots(struct bench *bench, const char *scene, uint32_t method, uin
 
 struct bench_view { const char *scene, *camera, *pack; struct eco_view view; };
 
-/* Scenes, the first of pictures.json, that sections with many budgets a view look at without FULL=1. */
-#define BENCH_VIEWS_QUICK 1u
 typedef void bench_view_call(struct bench *bench, void *ctx, const struct bench_view *view);
 /* `quick`: how many of the scenes the quick bench looks at. */
 void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx);
@@ -51,12 +49,11 @@ void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, 
 struct bench_shoot {
 	const char *name;            /* of what is kept */
 	uint32_t count;
-	/* of each row. NULL: a million; no budget */
-	const uint64_t *vertices, *bytes;
+	const uint64_t *vertices;    /* of each row */
 	const struct bench_method *method;   /* NULL: ours, whose frames are not timed */
 	/* Writes the picture; NULL: none is seen. */
 	void (*show)(struct bench *bench, struct bench_client *client, const struct bench_view *view, uint32_t row,
 		const struct bench_frame *frame, const struct view_picture *picture);
 };
-/* An array of rows as bench_shot_row makes them, null where no answer has so few bytes; borrowed. */
+/* An array of rows as bench_shot_row makes them; borrowed. */
 json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot);

@@ -1,9 +1,9 @@
 /* ecobench: all sections, in the order in which they run and stand in the report. */
 #include "tests/bench/bench.h"
 
-#define SECTIONS(each) each(frames) each(pictures) each(bytes) each(rules) each(species) each(ladders) \
-	each(path) each(drawn) each(collapse) each(lee) each(scale) each(hierarchy) each(importance) each(tints) \
-	each(switches) each(extreme) each(billboards) each(deussen) each(neubert) each(cache) each(planner) each(visibility)
+#define SECTIONS(each) each(frames) each(pictures) each(rules) each(species) each(path) each(drawn) each(collapse) \
+	each(lee) each(scale) each(hierarchy) each(importance) each(tints) each(extreme) each(billboards) each(deussen) \
+	each(neubert) each(cache) each(visibility)
 #define DECLARE(name) extern const struct bench_section bench_##name;
 #define LIST(name) &bench_##name,
 SECTIONS(DECLARE)

@@ -350,6 +350,12 @@ static void measure(struct bench *bench, const struct bench_model *model, struct
 	}
 }
 
+static int ascending(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return x < y ? -1 : x > y;
+}
+
 /* In per cent, over all species or those with closed crowns. */
 static double median(const struct all *all, int method, int kind, bool closed)
 {
@@ -358,7 +364,8 @@ static double median(const struct all *all, int method, int kind, bool closed)
 	for (uint32_t i = 0; i < all->count; i++)
 		if (!closed || all->of[i].closed)
 			values[count++] = 100 * all->of[i].saved[method][kind];
-	return bench_median(values, count);
+	qsort(values, count, sizeof *values, ascending);
+	return count ? (values[(count - 1) / 2] + values[count / 2]) / 2 : NAN;
 }
 
 static void write_tables(struct bench *bench, const struct all *all)
