@@ -251,10 +251,11 @@ deb:
 # Tests and measurements are linked with all rooms.
 TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)
 LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_PUBLISH) $(LIBS_DRACO) $(LIBS_CORE)
-BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c) $(filter-out $(BASELINE_ROOM)/%,\
+BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c) $(filter-out $(BASELINE_ROOM)/% tests/bench/extreme/%,\
 	$(wildcard tests/bench/*/*.c)))
 $(foreach source,$(TEST_SOURCES),$(eval $(B)/tests/$(basename $(notdir $(source))): $(B)/obj/$(source:.c=.o)))
 $(patsubst tests/bench/%.c,$(B)/tests/%,$(filter tests/bench/%,$(TEST_SOURCES))): $(BENCH_PARTS)
+$(patsubst tests/bench/%.c,$(B)/tests/%,$(filter tests/bench/test_extreme%,$(TEST_SOURCES))): $(call objects,$(wildcard tests/bench/extreme/*.c))
 # Floating-point traps around lod/: these functions are entered through tests/support/traps.c.
 TRAPS := tests/support/traps.c
 TRAPPED := $(addprefix -Wl$(comma)--wrap=,$(shell awk -F '[^A-Za-z_]' '/^TRAPPED|^LANES/ { print $$2 }' $(TRAPS)))
@@ -423,7 +424,7 @@ told:
 SCRIPTS := $(wildcard tests/*/test_*.sh)
 # half of the processor time of all: run with ALL=1, or by name
 LONG := test_requests.sh test_determinism.sh test_country.sh test_mutants.sh test_faults_make.sh test_faults_export.sh test_faults_serve.sh \
-	test_extreme test_monotone test_install.sh
+	test_extreme test_extreme_plants test_monotone test_install.sh
 one_room = $(patsubst %.c,$(B)/tests/%,$(notdir $(filter tests/$(1)/%,$(TEST_SOURCES)))) $(filter tests/$(1)/%,$(SCRIPTS)) \
 	$(if $(filter fuzz,$(1)),$(FUZZERS))
 one_test = $(filter %/$(1),$(TESTS) $(FUZZERS)) $(filter %/$(1).sh %/$(1),$(SCRIPTS))

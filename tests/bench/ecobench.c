@@ -2,7 +2,7 @@
 #include "tests/bench/bench.h"
 
 #define SECTIONS(each) each(frames) each(pictures) each(rules) each(species) each(path) each(drawn) each(collapse) \
-	each(lee) each(scale) each(hierarchy) each(importance) each(tints) each(extreme) each(billboards) each(deussen) \
+	each(lee) each(scale) each(hierarchy) each(importance) each(tints) each(billboards) each(deussen) \
 	each(neubert) each(cache) each(visibility)
 #define DECLARE(name) extern const struct bench_section bench_##name;
 #define LIST(name) &bench_##name,

@@ -53,12 +53,12 @@ static void scatter(struct extreme_stand *stand, uint32_t plant, uint32_t count,
 	}
 }
 
-static void make_stand(struct extreme *x, struct extreme_stand *stand)
+static void make_stand(struct extreme_stand *stand)
 {
 	struct soup soup;
 	*stand = (struct extreme_stand){ .place_count = 0 };
 	soup_tree(&soup, 1500, 60, false);
-	extreme_good(x, extreme_stand_add(stand, &soup, "tree", &x->error));
+	assert_good(extreme_stand_add(stand, &soup, "tree", &cause));
 	soup_begin(&soup);
 	uint32_t leaf = soup_material(&soup, 70, 130, 50, ECO_NONE, false);
 	for (int i = 0; i < 400; i++)
@@ -66,7 +66,7 @@ static void make_stand(struct extreme *x, struct extreme_stand *stand)
 			lod_v3_add((struct lod_v3){ 0, 0, 0.6 },
 			lod_v3_scale(soup_direction(&soup), 0.6 * sqrt(soup_random(&soup, 0, 1)))), 0.12,
 			0.07);
-	extreme_good(x, extreme_stand_add(stand, &soup, "bush", &x->error));
+	assert_good(extreme_stand_add(stand, &soup, "bush", &cause));
 	soup_begin(&soup);
 	leaf = soup_material(&soup, 90, 150, 60, ECO_NONE, false);
 	for (int i = 0; i < 60; i++)
@@ -74,7 +74,7 @@ static void make_stand(struct extreme *x, struct extreme_stand *stand)
 			(struct lod_v3){ soup_random(&soup, -0.3, 0.3), soup_random(&soup, -0.3, 0.3), 0.2 },
 			(struct lod_v3){ 0.02, 0, 0 },
 			(struct lod_v3){ soup_random(&soup, -0.1, 0.1), soup_random(&soup, -0.1, 0.1), 0.4 });
-	extreme_good(x, extreme_stand_add(stand, &soup, "grass", &x->error));
+	assert_good(extreme_stand_add(stand, &soup, "grass", &cause));
 	scatter(stand, 0, 14, 1);
 	scatter(stand, 1, 20, 2);
 	scatter(stand, 2, 26, 3);
@@ -96,19 +96,19 @@ static void free_shared(void)
 	extreme_stand_free(&shared);
 }
 
-const struct extreme_stand *extreme_stand(struct extreme *x)
+const struct extreme_stand *extreme_stand(void)
 {
 	if (!shared.plant_count) {
 		atexit(free_shared);
-		make_stand(x, &shared);
+		make_stand(&shared);
 	}
 	return &shared;
 }
 
-struct extreme_world *extreme_world(struct extreme *x)
+struct extreme_world *extreme_world(void)
 {
 	if (!shared_world.scene)
-		extreme_world_open(x, &shared_world, extreme_stand(x), &(struct extreme_site){ 0 });
+		extreme_world_open(&shared_world, extreme_stand(), &(struct extreme_site){ 0 });
 	return &shared_world;
 }
 
@@ -163,15 +163,15 @@ static enum eco_code write_pack(const struct extreme_stand *stand, const struct 
 	return code;
 }
 
-void extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand,
+void extreme_world_open(struct extreme_world *world, const struct extreme_stand *stand,
 	const struct extreme_site *site)
 {
 	char path[64];
 	folder_make("build/tmp");
 	snprintf(path, sizeof path, "build/tmp/extreme-%ld.eco", (long)getpid());
 	srv_store_init(&world->store);
-	extreme_good(x, write_pack(stand, site, path, &x->error));
-	extreme_good(x, srv_store_add(&world->store, "extreme", path, &x->error));
+	assert_good(write_pack(stand, site, path, &cause));
+	assert_good(srv_store_add(&world->store, "extreme", path, &cause));
 	unlink(path);                            /* the mapping stays */
 	world->scene = world->store.scenes[0];
 }
@@ -225,80 +225,55 @@ struct eco_view extreme_view(const double eye[3], const double target[3])
 
 /* ---- Plans ---- */
 
-void extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct eco_request *request)
+void extreme_sound(const struct eco_plan *plan, const struct eco_request *request)
 {
 	struct eco_plan *sorted = (struct eco_plan *)plan;
 	const struct eco_prediction *p = &plan->prediction;
 	double pixels = (double)request->view.width * request->view.height * (1 + 1e-6);
 	eco_plan_sort(sorted);
-	extreme_must(x, plan->vertices <= request->vertices, "%llu vertices of at most %llu",
+	must_hold(plan->vertices <= request->vertices, "%llu vertices of at most %llu",
 		(unsigned long long)plan->vertices, (unsigned long long)request->vertices);
-	extreme_good(x, eco_plan_check(sorted, &x->error));
-	extreme_must(x, p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp <= pixels && p->fp <= pixels
+	assert_good(eco_plan_check(sorted, &cause));
+	must_hold(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp <= pixels && p->fp <= pixels
 		&& p->fn <= pixels, "predicted %g, %g and %g of %g pixels", p->tp, p->fp, p->fn, pixels);
 }
 
-void extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+void extreme_plan(const struct eco_scene *scene, const struct eco_request *request,
 	struct eco_plan *plan)
 {
 	struct lod_planner_input input = { .scene = scene, .request = request };
-	extreme_good(x, lod_plan(plan, &input, &x->error));
-	extreme_sound(x, plan, request);
+	assert_good(lod_plan(plan, &input, &cause));
+	extreme_sound(plan, request);
 }
 
-bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b)
+struct extreme_look extreme_twice(const struct eco_scene *scene, const struct eco_request *request)
 {
-	return a->size == b->size && !memcmp(a->bytes, b->bytes, a->size);
-}
-
-void extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
-	struct eco_writer *first, struct extreme_look *look)
-{
-	struct eco_plan plan = { 0 };
-	struct eco_writer bytes = { 0 };
-	extreme_plan(x, scene, request, &plan);
-	if (look)
-		*look = (struct extreme_look){ .plants = plan.visible_plants, .vertices = plan.vertices };
-	eco_wire_write_plan(first->size ? &bytes : first, &plan);
-	eco_plan_free(&plan);
-	extreme_must(x, !bytes.size || extreme_same_bytes(first, &bytes),
-		"the same request is answered in two ways");
-	eco_writer_free(&bytes);
+	struct eco_writer bytes[2] = { { 0 } };
+	struct extreme_look look;
+	for (int i = 0; i < 2; i++) {
+		struct eco_plan plan = { 0 };
+		extreme_plan(scene, request, &plan);
+		look = (struct extreme_look){ .plants = plan.visible_plants, .vertices = plan.vertices };
+		eco_wire_write_plan(&bytes[i], &plan);
+		eco_plan_free(&plan);
+	}
+	assert_int_equal(bytes[0].size, bytes[1].size);
+	assert_memory_equal(bytes[0].bytes, bytes[1].bytes, bytes[0].size);
+	eco_writer_free(&bytes[0]);
+	eco_writer_free(&bytes[1]);
+	return look;
 }
 
 /* ---- Pictures ---- */
 
-static struct view_store *fetch(struct extreme *x, const struct extreme_world *world,
-	const struct eco_request *request)
-{
-	struct view_store *store;
-	extreme_good(x, view_store_new(&store, &(struct view_store_options){ .images = true }, &x->error));
-	extreme_good(x, bench_fetch(NULL, world->scene, request, store, &x->error));
-	return store;
-}
-
-void extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
-	struct view_picture *picture)
+void extreme_draw(const struct extreme_world *world, const struct eco_request *request, struct view_picture *picture)
 {
 	struct bench_drawing drawing;
-	struct view_store *store = fetch(x, world, request);
-	extreme_good(x, bench_draw(&drawing, store, &request->view, NULL, picture, &x->error));
+	struct view_store *store;
+	assert_good(view_store_new(&store, &(struct view_store_options){ .images = true }, &cause));
+	assert_good(bench_fetch(NULL, world->scene, request, store, &cause));
+	assert_good(bench_draw(&drawing, store, &request->view, NULL, picture, &cause));
 	view_select_free(&drawing.selection);
-	view_store_free(store);
-}
-
-void extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
-	uint8_t *cover)
-{
-	struct view_selection selection;
-	struct view_store *store = fetch(x, world, request);
-	struct lod_eye eye;
-	lod_eye_make(&eye, &request->view);
-	extreme_good(x, view_select_make(&selection, store, &eye, &x->error));
-	extreme_good(x, view_reference_count(&(struct view_draw_job){ .store = store,
-		.selection = &selection, .eye = &eye, .near_m = bench_near_m(store) },
-		&(struct view_coverage){ request->view.width, request->view.height, 1, cover }, &x->error));
-	view_select_free(&selection);
 	view_store_free(store);
 }
 

@@ -1,16 +1,16 @@
-/* Scenes for extreme cases: real plants, built once, packed into a scene that stands anywhere, served and
- * drawn in this process.
+/* Scenes for cases at the edge of what numbers can say: real plants, built once, packed into a scene that stands anywhere,
+ * served and drawn in this process.
  *
- *   stand = extreme_stand(x)                         a tree, a bush and grass, 60 of them in four tiles with
+ *   stand = extreme_stand()                          a tree, a bush and grass, 60 of them in four tiles with
  *                                                    a summary above
- *   extreme_world_open(x, &world, stand, &site)      as a pack whose root places all of it by `site`; world =
- *                                                    extreme_world(x) at the origin
+ *   extreme_world_open(&world, stand, &site)         as a pack whose root places all of it by `site`; world =
+ *                                                    extreme_world() at the origin
  *   extreme_site_view(&site, &view)                  a view of the stand where it would be at the origin ->
  *                                                    in that world
  *   extreme_plan, extreme_draw                       what the server answers; what a viewer draws of it
  *   extreme_world_close(&world); extreme_stand_free(&stand)
  *
- * Functions that fail end the case. */
+ * A function that fails ends the test. */
 #pragma once
 
 #include "client-min/draw/view_picture.h"
@@ -20,8 +20,15 @@
 #include "lod/eye.h"
 #include "lod/plan/planner.h"
 #include "server/store.h"
-#include "tests/bench/extreme/extreme.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
+
+/* A condition that must hold, and what to say if it does not. */
+#define must_hold(holds, ...) \
+	do { \
+		if (!(holds)) \
+			fail_msg(__VA_ARGS__); \
+	} while (0)
 
 #define EXTREME_PLANTS 4u
 #define EXTREME_PLACES 60u
@@ -46,11 +53,11 @@ enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, 
 	struct eco_error *error);
 void extreme_stand_place(struct extreme_stand *stand, const struct eco_source_instance *place);
 void extreme_stand_free(struct extreme_stand *stand);
-/* Made when first asked for, and never freed by cases. */
-const struct extreme_stand *extreme_stand(struct extreme *x);
-struct extreme_world *extreme_world(struct extreme *x);
+/* Made when first asked for, and never freed by tests. */
+const struct extreme_stand *extreme_stand(void);
+struct extreme_world *extreme_world(void);
 
-void extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand,
+void extreme_world_open(struct extreme_world *world, const struct extreme_stand *stand,
 	const struct extreme_site *site);
 void extreme_world_close(struct extreme_world *world);
 /* Plant `index` of a group as the pack has it: on the grid of its list. */
@@ -63,22 +70,15 @@ struct eco_view extreme_view(const double eye[3], const double target[3]);
 
 /* Plans for these tables, and checks that the plan is in order, within the budget, and of finite numbers that
  * make sense. The caller frees the plan; extreme_sound checks another's. */
-void extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
-	struct eco_plan *plan);
-void extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct eco_request *request);
-/* The same request must be answered by the same bytes, as it travels: those of *first, or, where that is
- * empty, *first becomes them. `look` may be NULL. */
-struct extreme_look { uint64_t plants, vertices, covered; };
-void extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
-	struct eco_writer *first, struct extreme_look *look);
-bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b);
+void extreme_plan(const struct eco_scene *scene, const struct eco_request *request, struct eco_plan *plan);
+void extreme_sound(const struct eco_plan *plan, const struct eco_request *request);
+/* The same request must be answered by the same bytes, as it travels. Returns vertices and plants in view. */
+struct extreme_look { uint64_t plants, vertices; };
+struct extreme_look extreme_twice(const struct eco_scene *scene, const struct eco_request *request);
 
 /* The caller frees the picture; `request->bytes` is unbounded. */
-void extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+void extreme_draw(const struct extreme_world *world, const struct eco_request *request,
 	struct view_picture *picture);
-/* Its cover alone, a byte a pixel: 1 where a plant is nearest. Takes little memory beside that. */
-void extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
-	uint8_t *cover);
 uint64_t extreme_covered(const struct view_picture *picture);
 /* Share of pixels in which another plant is nearest, or none; or, where asked for, whose colour differs: haze
  * is so many metres deep and high, and the sun stands still, so that colours are not to be asked for where
