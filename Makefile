@@ -405,7 +405,7 @@ bench: deps
 
 # Damaged models and random requests (MUTANTS=, REQUESTS= in the environment for hours of it), then clients for SECONDS
 soak: deps
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/mutants $(B)/bench/convert $(B)/bench/wood \
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/mutants $(B)/bench/convert \
 		$(B)/tests/fault.so
 	BUILD=$(B) SECONDS_LONG=$(SECONDS) sh tests/demo/soak.sh
 

@@ -146,7 +146,6 @@ struct bench_truth { double cpu_ms, floor, floor_one, ceiling; };
 
 /* zero with rule, occlusion, look and request set asks; the rest is the answer */
 struct bench_frame {
-	const char *method;          /* for the tables */
 	lod_rule *rule;
 	bool ignore_occlusion;
 	/* called with the job of the picture, while it can be drawn; may be NULL */

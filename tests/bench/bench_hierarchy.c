@@ -66,7 +66,7 @@ static struct eco_request look_from_height(uint32_t i, double high)
 static void draw_height(struct bench *bench, const struct forest *f, const char *pack,
 	struct bench_client *client, uint32_t i, struct bench_table *table, double *worst_q)
 {
-	struct bench_frame frame = { .method = "optimal", .request = look_from_height(i, 1.7 * f->half_m) };
+	struct bench_frame frame = { .request = look_from_height(i, 1.7 * f->half_m) };
 	struct view_picture picture = { 0 };
 	bool scored = i == 1 || i == 2;
 	char name[64], caption[160];

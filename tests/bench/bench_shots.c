@@ -72,7 +72,7 @@ double bench_shot_number(const json_t *row, const char *key)
 	return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
-json_t *bench_shot_row(const struct bench_frame *f)
+static json_t *row_of(const struct bench_frame *f)
 {
 	const struct view_measures *m = &f->measures;
 	const struct bench_truth *t = &f->truth;
@@ -95,97 +95,37 @@ json_t *bench_shot_row(const struct bench_frame *f)
 
 /* ---- Rows ---- */
 
-struct work { struct bench *bench; const struct bench_view *view; const struct bench_shoot *shoot; };
+struct work { struct bench *bench; const struct bench_method *method; const char *pack; struct eco_view view;
+	const uint64_t *vertices; uint32_t count; };
 
-static json_t *make_row(const struct work *w, struct bench_client *client, uint32_t row)
+static json_t *make_row(const struct work *w, struct bench_client *client, uint64_t vertices)
 {
-	const struct bench_shoot *shoot = w->shoot;
-	const struct bench_method *method = shoot->method ? shoot->method : &bench_methods[BENCH_OURS];
-	struct bench_frame frame = { .method = method->name, .rule = method->rule,
-		.ignore_occlusion = method->ignore_occlusion,
-		.request = { .view = w->view->view, .vertices = shoot->vertices[row], .bytes = ECO_BYTES_UNBOUNDED } };
-	struct view_picture picture = { 0 };
-	bench_client_frame(client, &frame, &picture);
-	if (shoot->show)
-		shoot->show(w->bench, client, w->view, row, &frame, &picture);
-	view_picture_free(&picture);
-	return bench_shot_row(&frame);
+	struct bench_frame frame = { .rule = w->method->rule, .ignore_occlusion = w->method->ignore_occlusion,
+		.request = { .view = w->view, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED } };
+	bench_client_frame(client, &frame, NULL);
+	return row_of(&frame);
 }
 
 static json_t *make_rows(void *ctx)
 {
 	const struct work *w = ctx;
-	struct bench_client *client = bench_client_open(w->view->pack);
+	struct bench_client *client = bench_client_open(w->pack);
 	json_t *rows = json_array();
 	bench_client_see(client, w->bench);
-	if (!w->shoot->method)
-		bench_client_untimed(client);
-	for (uint32_t i = 0; i < w->shoot->count; i++)
-		json_array_append_new(rows, make_row(w, client, i));
+	for (uint32_t i = 0; i < w->count; i++)
+		json_array_append_new(rows, make_row(w, client, w->vertices[i]));
 	bench_client_close(client);
 	return rows;
 }
 
-json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot)
-{
-	const struct eco_view *v = &view->view;
-	char unit[96], stamp[512];
-	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
-	snprintf(stamp, sizeof stamp, "%s %u %g %g %g %g %g %g %g", bench_pack_stamp(view->pack),
-		shoot->count, v->eye[0], v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
-	return bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot });
-}
-
 json_t *bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view)
 {
-	char name[16], camera[16], pack[512];
+	char unit[96], pack[512];
 	uint64_t budgets[BENCH_BUDGETS_MAX];
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	bench_scene(bench, scene, bench_methods[method].order, pack);
 	bench_shot_views(bench, scene, requests);
-	snprintf(name, sizeof name, "shots%u", method);
-	snprintf(camera, sizeof camera, "%u", view);
-	return bench_view_rows(bench, &(struct bench_view){ scene, camera, pack, requests[view].view },
-		&(struct bench_shoot){ .name = name, .count = bench_budgets(bench, scene, budgets),
-			.vertices = budgets, .method = &bench_methods[method] });
-}
-
-/* ---- Cameras ---- */
-
-#define VIEWS "tests/bench/pictures/pictures.json"
-
-static bool read_view(const json_t *item, struct bench_view *to)
-{
-	struct eco_view *view = &to->view;
-	*view = (struct eco_view){ .up = { 0, 0, 1 }, .width = BENCH_SHOT_WIDTH,
-		.height = BENCH_SHOT_HEIGHT };
-	return !json_unpack((json_t *)item, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "camera", &to->camera,
-		"eye", &view->eye[0], &view->eye[1], &view->eye[2],
-		"target", &view->target[0], &view->target[1], &view->target[2], "fov_y_deg",
-		&view->fov_y_deg) && !eco_view_check(view, NULL);
-}
-
-void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx)
-{
-	json_t *file = json_load_file(VIEWS, 0, NULL), *scenes = json_object_get(file, "scenes"), *item, *camera;
-	char pack[512], what[96];
-	size_t i, k;
-	if (!scenes)
-		must(eco_fail(must_error, ECO_BAD_INPUT, VIEWS " cannot be read"));
-	json_array_foreach(scenes, i, item) {
-		struct bench_view view = { .pack = pack,
-			.scene = json_string_value(json_object_get(item, "scene")) };
-		if (!bench->full && i >= quick)
-			bench_left_out(bench, view.scene);
-		else if (bench_scene_there(bench, view.scene, pack))
-			json_array_foreach(json_object_get(item, "cameras"), k, camera) {
-				if (!read_view(camera, &view))
-					must(eco_fail(must_error, ECO_BAD_INPUT,
-						VIEWS ": a camera of %s is not one", view.scene));
-				snprintf(what, sizeof what, "%s, %s", view.scene, view.camera);
-				bench_progress((double)i / (double)json_array_size(scenes), what);
-				call(bench, ctx, &view);
-			}
-	}
-	json_decref(file);
+	snprintf(unit, sizeof unit, "shots%u-%s-%u", method, scene, view);
+	return bench_unit(bench, unit, bench_pack_stamp(pack), make_rows, &(struct work){ bench, &bench_methods[method],
+		pack, requests[view].view, budgets, bench_budgets(bench, scene, budgets) });
 }

@@ -1,7 +1,7 @@
 /* ecobench: all sections, in the order in which they run and stand in the report. */
 #include "tests/bench/bench.h"
 
-#define SECTIONS(each) each(frames) each(pictures) each(rules) each(species) each(path) each(drawn) each(collapse) \
+#define SECTIONS(each) each(frames) each(rules) each(species) each(drawn) each(collapse) \
 	each(lee) each(scale) each(hierarchy) each(importance) each(tints) each(billboards) each(deussen) \
 	each(neubert) each(cache) each(visibility)
 #define DECLARE(name) extern const struct bench_section bench_##name;

@@ -16,7 +16,6 @@ mutate "$OUT/mutants" "${MUTANTS:-10000}" "${SEED:-1}"
 BUILD=$BUILD sh tests/bench/request_scenes.sh "$OUT/requests" >>"$OUT/log"
 "$BUILD/bench/requests" "${REQUESTS:-10000}" "$OUT"/requests/*.eco "$OUT/forest.eco"
 for scene in park grove forest; do "$BUILD/ecopack" generate $scene -o "$OUT/$scene" >>"$OUT/log"; done
-"$BUILD/bench/wood" "$OUT"/park/models/*.obj "$OUT"/grove/models/*.obj "$OUT"/forest/models/*.obj
 serve "$OUT/serve.log" "forest=$OUT/forest.eco"
 "$BUILD/ecoload" "$BASE/v1/scenes/forest" --camera "$OUT/forest/camera.json" --clients 16 --seconds "${SECONDS_LONG:-60}" --vertices 200000
 grep -E 'VmRSS|VmHWM' "/proc/$SERVER_PID/status"

@@ -217,12 +217,6 @@ struct eco_request extreme_request(uint64_t vertices)
 		.height = 300 }, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
 }
 
-struct eco_view extreme_view(const double eye[3], const double target[3])
-{
-	return (struct eco_view){ { eye[0], eye[1], eye[2] }, { target[0], target[1], target[2] },
-		{ 0, 0, 1 }, 45, 320, 240 };
-}
-
 /* ---- Plans ---- */
 
 void extreme_sound(const struct eco_plan *plan, const struct eco_request *request)

@@ -64,9 +64,8 @@ void extreme_world_close(struct extreme_world *world);
 struct lod_place extreme_placed(const struct extreme_world *world, uint32_t group, uint32_t index);
 
 struct eco_view extreme_site_view(const struct extreme_site *site, const struct eco_view *view);
-/* From beside the stand: all of it in view, 400 x 300; `extreme_view` is 320 x 240 anywhere. */
+/* From beside the stand: all of it in view, 400 x 300. */
 struct eco_request extreme_request(uint64_t vertices);
-struct eco_view extreme_view(const double eye[3], const double target[3]);
 
 /* Plans for these tables, and checks that the plan is in order, within the budget, and of finite numbers that
  * make sense. The caller frees the plan; extreme_sound checks another's. */

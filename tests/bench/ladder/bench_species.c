@@ -68,14 +68,10 @@ struct study {
 	uint32_t row_count;
 };
 
-double bench_distance(enum bench_spacing spacing, uint32_t i)
+static double cook_lambda(uint32_t i)
 {
-	return spacing == BENCH_EVEN ? (double)i / DISTANCES : i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10);
-}
-
-static double cook_lambda(enum bench_spacing spacing, uint32_t i)
-{
-	return (1 - bench_distance(spacing, i)) * (1 - bench_distance(spacing, i));
+	double d = (double)i / DISTANCES;
+	return (1 - d) * (1 - d);
 }
 
 /* ---- Orders ---- */
@@ -269,12 +265,7 @@ static double cook_q(struct study *s, double lambda)
 	return fmax(plain, q_of(s, &s->tests, &drawing, plain));
 }
 
-#define ROW (BENCH_SPACINGS * DISTANCES + BENCH_SHARES)
-
-static double lambda_of(uint32_t i)
-{
-	return cook_lambda((enum bench_spacing)(i / DISTANCES), i % DISTANCES);
-}
+#define ROW (DISTANCES + BENCH_SHARES)
 
 /* The unit: [elements, vertices, layers, for each method lambdas over Cook's and Q]; of few elements their
  * number. */
@@ -295,11 +286,11 @@ static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 	fill_tables(s);
 	*at++ = (double)s->vertices[0][s->n];
 	*at++ = s->layers;
-	for (uint32_t i = 0; i < BENCH_SPACINGS * DISTANCES; i++)
-		q[i] = cook_q(s, lambda_of(i));
+	for (uint32_t i = 0; i < DISTANCES; i++)
+		q[i] = cook_q(s, cook_lambda(i));
 	for (int m = 0; m < METHODS; m++) {
-		for (uint32_t i = 0; i < BENCH_SPACINGS * DISTANCES; i++)
-			*at++ = reach(s->rows[m], s->row_count, q[i]) / lambda_of(i);
+		for (uint32_t i = 0; i < DISTANCES; i++)
+			*at++ = reach(s->rows[m], s->row_count, q[i]) / cook_lambda(i);
 		for (uint32_t i = 0; i < BENCH_SHARES; i++)
 			*at++ = q_at(s->rows[m], s->row_count, bench_shares[i]);
 	}
@@ -328,7 +319,7 @@ void bench_savings_of(struct bench *bench, struct bench_savings *savings, const 
 	*savings = (struct bench_savings){ (uint32_t)values[0], .vertices = values[1], .layers = values[2] };
 	for (size_t m = 0; m < METHODS; m++, at += ROW) {
 		memcpy(savings->ratio[m], at, sizeof savings->ratio[m]);
-		memcpy(savings->q[m], at + BENCH_SPACINGS * DISTANCES, sizeof savings->q[m]);
+		memcpy(savings->q[m], at + DISTANCES, sizeof savings->q[m]);
 	}
 }
 
@@ -340,11 +331,11 @@ static void measure(struct bench *bench, const struct bench_model *model, struct
 	for (size_t m = 0; m < METHODS; m++) {
 		double ours = 0, cook = 0;
 		for (uint32_t d = 0; d < DISTANCES; d++) {
-			double ratio = one->s.ratio[m][BENCH_EVEN][d], saved = 1 - ratio;
+			double ratio = one->s.ratio[m][d], saved = 1 - ratio;
 			one->saved[m][MEAN] += saved / DISTANCES;
 			one->saved[m][FAR] += d >= DISTANCES / 2 ? saved / (DISTANCES / 2) : 0;
-			ours += ratio * cook_lambda(BENCH_EVEN, d);
-			cook += cook_lambda(BENCH_EVEN, d);
+			ours += ratio * cook_lambda(d);
+			cook += cook_lambda(d);
 		}
 		one->saved[m][TOTAL] = 1 - ours / cook;
 	}
@@ -423,7 +414,7 @@ static void write_keys(struct bench *bench, const struct all *all)
 		}
 		for (uint32_t k = 0; k < METHODS * DISTANCES; k++)
 			y[k / DISTANCES][k % DISTANCES] +=
-				100 * (1 - one->s.ratio[k / DISTANCES][BENCH_EVEN][k % DISTANCES]) / count;
+				100 * (1 - one->s.ratio[k / DISTANCES][k % DISTANCES]) / count;
 	}
 	bench_key(bench, "saving_pruned_mean", count ? mean[BENCH_GREEDY] : NAN,
 		">= 0.76: mean over species, leaves as they are");
@@ -433,7 +424,7 @@ static void write_keys(struct bench *bench, const struct all *all)
 	bench_key(bench, "saving_packs_total", count ? total[BENCH_PACK] : NAN, "of all vertices, packs");
 	bench_key(bench, "saving_species", count, "species that count");
 	for (uint32_t d = 0; d < DISTANCES; d++)
-		x[d] = bench_distance(BENCH_EVEN, d);
+		x[d] = (double)d / DISTANCES;
 	for (int m = 0; m < METHODS; m++)
 		series[m] = (struct bench_series){ bench_order_names[m], x, y[m], DISTANCES, false };
 	if (count)

@@ -16,15 +16,11 @@ enum bench_order { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION_SMALL, BEN
 	BENCH_ORDERS };
 extern const char *const bench_order_names[BENCH_ORDERS];
 
-/* Distances: evenly over [0, 1); or as the paper tabulates, 10 equidistant in [0, .1) and 10 in [.1, 1). */
-enum bench_spacing { BENCH_EVEN, BENCH_NEAR, BENCH_SPACINGS };
-double bench_distance(enum bench_spacing spacing, uint32_t i);
-
 struct bench_savings {
 	uint32_t elements;           /* of the foliage; below BENCH_ELEMENTS_LEAST nothing else is set */
 	double vertices, layers;     /* layers of leaves: their projected area over what they cover */
-	/* lambda over Cook's; Q at bench_shares, at the best scale */
-	double ratio[BENCH_ORDERS][BENCH_SPACINGS][BENCH_DISTANCES], q[BENCH_ORDERS][BENCH_SHARES];
+	/* lambda over Cook's, at distances evenly over [0, 1); Q at bench_shares, at the best scale */
+	double ratio[BENCH_ORDERS][BENCH_DISTANCES], q[BENCH_ORDERS][BENCH_SHARES];
 };
 /* A unit by what the model's file holds; reads the model only if that is not there. An error ends the
  * section. */
