@@ -328,7 +328,7 @@ PLACES := ecofiles/import/places
 # names.tsv has a row for each plant and language, its table one for each name, in their order
 names_by_name = awk -F '\t' '/^\#/ { next } !named++ { print "name\ttaxon\tlanguage\twhere"; fflush(); next } \
 	{ count = split($$4, name, "|"); for (i = 1; i <= count; i++) print name[i] "\t" $$1 "\t" $$2 "\t" $$3 | "LC_ALL=C sort" }'
-WORD_ROOMS := ecofiles/base ecofiles/import/model ecofiles/import/track $(PLACES) ecofiles/import/land ecofiles/generate
+WORD_ROOMS := ecofiles/base ecofiles/import/model ecofiles/import/track $(PLACES) ecofiles/import/land ecofiles/generate lod/build/organ
 WORDS := $(patsubst %.tsv,build/words/%.table,$(notdir $(wildcard $(WORD_ROOMS:%=%/words/*.tsv))))
 vpath %.tsv $(WORD_ROOMS:%=%/words)
 build/words/%.table: %.tsv Makefile

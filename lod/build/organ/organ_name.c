@@ -7,42 +7,11 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "ecofiles/format/list.h"
+#include "build/words/organs.table"
+
 #define WORD_MOST 64u
 #define PREFIX_LEAST 4u          /* letters of a table word that matches beginnings and ends */
-
-static const char *const wood_words[] = {
-	"bark", "trunk", "wood", "stem", "stalk", "branch", "twig", "log", "stump", "root", "cane", "culm",
-		"rachis", "limb",
-	"rinde", "borke", "stamm", "holz", "ast", "äste", "aeste", "zweig", "stiel", "stängel", "staengel",
-	"stengel", "wurzel", "halm",
-	"tronc", "écorce", "ecorce", "bois", "branche", "rameau", "tige", "racine", "souche",
-	"corteza", "tronco", "madera", "rama", "tallo", "raíz", "raiz", "corteccia", "legno", "ramo", "fusto",
-	"casca", "madeira", "galho",
-	"caule", "schors", "stam", "tak", "hout", "takken", "kora", "kmen", "větev", "pień", "kmień", "gałąź",
-	"drewno", "gren", "stamme",
-	"кора", "ствол", "ветка", "ветви", "дерево", "树干", "树皮", "树枝", "幹", "枝", "樹皮",
-	/* not of the plant, treated as wood */
-	"pot", "planter", "vase", "jar", "soil", "ground", "dirt", "earth", "rock", "stone", "gravel",
-	"fence", "frame",
-	"topf", "kasten", "erde", "stein", "zaun", "terre", "pierre", "maceta", "tierra", "piedra", "vaso",
-	"terra", "pietra", "bloempot",
-};
-static const char *const foliage_words[] = {
-	"leaf", "leaves", "leef", "foliage", "needle", "frond", "blade", "grass", "canopy", "crown", "fern",
-		"moss", "ivy",
-	"blatt", "blätter", "blaetter", "laub", "nadel", "gras", "krone", "farn", "feuille", "feuillage",
-	"aiguille", "herbe", "fougère",
-	"hoja", "follaje", "aguja", "hierba", "copa", "foglia", "foglie", "ago", "erba", "folha", "folhagem",
-	"agulha", "grama",
-	"blad", "bladeren", "naald", "list", "listy", "liść", "liście", "igła", "trawa", "löv", "gräs",
-	"лист", "листья", "хвоя", "трава", "叶", "树叶", "草", "葉", "葉っぱ",
-};
-static const char *const flower_words[] = {
-	"flower", "petal", "blossom", "bloom", "sepal", "stamen", "pistil", "inflorescence",
-	"blüte", "bluete", "blume", "fleur", "pétale", "petale", "flor", "pétalo", "petalo", "flore", "fiore",
-	"pétala", "bloem",
-	"květ", "kwiat", "płatek", "blomma", "цветок", "цветы", "лепесток", "花", "花瓣",
-};
 
 static bool is_letter(unsigned char c)
 {
@@ -70,35 +39,39 @@ static bool next_word(const char **at, char word[WORD_MOST])
 
 /* The quality of a word's match with a known one: 0 for none; longer is better, and an end is better than a
  * beginning, since the last part of a compound is its noun. */
-static size_t match(const char *word, const char *known)
+static size_t match(const char *word, const char *known, size_t k)
 {
-	size_t n = strlen(word), k = strlen(known);
+	size_t n = strlen(word);
 	if (n < k)
 		return 0;
 	const char *rest = word + k;
-	if (k > PREFIX_LEAST && strcmp(word + n - k, known) == 0)
+	if (k > PREFIX_LEAST && strncmp(word + n - k, known, k) == 0)
 		return WORD_MOST + k;
 	bool begins = strncmp(word, known, k) == 0;
 	return begins && (k >= PREFIX_LEAST || !*rest || strcmp(rest, "s") == 0 || strcmp(rest, "es") == 0)
 		? k : 0;
 }
 
+static enum lod_hint hint_of(const char *organ)
+{
+	int i = 0;
+	while (strcmp(eco_organ_names[i], organ))
+		i++;
+	return (enum lod_hint)(LOD_HINT_WOOD + i);
+}
+_Static_assert(LOD_HINT_FLOWER - LOD_HINT_WOOD == ECO_ORGAN_FLOWER, "hints are organs");
+
 static enum lod_hint word_hint(const char *word)
 {
-	static const struct { const char *const *words; size_t count; enum lod_hint hint; } table[] = {
-		{ wood_words, sizeof wood_words / sizeof *wood_words, LOD_HINT_WOOD },
-		{ foliage_words, sizeof foliage_words / sizeof *foliage_words, LOD_HINT_FOLIAGE },
-		{ flower_words, sizeof flower_words / sizeof *flower_words, LOD_HINT_FLOWER },
-	};
 	enum lod_hint hint = LOD_HINT_NONE;
 	size_t best = 0;
-	for (size_t i = 0; i < sizeof table / sizeof *table; i++)
-		for (size_t k = 0; k < table[i].count; k++) {
-			size_t good = match(word, table[i].words[k]);
-			if (good > best) {
-				best = good;
-				hint = table[i].hint;
-			}
+	for (size_t i = 0; i < sizeof organs_rows / sizeof *organs_rows; i++)
+		for (const char *known = organs_rows[i].words; *known; known += strcspn(known, "|"), known += *known == '|') {
+			size_t good = match(word, known, strcspn(known, "|"));
+			if (good <= best)
+				continue;
+			best = good;
+			hint = hint_of(organs_rows[i].organ);
 		}
 	return hint;
 }
