@@ -9,6 +9,7 @@
 #include "ecofiles/base/json_read.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/text.h"
 
 /* ---- The scene's place ---- */
@@ -255,13 +256,7 @@ static double rounded(double value, double step)
 
 /* ---- What is seen ---- */
 
-static int by_pixels(const void *a, const void *b)
-{
-	const struct seen *x = a, *y = b;
-	if (x->pixels != y->pixels)
-		return x->pixels > y->pixels ? -1 : 1;
-	return x->instance < y->instance ? -1 : x->instance > y->instance;
-}
+ECO_ORDER_FALLING_TWO(by_pixels, struct seen, ->pixels, ->instance)
 
 /* Instances that are seen come first; returns their number. *others: pixels of what is no instance. */
 static uint32_t find_seen(const struct view_geojson_job *job, struct seen *seen, uint64_t *others)

@@ -9,6 +9,7 @@
 
 #include "client-min/view_exchange.h"
 #include "client-min/view_query.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/base/version.h"
@@ -60,11 +61,7 @@ void view_fetch_teardown(void)
 
 /* ---- Marks ---- */
 
-static int ascending(const void *a, const void *b)
-{
-	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(ascending, uint64_t, [0])
 
 /* Each once. */
 static void sort_marks(uint64_t *marks, uint32_t *count)

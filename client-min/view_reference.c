@@ -13,6 +13,7 @@
 #include "client-min/draw/view_mesh.h"
 #include "client-min/draw/view_picture.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "lod/light.h"
 
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
@@ -198,13 +199,7 @@ static uint32_t cut_of(const struct scene *scene, uint32_t item, uint32_t last)
 	if (item >= scene->items[last] && item < scene->items[last + 1])
 		return last;                     /* as the pixel before */
 	uint32_t low = 0, high = scene->job->selection->cut_count - 1;
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2;
-		if (item >= scene->items[middle + 1])
-			low = middle + 1;
-		else
-			high = middle;
-	}
+	ECO_LEAST(low, high, i, item < scene->items[i + 1])
 	return low;
 }
 

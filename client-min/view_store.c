@@ -15,6 +15,7 @@
 
 #include "client-min/view_cache.h"
 #include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/order.h"
 
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)
 #define REPEATS_MAX 4u                   /* of one request; with a budget of bytes its plans may differ */
@@ -604,11 +605,7 @@ const struct view_list *view_store_list_at(const struct view_store *store, uint3
 	return store->cache.lists[index];
 }
 
-static int by_list(const void *a, const void *b)
-{
-	const struct eco_holding *x = a, *y = b;
-	return x->list < y->list ? -1 : x->list > y->list;
-}
+ECO_ORDER(by_list, struct eco_holding, ->list)
 
 enum eco_code view_store_holdings(const struct view_store *store, struct eco_holdings *holdings,
 	struct eco_error *error)

@@ -1,4 +1,5 @@
 #include "lod/forms.h"
+#include "ecofiles/base/order.h"
 
 #include <assert.h>
 #include <math.h>
@@ -308,13 +309,7 @@ static struct lod_forms_leg leg_past(const struct lod_forms *forms, uint64_t ver
 {
 	if (forms->leg_count) {
 		uint32_t low = 0, high = forms->leg_count - 1;
-		while (low < high) {
-			uint32_t middle = low + (high - low) / 2;
-			if (ends_above(&forms->legs[middle], vertices, share))
-				high = middle;
-			else
-				low = middle + 1;
-		}
+		ECO_LEAST(low, high, i, ends_above(&forms->legs[i], vertices, share))
 		return forms->legs[low];
 	}
 	struct walk walk;
@@ -448,13 +443,7 @@ uint64_t lod_forms_all_drawn(const struct lod_forms *forms)
 	for (begin(&walk, forms); step(&walk);)
 		if (walk.leg.to.e == forms->own) {
 			uint64_t low = 0, high = leg_steps(&walk.leg);
-			while (low < high) {
-				uint64_t middle = low + (high - low) / 2;
-				if (along(&walk.leg, middle).e == forms->own)
-					high = middle;
-				else
-					low = middle + 1;
-			}
+			ECO_LEAST(low, high, i, along(&walk.leg, i).e == forms->own)
 			struct lod_forms_state s = along(&walk.leg, low);
 			return lod_forms_vertices(forms, &s);
 		}

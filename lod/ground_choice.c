@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "ecofiles/base/order.h"
 #include "lod/heap.h"
 
 /* ---- Neighbours ---- */
@@ -17,11 +18,7 @@ static uint64_t key_of(uint32_t level, uint32_t column, uint32_t row)
 	return (uint64_t)level << 48 | (uint64_t)column << 24 | row;
 }
 
-static int by_key(const void *a, const void *b)
-{
-	const struct placed *x = a, *y = b;
-	return x->key < y->key ? -1 : x->key > y->key;
-}
+ECO_ORDER(by_key, struct placed, ->key)
 
 /* The coarser tile, of `all` in order, that touches this side of a tile; NULL: none is coarser. */
 static const struct placed *coarser_beyond(const struct placed *all, uint32_t count,
@@ -245,11 +242,7 @@ static bool bring_together(struct search *s)
 	return good;
 }
 
-static int by_number(const void *a, const void *b)
-{
-	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(by_number, uint32_t, [0])
 
 enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct eco_scene *scene,
 	const struct lod_eye *eye, const struct lod_ground_limits *limits, struct eco_error *error)

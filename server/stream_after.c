@@ -1,6 +1,7 @@
 /* Parts of an answer that are answers of their own: the first picture, and chunks that the next view lacks. And more
  * lists for bytes that are left. */
 #include "ecofiles/base/random.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/format/wire.h"
 #include "server/stream.h"
 
@@ -174,12 +175,7 @@ enum eco_code srv_plan_next(struct srv_stream *stream, struct eco_error *error)
 
 struct lacking { struct eco_holding item; uint32_t held; uint64_t bytes; };
 
-static int by_bytes(const void *a, const void *b)
-{
-	const struct lacking *x = a, *y = b;
-	return x->bytes != y->bytes ? (x->bytes > y->bytes) - (x->bytes < y->bytes)
-		: (x->item.list > y->item.list) - (x->item.list < y->item.list);
-}
+ECO_ORDER_TWO(by_bytes, struct lacking, ->bytes, ->item.list)
 
 /* The wanted lists that lack something; returns their number. */
 static uint32_t find_lacking(const struct srv_stream *stream, const struct eco_holdings *held,
@@ -286,11 +282,7 @@ static struct eco_request request_of(const struct eco_tile *root, uint64_t *stat
 	return request;
 }
 
-static int ascending(const void *a, const void *b)
-{
-	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(ascending, uint64_t, [0])
 
 /* 0: cancelled. */
 static uint64_t median_work(const struct srv_scene *scene, const atomic_bool *cancelled)

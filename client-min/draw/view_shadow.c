@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/order.h"
 #include "lod/vec3.h"
 
 /* ---- What view_shadow.glsl is written in ---- */
@@ -149,17 +150,9 @@ float view_shadow_lit(const struct view_shadow *shadow, const float to[3], const
 
 struct pair { double depth, texels; };
 
-static int by_texels(const void *a, const void *b)
-{
-	double x = ((const struct pair *)a)->texels, y = ((const struct pair *)b)->texels;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(by_texels, struct pair, ->texels)
 
-static int by_nearness(const void *a, const void *b)
-{
-	double x = ((const struct pair *)a)->depth, y = ((const struct pair *)b)->depth;
-	return x > y ? -1 : x < y;
-}
+ECO_ORDER_FALLING(by_nearness, struct pair, ->depth)
 
 /* From the eye to the ground that a pixel shows, if it does. */
 static bool ground_at(const struct view_picture *p, const struct lod_eye *eye, uint32_t x, uint32_t y,

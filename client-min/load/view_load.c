@@ -16,6 +16,7 @@
 #include "client-min/view_ask.h"
 #include "client-min/view_exchange.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/random.h"
 
 #define EVENTS 256
@@ -158,11 +159,7 @@ static void close_loop(struct loop *loop)
 	free(loop->sessions);
 }
 
-static int by_due(const void *a, const void *b)
-{
-	double x = ((const struct view_answer *)a)->due_ms, y = ((const struct view_answer *)b)->due_ms;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(by_due, struct view_answer, ->due_ms)
 
 static void collect(struct view_load_report *into, struct view_load_report *from)
 {

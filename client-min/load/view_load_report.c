@@ -8,6 +8,7 @@
 #include "client-min/view_reference.h"
 #include "ecofiles/base/files.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 
 /* ---- Columns ---- */
 
@@ -52,11 +53,7 @@ static bool has_time(const struct view_answer *answer, const struct column_kind 
 		|| answer->outcome == VIEW_UNFINISHED));
 }
 
-static int by_value(const void *a, const void *b)
-{
-	float x = *(const float *)a, y = *(const float *)b;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(by_value, float, [0])
 
 /* The caller frees its values. */
 static struct column make_column(const struct view_answers *answers, const struct column_kind *kind,

@@ -14,6 +14,7 @@
 #include "client-min/web/web_program.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/order.h"
 #include "lod/light.h"
 
 struct web {
@@ -443,11 +444,7 @@ static void say_roles(struct web *web)
 
 struct standing { uint32_t plant; double scale; };
 
-static int by_plant(const void *a, const void *b)
-{
-	const struct standing *x = a, *y = b;
-	return x->plant < y->plant ? -1 : x->plant > y->plant;
-}
+ECO_ORDER(by_plant, struct standing, ->plant)
 
 /* Plants of the pack in view, counted, and how high they are in the mean. */
 static void say_models(struct web *web)

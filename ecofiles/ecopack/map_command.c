@@ -15,6 +15,7 @@
 #include "ecofiles/base/files.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/map.h"
@@ -29,11 +30,7 @@
 
 /* ---- The picture's view ---- */
 
-static int by_double(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(by_double, double, [0])
 
 /* Bounds without the outermost plants, where that changes much: one place without its latitude must not
  * shrink a city to a dot. */

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/format/plan.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/land/areas.h"
@@ -305,11 +306,7 @@ static void choose_colors(struct map *m)
 	free(order);
 }
 
-static int by_float(const void *a, const void *b)
-{
-	float x = *(const float *)a, y = *(const float *)b;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(by_float, float, [0])
 
 static void find_typical_height(struct map *m)
 {

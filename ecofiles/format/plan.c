@@ -21,6 +21,7 @@
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/order.h"
 
 void eco_plan_free(struct eco_plan *plan)
 {
@@ -183,11 +184,7 @@ enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *erro
 
 /* ---- Holdings ---- */
 
-static int holding_order(const void *a, const void *b)
-{
-	uint32_t x = ((const struct eco_holding *)a)->list, y = ((const struct eco_holding *)b)->list;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(holding_order, struct eco_holding, ->list)
 
 uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list)
 {

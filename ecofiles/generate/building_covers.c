@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 
 #define NEAR_M 0.002           /* of the other's line, both ends of a wall lie */
 #define LEAST_M 0.01           /* shorter stretches stay as they are */
@@ -18,11 +19,7 @@
 struct wall { double a[2], b[2], low[2], high[2]; uint32_t building; bool first; };
 struct sweep { struct eco_building *const *buildings; struct wall *walls; uint32_t count; uint64_t looks; };
 
-static int by_west(const void *a, const void *b)
-{
-	const struct wall *p = a, *q = b;
-	return p->low[0] != q->low[0] ? (p->low[0] > q->low[0] ? 1 : -1) : (p->building > q->building) - (p->building < q->building);
-}
+ECO_ORDER_TWO(by_west, struct wall, ->low[0], ->building)
 
 static double least_top(const struct eco_building *b)
 {

@@ -1,6 +1,7 @@
 /* "ground" of a scene file: the rasters, statements that the rasters lack or that replace theirs, its image: pictures, or
  * classes and their colours, and what is drawn on it. */
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/ground/ground_image_import.h"
@@ -79,12 +80,7 @@ void eco_scene_color(const struct eco_json *at, uint8_t rgb[3])
 		rgb[k] = (uint8_t)(value >> (16 - 8 * k));
 }
 
-static int by_number(const void *a, const void *b)
-{
-	int32_t x = ((const struct eco_ground_class *)a)->number,
-		y = ((const struct eco_ground_class *)b)->number;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(by_number, struct eco_ground_class, ->number)
 
 static void parse_classes(struct eco_ground_image_source *image, const struct eco_json *at)
 {

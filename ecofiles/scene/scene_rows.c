@@ -1,6 +1,7 @@
 /* The entries of "instances" that name an inventory: columns, plants, heights. import_positions.c reads
  * the rows themselves. Longer than 600 lines: every key of an entry is read here. */
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/scene/scene_parse.h"
 
 #include <math.h>
@@ -253,11 +254,7 @@ static bool rule_is_there(const struct eco_json *at, const struct eco_allometry 
 	return rule->max_m > 0;
 }
 
-static int compare_rules(const void *a, const void *b)
-{
-	uint32_t p = ((const struct eco_allometry *)a)->plant, q = ((const struct eco_allometry *)b)->plant;
-	return p < q ? -1 : p > q;
-}
+ECO_ORDER(compare_rules, struct eco_allometry, ->plant)
 
 static void parse_per_plant(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
 {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/random.h"
 #include "lod/build/palette.h"
 #include "lod/eye.h"
@@ -90,13 +91,7 @@ static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
 static uint32_t find_place(const double *reach, uint32_t count, double target)
 {
 	uint32_t low = 0, high = count - 1;
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2;
-		if (reach[middle] > target)
-			high = middle;
-		else
-			low = middle + 1;
-	}
+	ECO_LEAST(low, high, i, reach[i] > target)
 	return low;
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "lod/light.h"
 #include "lod/raster/flip.h"
 
@@ -62,11 +63,7 @@ void lod_blocks_compare(struct lod_block_error *error, const struct lod_block *t
 	error->contrast_abs /= pixels;
 }
 
-static int descending(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return x < y ? 1 : x > y ? -1 : 0;
-}
+ECO_ORDER_FALLING(descending, double, [0])
 
 double lod_blocks_pop(const struct lod_block *before, const struct lod_block *after, uint32_t count)
 {

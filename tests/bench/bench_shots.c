@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "client-min/draw/view_picture.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/format/view.h"
 
 const struct bench_method bench_methods[BENCH_METHODS] = {
@@ -29,11 +30,7 @@ static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 50
 
 #define ONE_TREE 30u              /* a scene of one needs so many times less */
 
-static int ascending(const void *a, const void *b)
-{
-	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(ascending, uint64_t, [0])
 
 uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX])
 {

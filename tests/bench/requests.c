@@ -29,6 +29,7 @@
 
 #include "client-min/view_query.h"
 #include "client-min/view_select.h"
+#include "ecofiles/base/order.h"
 #include "lod/plan/planner.h"
 #include "server/stream.h"
 #include "tests/support/serve/random_request.h"
@@ -270,11 +271,7 @@ static void check_few(struct run *run)
 struct rung { unsigned long long budget, vertices; double right, wrong; bool summed;
 	struct lod_planner_stats stats; };
 
-static int by_budget(const void *a, const void *b)
-{
-	uint64_t x = ((const struct rung *)a)->budget, y = ((const struct rung *)b)->budget;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(by_budget, struct rung, ->budget)
 
 static bool plan_rung(struct run *run, struct rung *rung)
 {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "lod/build/grid.h"
 #include "lod/build/order/order.h"
 #include "lod/ladder.h"
@@ -314,11 +315,7 @@ static uint64_t key_of(const int64_t p[3])
 	return (uint64_t)(p[0] & 0xfffff) << 40 | (uint64_t)(p[1] & 0xfffff) << 20 | (uint64_t)(p[2] & 0xfffff);
 }
 
-static int by_key(const void *a, const void *b)
-{
-	uint64_t x = ((const struct lod_keyed *)a)->key, y = ((const struct lod_keyed *)b)->key;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(by_key, struct lod_keyed, ->key)
 
 static struct corners corners_of(const struct lod_plant *plant)
 {

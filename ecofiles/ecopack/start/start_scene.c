@@ -2,6 +2,7 @@
 #include "ecofiles/base/files.h"
 #include "ecofiles/base/geometry.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/ecopack/start/start.h"
 
@@ -467,11 +468,7 @@ static void remove_unfinished(void *writing)
 #define CLEAR_M 10.0             /* around the eye no plant reaches so near to it */
 #define STEPS 32                 /* of the ground between eye and target */
 
-static int compare(const void *a, const void *b)
-{
-	double p = *(const double *)a, q = *(const double *)b;
-	return (p > q) - (p < q);
-}
+ECO_ORDER(compare, double, [0])
 
 static double ground_at(const struct map *m, double x, double y)
 {

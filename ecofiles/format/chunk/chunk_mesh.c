@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/format/chunk/chunk_columns.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/chunk/draco_shim.h"
@@ -268,11 +269,7 @@ bool eco_mesh_encode(const struct eco_chunk_input *input, struct eco_payload *pa
 
 struct parted { int32_t part; uint32_t index; };
 
-static int compare_parted(const void *left, const void *right)
-{
-	const struct parted *a = left, *b = right;
-	return a->part != b->part ? a->part < b->part ? -1 : 1 : a->index < b->index ? -1 : a->index > b->index;
-}
+ECO_ORDER_TWO(compare_parted, struct parted, ->part, ->index)
 
 /* Puts values, `size` bytes for each of the triangles, into their order. False: no memory. */
 static bool put_by(const struct parted *order, uint32_t triangles, void *values, size_t size)

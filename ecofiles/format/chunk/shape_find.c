@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 
 #define FLAT 1e-3                /* a shape is flat if its corners are nearer to a plane, in radii */
 #define WAYS_FINE 2.0            /* a direction's square is at most about so many 2^-way_bits wide */
@@ -574,13 +575,7 @@ static double find_with(const struct finder *f, struct eco_shapes *shapes, uint8
 
 struct by_radius { double radius; uint32_t element; };
 
-static int compare_radius(const void *left, const void *right)
-{
-	const struct by_radius *a = left, *b = right;
-	if (a->radius != b->radius)
-		return a->radius > b->radius ? -1 : 1;
-	return a->element < b->element ? -1 : a->element > b->element;
-}
+ECO_ORDER_FALLING_TWO(compare_radius, struct by_radius, ->radius, ->element)
 
 static void measure(struct finder *f)
 {

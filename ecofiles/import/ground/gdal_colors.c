@@ -2,6 +2,7 @@
  * which GDAL warps. Colours are mixed where texels are wider than pixels. Classes are taken as they
  * are, four a texel, and then their colours are mixed. */
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_conv.h>
@@ -18,12 +19,7 @@
 
 /* ---- What it shows ---- */
 
-static int by_number(const void *a, const void *b)
-{
-	int32_t x = ((const struct eco_ground_class *)a)->number,
-		y = ((const struct eco_ground_class *)b)->number;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(by_number, struct eco_ground_class, ->number)
 
 static const struct eco_ground_class *class_of(const struct ground_colors *c, double value)
 {
@@ -81,11 +77,7 @@ static void find_bands(struct ground_colors *c, int count)
 
 /* ---- Numbers that are no bytes ---- */
 
-static int by_value(const void *a, const void *b)
-{
-	float x = *(const float *)a, y = *(const float *)b;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(by_value, float, [0])
 
 /* Values of a band all over the raster, without those that are none or clear; returns how many. `alpha` has
  * room for as many. */

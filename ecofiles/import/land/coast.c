@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 
 #define BEYOND_M 2000.0      /* beyond what is drawn, the sea goes on */
 #define COAST_MOST_M 200000.0 /* from the origin a corner of it lies: products of two are exact enough, and the picture ends */
@@ -133,11 +134,7 @@ static void add_mark(struct coast *c, const double at[2], uint32_t piece, bool l
 	c->marks[c->mark_count++] = (struct mark){ meet(c, at, on), piece, leaves };
 }
 
-static int by_way(const void *a, const void *b)
-{
-	const struct mark *p = a, *q = b;
-	return p->at != q->at ? (p->at > q->at ? 1 : -1) : (p->piece > q->piece) - (p->piece < q->piece);
-}
+ECO_ORDER_TWO(by_way, struct mark, ->at, ->piece)
 
 /* Clockwise along the sides, from one mark to the next. */
 static void add_sides(struct coast *c, double from, double to, const double a[2], const double b[2])

@@ -10,6 +10,8 @@
 #include <strings.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/union.h"
 
@@ -132,13 +134,7 @@ static void add_to(struct eco_component *c, const struct eco_model *m, uint32_t 
 	c->area += eco_triangle_area(m, triangle);
 }
 
-static int by_falling_area(const void *a, const void *b)
-{
-	const struct eco_component *p = a, *q = b;
-	if (p->area != q->area)
-		return p->area > q->area ? -1 : 1;
-	return p->first < q->first ? -1 : p->first > q->first;
-}
+ECO_ORDER_FALLING_TWO(by_falling_area, struct eco_component, ->area, ->first)
 
 static void list_components(struct eco_components *c, const struct eco_model *m, uint32_t *parent)
 {

@@ -15,6 +15,7 @@
 #include "build/words/growth.table"
 #include "build/words/names.table"
 #include "build/words/species.table"
+#include "ecofiles/base/order.h"
 #include "ecofiles/import/places/words.h"
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
@@ -220,13 +221,7 @@ static bool is_compounded(const char *language)
 static size_t name_row(const char *name)
 {
 	size_t low = 0, high = COUNT(names_rows);
-	while (low < high) {
-		size_t middle = (low + high) / 2;
-		if (strcmp(names_rows[middle].name, name) < 0)
-			low = middle + 1;
-		else
-			high = middle;
-	}
+	ECO_LEAST(low, high, i, strcmp(names_rows[i].name, name) >= 0)
 	return low < COUNT(names_rows) && strcmp(names_rows[low].name, name) == 0 ? low : COUNT(names_rows);
 }
 

@@ -8,6 +8,7 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/import/places/growth.h"
 #include "ecofiles/import/places/positions_parts.h"
@@ -28,13 +29,7 @@ struct eco_species_table {
 	struct eco_skipped *keys;    /* map_count + 1 */
 };
 
-static int compare_patterns(const void *a, const void *b)
-{
-	const struct pattern *p = a, *q = b;
-	if (p->literal != q->literal)
-		return p->literal > q->literal ? -1 : 1;
-	return p->key < q->key ? -1 : p->key > q->key;
-}
+ECO_ORDER_FALLING_TWO(compare_patterns, struct pattern, ->literal, ->key)
 
 struct eco_species_table *eco_species_open(const struct eco_positions_spec *spec)
 {
@@ -105,13 +100,7 @@ const struct eco_flora *eco_species_flora(struct eco_species_table *table, const
 		: NULL;
 }
 
-static int compare_known(const void *a, const void *b)
-{
-	const struct known *p = a, *q = b;
-	if (p->count != q->count)
-		return p->count > q->count ? -1 : 1;
-	return p->first_line < q->first_line ? -1 : p->first_line > q->first_line;
-}
+ECO_ORDER_FALLING_TWO(compare_known, struct known, ->count, ->first_line)
 
 void eco_species_counted(const struct eco_species_table *table, struct eco_positions_counts *counts)
 {

@@ -10,6 +10,7 @@
 
 #include "ecofiles/base/memory.h"
 #include "build/words/units.table"
+#include "ecofiles/base/order.h"
 #include "ecofiles/import/places/words.h"
 
 #define SURE 0.7                 /* so much worse is the next unit, if a guess is to be made */
@@ -178,11 +179,7 @@ void eco_spread_add(struct eco_spread *spread, double number)
 	spread->sorted = false;
 }
 
-static int compare(const void *a, const void *b)
-{
-	float p = *(const float *)a, q = *(const float *)b;
-	return (p > q) - (p < q);
-}
+ECO_ORDER(compare, float, [0])
 
 double eco_spread_quantile(struct eco_spread *spread, double share)
 {

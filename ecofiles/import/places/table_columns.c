@@ -9,6 +9,8 @@
 #include <strings.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
+#include "ecofiles/format/model.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/inventory_text.h"
@@ -600,13 +602,7 @@ static void add_field(struct reader *r, const char *text, uint64_t line)
 	}
 }
 
-static int compare(const void *a, const void *b)
-{
-	const struct eco_table_value *p = a, *q = b;
-	if (p->rows != q->rows)
-		return p->rows > q->rows ? -1 : 1;
-	return p->first_line < q->first_line ? -1 : p->first_line > q->first_line;
-}
+ECO_ORDER_FALLING_TWO(compare, struct eco_table_value, ->rows, ->first_line)
 
 static enum eco_code read_values(struct reader *r, struct eco_rows *rows, const uint32_t *columns, uint32_t count,
 	struct eco_error *error)

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/track/track_read.h"
 
@@ -146,11 +147,7 @@ static double distance_of(const struct eco_fix *a, const struct eco_fix *b)
 	return isnan(dz) ? flat : hypot(flat, dz);
 }
 
-static int by_value(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(by_value, double, [0])
 
 double track_quantile(double *values, uint32_t count, double share)
 {

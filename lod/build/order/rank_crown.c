@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/order.h"
 #include "lod/lanes.h"
 #include "lod/sort.h"
 
@@ -15,11 +16,7 @@
 #define HALF_STEP 1.015
 #define WIDE 2.0 /* pixels: width of a leaf of the usual size in the largest pictures */
 
-static int by_area(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
+ECO_ORDER(by_area, double, [0])
 
 /* The size of pictures in which half of the leaves are at least WIDE pixels wide. */
 static uint32_t choose_pixels(const struct lod_foliage *foliage, struct lod_arena *arena)

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ecofiles/base/order.h"
 #include "lod/light.h"
 #include "lod/build/organ/organ_state.h"
 #include "lod/sort.h"
@@ -276,13 +277,7 @@ static void sort_heights(struct finder *f, struct lod_arena *arena)
 static double area_above(const struct finder *f, double z)
 {
 	uint32_t low = 0, high = f->count;
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2;
-		if (f->middle[middle] > z)
-			high = middle;
-		else
-			low = middle + 1;
-	}
+	ECO_LEAST(low, high, i, f->middle[i] > z)
 	return f->above[low];
 }
 

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "ecofiles/format/list.h"
+#include "ecofiles/format/pack.h"
 #include "build/words/organs.table"
 
 #define WORD_MOST 64u

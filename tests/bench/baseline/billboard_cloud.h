@@ -24,6 +24,7 @@
 #pragma once
 
 #include "lod/arena.h"
+#include "ecofiles/base/order.h"
 #include "lod/build/weld.h"
 #include "lod/sort.h"
 
@@ -79,13 +80,7 @@ static inline uint64_t billboard_cell(struct lod_v3 p, double side, int dx, int 
 static inline uint32_t billboard_find(const struct lod_keyed *items, uint32_t count, uint64_t key)
 {
 	uint32_t low = 0;
-	while (low < count) {
-		uint32_t middle = low + (count - low) / 2;
-		if (items[middle].key < key)
-			low = middle + 1;
-		else
-			count = middle;
-	}
+	ECO_LEAST(low, count, i, items[i].key >= key)
 	return low;
 }
 

@@ -12,6 +12,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/random.h"
 #include "lod/build/foliage.h"
 #include "lod/raster/texel.h"
@@ -143,14 +144,9 @@ static uint64_t add_level(const struct crown *c, uint32_t sector, double vertice
 	uint32_t *order, uint32_t *count)
 {
 	const struct lod_collapse *forest = &c->forest[sector];
-	uint32_t low = 0, high = forest->made;
-	while (low < high) {
-		uint32_t middle = (low + high + 1) / 2;
-		if ((double)c->vertices[sector][middle] <= vertices)
-			low = middle;
-		else
-			high = middle - 1;
-	}
+	uint32_t low = 1, high = forest->made + 1;
+	ECO_LEAST(low, high, i, (double)c->vertices[sector][i] > vertices)
+	low--;
 	const struct lod_collapse_level *level = &forest->level[low];
 	for (uint32_t i = 0; i < level->a + level->c; i++)
 		order[(*count)++] = element_of(c, sector, forest->place[i < level->a ? i : level->b + i

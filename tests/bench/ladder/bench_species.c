@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/format/list.h"
 #include "lod/build/order/rank.h"
 #include "tests/bench/baseline/cook.h"
@@ -151,14 +152,9 @@ static double try_row(struct study *s, enum bench_order method, const struct lod
 /* Elements of a prefix that comes to so many vertices, with parts. */
 static double elements_at(const uint64_t *sum, uint32_t n, double vertices)
 {
-	uint32_t low = 0, high = n;
-	while (low < high) {
-		uint32_t middle = (low + high + 1) / 2;
-		if ((double)sum[middle] <= vertices)
-			low = middle;
-		else
-			high = middle - 1;
-	}
+	uint32_t low = 1, high = n + 1;
+	ECO_LEAST(low, high, i, (double)sum[i] > vertices)
+	low--;
 	return low >= n ? n : low + (vertices - (double)sum[low]) / (double)(sum[low + 1] - sum[low]);
 }
 
@@ -341,11 +337,7 @@ static void measure(struct bench *bench, const struct bench_model *model, struct
 	}
 }
 
-static int ascending(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return x < y ? -1 : x > y;
-}
+ECO_ORDER(ascending, double, [0])
 
 /* In per cent, over all species or those with closed crowns. */
 static double median(const struct all *all, int method, int kind, bool closed)

@@ -6,6 +6,7 @@
 
 #include "ecofiles/base/angle16.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/view.h"
 #include "lod/build/model_draw.h"
@@ -43,11 +44,7 @@ struct field {
 	struct lod_raster rasters[2];        /* full detail, clouds */
 };
 
-static int by_distance(const void *a, const void *b)
-{
-	const struct stand *x = a, *y = b;
-	return x->away < y->away ? -1 : x->away > y->away;
-}
+ECO_ORDER(by_distance, struct stand, ->away)
 
 static double dice(uint64_t *state) { return eco_random_unit(eco_random_next(state)); }
 
