@@ -106,8 +106,6 @@ static double position_at_lambda(const struct lod_allocation *m, const struct lo
 {
 	if (!(choice->weight_px > 0))
 		return 0;
-	if (choice->free_lambda == m->lambda && choice->hull.count == choice->hull_count)
-		return choice->free;
 	return lod_hull_position(&choice->hull, m->lambda / choice->weight_px, choice->position);
 }
 
@@ -512,7 +510,7 @@ void lod_allocation_relax_plants(struct lod_allocation *m, double lambda)
 void lod_allocation_relax(struct lod_allocation *m, double lambda)
 {
 	bool limits = m->price > 0 && !m->limited;
-	if (lod_allocation_is_relaxed(m, lambda, m->price, m->limited ? m->relaxed.limits : m->price))
+	if (m->relaxed.lambda == lambda && m->relaxed.price == m->price && (m->limited || m->relaxed.limits == m->price))
 		return;
 	m->lambda = lambda;
 	if (limits)

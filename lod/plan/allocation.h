@@ -70,7 +70,6 @@ struct lod_ladder_choice {           /* one ladder for all plants of a slot: a c
 	struct lod_hull hull;
 	uint32_t hull_count;         /* of its points, where bytes do not limit them */
 	double position;             /* on the hull, at the last lambda */
-	double free, free_lambda;    /* the same without a limit, at this lambda; not a number: not known */
 };
 
 struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [1]: a near one, which draws
@@ -141,12 +140,9 @@ struct lod_use {
 	double count;
 };
 
-struct lod_slot_use { uint32_t node, whole; double count; };      /* the same, by slot */
-
 struct lod_uses {
 	struct lod_use *items;       /* by node */
 	uint32_t *first;             /* per node, and one more: in items */
-	struct lod_slot_use *by_slot;        uint32_t *slot_first;
 	/* of all open tiles: cells, by their whole plants */
 	struct lod_use *cells;       uint32_t cell_count;
 	/* per slot, at the last lambda: the share of whole plants before their gate; what a plant costs in
@@ -157,8 +153,8 @@ struct lod_uses {
 	bool *stale;                 /* ... unless one of its slots costs something else since */
 	/* per slot, as lod_uses_sum_drawn left them: plants in open tiles; the same, times their factors */
 	double *drawn, *seen;
-	bool *moved, *redrawn;       /* near is another one since; while they are summed: so are these */
-	double *reach, *weight;      /* per node: the share of it that is drawn; of that, its plants' */
+	bool *moved;                 /* per slot, while `near` and `each` are set: they are others */
+	double *reach;               /* per node: the share of it that is drawn */
 };
 
 #define LOD_PRICE_TRIES 128      /* more are not kept */
@@ -230,12 +226,6 @@ void lod_allocation_set_impostors(struct lod_allocation *allocation, const doubl
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
 /* The same of slots and gates alone, within the limits that there are: tiles stay as they are. */
 void lod_allocation_relax_plants(struct lod_allocation *allocation, double lambda);
-static inline bool lod_allocation_is_relaxed(const struct lod_allocation *allocation, double lambda,
-	double price, double limits)
-{
-	return allocation->relaxed.lambda == lambda && allocation->relaxed.price == price
-		&& allocation->relaxed.limits == limits;
-}
 /* Costs of slots at the positions that their choices have: the next relaxation chooses anew. */
 void lod_allocation_sum(struct lod_allocation *allocation);
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
@@ -285,10 +275,9 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 	struct eco_error *error);
 
 /* Which plants stand in which open tiles, for sums over all of them at each lambda: the visible tree's
- * tallies, packed, and those of cells summed over tiles. Loops over them are much of a plan's time, and touch
- * only what they need: a cost a slot, not a slot_choice. From one relaxation to the next most slots cost the
- * same and most tiles stay as they are, so only sums are made again of which a part is another one; each is
- * summed in the same order, so that it is the same number as if all were. */
+ * tallies, packed, and those of cells summed over tiles. Loops over them touch only what they need: a cost a slot,
+ * not a slot_choice. From one relaxation to the next most slots cost the same, so a tile is summed again only if a
+ * part of it is another one. */
 
 /* After the tiles and slots of the allocation were made. */
 enum eco_code lod_uses_make(struct lod_allocation *allocation, struct eco_error *error);

@@ -24,7 +24,6 @@ static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_
 			sizeof *m->ladder_choices))
 		return false;
 	m->ladder_choices[m->ladder_choice_count] = *choice;
-	m->ladder_choices[m->ladder_choice_count].free_lambda = NAN;
 	m->ladder_choices[m->ladder_choice_count++].hull_count = choice->hull.count;
 	m->p->candidates += choice->hull.count - 1;
 	return true;
@@ -219,7 +218,6 @@ void lod_allocation_set_impostors(struct lod_allocation *m, const double *seen)
 		whole_hull(m, table, slot_choice, &choice->hull);
 		choice->hull_count = choice->hull.count;
 		choice->position = fmin(choice->position, choice->hull.count - 1);
-		choice->free_lambda = NAN;
 		lod_allocation_unsettle(m, choice->slot);
 	}
 }

@@ -12,8 +12,7 @@
 #include "lod/plan/knapsack.h"
 #include "lod/plan/price_search.h"
 
-/* octaves of the prices whose limits kinds may have, beside the price of tiles; the first is that price */
-static const double around[] = { 0, 1.5, 0.5, -0.125, -0.5, -1, -2 };
+static const double around[] = LOD_KIND_PRICES;
 #define PRICES (sizeof around / sizeof *around)
 #define LEVELS LOD_KINDS_LEVELS
 #define OPTIONS (uint32_t)(PRICES * LEVELS)

@@ -58,22 +58,18 @@ static uint32_t step_of(const struct ladder_price *l, uint64_t vertices)
 }
 
 /* The hull position that lambda alone gives a choice. */
-static double free_position(const struct lod_allocation *m, struct lod_ladder_choice *choice)
+static double free_position(const struct lod_allocation *m, const struct lod_ladder_choice *choice)
 {
 	struct lod_hull hull = choice->hull;
-	if (choice->free_lambda == m->lambda)
-		return choice->free;
 	hull.count = choice->hull_count;
-	choice->free = lod_hull_position(&hull, m->lambda / choice->weight_px, choice->position);
-	choice->free_lambda = m->lambda;
-	return choice->free;
+	return lod_hull_position(&hull, m->lambda / choice->weight_px, choice->position);
 }
 
 /* Adds to each step what a choice without a limit saves there at lambda, and pixels that show a texture from
  * there on. */
 static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t id, double drawn, double seen)
 {
-	struct lod_ladder_choice *choice = &m->ladder_choices[id];
+	const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 	if (!(seen > 0))
 		return;
 	const struct lod_hull *hull = &choice->hull;
@@ -93,35 +89,18 @@ static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t 
 	}
 }
 
-/* Sets what is drawn of a ladder's choices. Is that what its gains were made of, with the same hulls? */
-static bool see_drawn(struct lod_allocation *m, struct ladder_price *l, bool all)
-{
-	bool same = l->lambda == m->lambda;
-	for (uint32_t i = l->first; i < l->first + l->count; i++) {
-		uint32_t id = m->prices->choices[i];
-		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
-		double share = lod_prices_share(m, id, all), drawn = m->uses.drawn[choice->slot] * share,
-			seen = m->uses.seen[choice->slot] * share * choice->weight_px;
-		struct drawn *before = &m->prices->drawn[i];
-		same &= before->drawn == drawn && before->seen == seen
-			&& (!(seen > 0) || choice->free_lambda == m->lambda);
-		*before = (struct drawn){ drawn, seen };
-	}
-	l->lambda = m->lambda;
-	return same;
-}
-
 /* They do not depend on the price. */
 static void find_gains(struct lod_allocation *m, struct ladder_price *l, bool all)
 {
-	if (see_drawn(m, l, all))
-		return;
 	for (uint32_t i = 0; i < l->steps; i++) {
 		l->at[i].gain = l->at[i].more_px = 0;
 		l->at[i].rests = false;
 	}
-	for (uint32_t i = l->first; i < l->first + l->count; i++)
-		add_gain(m, l, m->prices->choices[i], m->prices->drawn[i].drawn, m->prices->drawn[i].seen);
+	for (uint32_t i = l->first; i < l->first + l->count; i++) {
+		uint32_t id = m->prices->choices[i], slot = m->ladder_choices[id].slot;
+		double share = lod_prices_share(m, id, all);
+		add_gain(m, l, id, m->uses.drawn[slot] * share, m->uses.seen[slot] * share * m->ladder_choices[id].weight_px);
+	}
 }
 
 /* Cost of a ladder that is drawn up to a step. */
@@ -242,7 +221,7 @@ static double shown_px(const struct lod_allocation *m, const struct ladder_price
 	return sum;
 }
 
-/* The last step that some plant draws; 0: none does. Sets l->used. */
+/* Sets the last step that some plant draws, 0: none does, and the bytes of what is drawn. Returns that step. */
 static uint32_t find_used(const struct lod_allocation *m, struct ladder_price *l)
 {
 	struct chunks needs = { { 0 } };
@@ -260,7 +239,7 @@ static uint32_t find_used(const struct lod_allocation *m, struct ladder_price *l
 		used = to > used ? to : used;
 	}
 	l->used = lod_prices_of(l, &needs);
-	return used;
+	return l->last = used;
 }
 
 /* Finds what organs draw now, and by how many ladders each texture is shown. */
@@ -369,14 +348,17 @@ void lod_prices_tighten(struct lod_allocation *m)
 	}
 }
 
+static double ladder_lost(const struct lod_allocation *m, const struct ladder_price *l)
+{
+	double bare, shown = shown_px(m, l, &bare);
+	return l->whole_lost + bare * l->bare_lost + shown * l->image_lost;
+}
+
 double lod_prices_lost(const struct lod_allocation *m)
 {
 	double sum = 0;
-	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
-		const struct ladder_price *l = &m->prices->ladders[i];
-		double bare, shown = shown_px(m, l, &bare);
-		sum += l->whole_lost + bare * l->bare_lost + shown * l->image_lost;
-	}
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++)
+		sum += ladder_lost(m, &m->prices->ladders[i]);
 	return sum;
 }
 
@@ -401,44 +383,37 @@ uint32_t lod_prices_kind(const struct lod_allocation *m, uint32_t ladder)
 	return m->p->scene->ladders[m->prices->ladders[ladder].ladder].plant;
 }
 
-void lod_prices_of_kinds(struct lod_allocation *m, double *bytes, double *wrong)
+static void forget_images(struct lod_allocation *m)
 {
 	for (uint32_t i = 0; i < m->prices->image_count; i++)
 		m->prices->images[i].used = false;
-	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
-		struct ladder_price *l = &m->prices->ladders[i];
-		double bare, shown = shown_px(m, l, &bare);
-		uint32_t kind = lod_prices_kind(m, i), used = find_used(m, l);
-		bytes[kind] += l->used + levels_bytes(m, l);
-		wrong[kind] += l->whole_lost + bare * l->bare_lost + shown * l->image_lost;
-		if (used < l->textured || m->prices->images[l->image].used)
-			continue;
-		m->prices->images[l->image].used = true;
-		bytes[kind] += m->prices->images[l->image].bytes;
-	}
 }
 
-static double lists_bytes(const struct lod_allocation *m)
+/* Bytes of a ladder, as find_used left it; the first of those that show a texture pays for it. */
+static double ladder_bytes(const struct lod_allocation *m, const struct ladder_price *l)
 {
-	double sum = 0;
+	const double sum = l->used + levels_bytes(m, l);
+	if (l->last < l->textured || m->prices->images[l->image].used)
+		return sum;
+	m->prices->images[l->image].used = true;
+	return sum + m->prices->images[l->image].bytes;
+}
+
+void lod_prices_of_kinds(struct lod_allocation *m, double *bytes, double *wrong)
+{
+	forget_images(m);
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
-		const struct ladder_price *l = &m->prices->ladders[i];
-		sum += l->used + levels_bytes(m, l);       /* as lod_prices_tighten left them */
+		find_used(m, &m->prices->ladders[i]);
+		bytes[lod_prices_kind(m, i)] += ladder_bytes(m, &m->prices->ladders[i]);
+		wrong[lod_prices_kind(m, i)] += ladder_lost(m, &m->prices->ladders[i]);
 	}
-	return sum;
 }
 
 double lod_prices_bytes(struct lod_allocation *m)
 {
-	double sum = m->cost.bytes + lists_bytes(m);
-	for (uint32_t i = 0; i < m->prices->image_count; i++)
-		m->prices->images[i].used = false;
-	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
-		const struct ladder_price *l = &m->prices->ladders[i];
-		if (l->limit < l->textured || m->prices->images[l->image].used)
-			continue;
-		m->prices->images[l->image].used = true;
-		sum += m->prices->images[l->image].bytes;
-	}
+	double sum = m->cost.bytes;
+	forget_images(m);
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++)
+		sum += ladder_bytes(m, &m->prices->ladders[i]);
 	return sum;
 }

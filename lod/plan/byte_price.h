@@ -33,11 +33,10 @@ void lod_prices_lift(struct lod_allocation *allocation);
 void lod_prices_limit(struct lod_allocation *allocation, bool first, bool last);
 /* Sets limits to what the last relaxation chose: filling a budget pays for no more. */
 void lod_prices_tighten(struct lod_allocation *allocation);
-/* Limits of all ladders in view; per plant, whether none of its organs is drawn, and which of lod_kinds_levels its
+/* Limits of all ladders in view; per plant, whether none of its organs is drawn, and which of LOD_KIND_TEXTURES its
  * textures pay. Set, they are those of the next relaxation that makes none. */
 struct lod_mix { uint32_t *limits; bool *off; uint8_t *levels; bool used; };
 #define LOD_KINDS_LEVELS 2u
-extern const double lod_kinds_levels[LOD_KINDS_LEVELS];  /* times the price of tiles */
 void lod_kinds_set(struct lod_allocation *allocation, const struct lod_mix *mix);
 /* The plant that a ladder in view is of. Adds to each plant's bytes those of its lists, as the last relaxation chose
  * them, and to its wrong pixels those for want of textures. */

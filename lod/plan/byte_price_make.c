@@ -131,7 +131,6 @@ static bool make_ladders(struct lod_allocation *m)
 	struct lod_arena *a = &prices->memory;
 	uint32_t *of = lod_arena_try(a, m->p->scene->ladder_count, sizeof *of), first = 0;
 	prices->choices = lod_arena_try(a, m->ladder_choice_count, sizeof *prices->choices);
-	prices->drawn = lod_arena_try(a, m->ladder_choice_count, sizeof *prices->drawn);
 	prices->ladders = lod_arena_try(a, m->ladder_choice_count, sizeof *prices->ladders);
 	if (a->failed)
 		return false;
@@ -140,7 +139,6 @@ static bool make_ladders(struct lod_allocation *m)
 		if (!of[ladder]) {
 			of[ladder] = ++prices->ladder_count;
 			prices->ladders[of[ladder] - 1].ladder = ladder;
-			prices->ladders[of[ladder] - 1].lambda = NAN;
 		}
 		prices->ladders[of[ladder] - 1].count++;
 	}

@@ -10,8 +10,6 @@
 /* The longest prefix of each list of a ladder, in chunks. */
 struct chunks { uint32_t of[LISTS_OF_LADDER]; };
 
-struct drawn { double drawn, seen; };        /* plants that draw a choice, and wrong pixels of nothing there */
-
 /* A number of vertices that some plant may draw of a ladder. */
 struct step {
 	uint64_t vertices;
@@ -31,8 +29,8 @@ struct ladder_price {
 	uint32_t lists[LISTS_OF_LADDER], list_count;
 	const double *prefixes[LISTS_OF_LADDER];       /* of each list: of so many chunks */
 	struct step *at;             /* in ascending vertices */
-	double lambda;               /* at which gains were found, by what was drawn then; not a number: none are */
-	double used;                 /* bytes of what the last relaxation draws */
+	uint32_t last;               /* step that the last relaxation draws, ... */
+	double used;                 /* ... and bytes of what it draws */
 	uint32_t limit;              /* the last step that may be drawn */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
@@ -47,7 +45,7 @@ struct ladder_price {
 struct image_price {
 	uint32_t list, outline, users[2];    /* outline: or ECO_NONE; users: ladders of whole plants, of cells */
 	uint32_t plant;              /* of the first ladder that shows it */
-	uint8_t level;               /* of lod_kinds_levels, where limits are a mix; its price then */
+	uint8_t level;               /* of LOD_KIND_TEXTURES, where limits are a mix; its price then */
 	double price;
 	uint32_t most, levels;       /* of colours, that the view resolves; that are worth their bytes */
 	uint32_t outline_levels;     /* likewise; 0: there is no outline */
@@ -62,8 +60,7 @@ struct lod_prices {
 	double factor;               /* times their bytes, that others count */
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;
-	uint32_t *choices;           /* of the allocation, by ladder; ... */
-	struct drawn *drawn;         /* ... what gains of each were made of */
+	uint32_t *choices;           /* of the allocation, by ladder */
 	double *instances, *points;  /* per node */
 	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
 	bool *organs_off;            /* per plant */

@@ -23,18 +23,6 @@ static double shown(const struct lod_planner *p, const struct lod_tally *t)
 	return t->count * (slot->cell ? lod_planner_near(p, slot->plant, t->whole_band) : 1);
 }
 
-/* Sums for each slot the plants drawn in open tiles, those of each tile times the tile's factor. */
-static void sum_seen(const struct lod_allocation *m, double *seen)
-{
-	const struct lod_planner *p = m->p;
-	for (uint32_t n = 0; n < p->visible.node_count; n++) {
-		const struct lod_node *node = &p->visible.nodes[n];
-		for (uint32_t i = 0; node->state == LOD_OPEN && i < node->tally_count; i++)
-			seen[node->tallies[i].slot] += drawn_share(node) * shown(p, &node->tallies[i])
-				* m->tile_choices[n].factor;
-	}
-}
-
 /* A summary with no plants beside it is a candidate along its whole hull. */
 static bool summary_alone(const struct lod_node *node)
 {
@@ -70,14 +58,13 @@ enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, str
 	if (!fill->candidates)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices",
 			m->ladder_choice_count);
-	memset(m->scratch, 0, p->visible.slot_count * sizeof *m->scratch);
-	sum_seen(m, m->scratch);
+	lod_uses_sum_drawn(m);
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
 		const struct lod_ladder_choice *o = &m->ladder_choices[i];
 		uint64_t count = plants_of(m, i);
 		if (!count)
 			continue;
-		double seen = o->weight_px * m->scratch[o->slot] / (double)p->visible.slots[o->slot].count;
+		double seen = o->weight_px * m->uses.seen[o->slot] / (double)p->visible.slots[o->slot].count;
 		fill->candidates[fill->candidate_count++] = (struct lod_candidate){ .ladder_choice = i,
 			.node = ECO_NONE, .hull = &o->hull, .count = count,
 			.weight_px = m->few_plants ? seen : o->weight_px, .seen = seen * (double)count };
@@ -177,18 +164,8 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 	fill->lambda = 0;
 	if (fill->vertices > budget)
 		lod_fill_at(fill, fill->lambda = lambda);
-	double low = fill->lambda;
-	for (double more = LOD_LAMBDA_STEP; fill->vertices > budget && fill->lambda < LAMBDA_MOST; more *= LOD_LAMBDA_FASTER) {
-		low = fill->lambda;
+	for (double more = LOD_LAMBDA_STEP; fill->vertices > budget && fill->lambda < LAMBDA_MOST; more *= LOD_LAMBDA_FASTER)
 		lod_fill_at(fill, fill->lambda *= 1 + more);
-	}
-	for (double high = fill->lambda; low < high && high / low > 1 + LOD_LAMBDA_STEP;) {
-		double middle = sqrt(low * high);
-		lod_fill_at(fill, middle);
-		*(fill->vertices <= budget ? &high : &low) = middle;
-		fill->lambda = high;
-	}
-	lod_fill_at(fill, fill->lambda);
 	fill->converged = fill->lambda < LAMBDA_MOST;
 	sum_wrong(fill);
 }

@@ -93,7 +93,7 @@ static void add_slot(struct few *f, uint32_t from, uint32_t to)
 		struct lod_candidate whole = *organ;
 		whole.ladder_choice = --id;
 		whole.hull = &m->ladder_choices[id].hull;
-		whole.seen = (double)organ->count * m->ladder_choices[id].weight_px * m->scratch[slot]
+		whole.seen = (double)organ->count * m->ladder_choices[id].weight_px * m->uses.seen[slot]
 			/ (double)m->p->visible.slots[slot].count;
 		add_class(f, &whole, first, true);
 	}

@@ -202,9 +202,8 @@ double lod_image_bytes(const struct lod_image *image, const struct eco_scene *sc
 	const struct eco_holdings *holdings, double price)
 {
 	double sum = 0;
-	if (!choose_all(image, scene, holdings, price))
-		return 0;
-	for (uint32_t i = 0; i < image->count; i++)
+	bool shown = choose_all(image, scene, holdings, price);
+	for (uint32_t i = 0; shown && i < image->count; i++)
 		if (image->nodes[i].reached && image->nodes[i].levels)
 			sum += missing_bytes(scene, holdings, image->nodes[i].tile, image->nodes[i].levels);
 	return sum;
@@ -214,16 +213,11 @@ uint32_t lod_image_cuts(const struct lod_image *image, const struct eco_scene *s
 	const struct eco_holdings *holdings, double price, struct eco_cut *cuts)
 {
 	uint32_t count = 0;
-	if (!choose_all(image, scene, holdings, price))
-		return 0;
-	for (uint32_t i = 0; i < image->count; i++)
+	bool shown = choose_all(image, scene, holdings, price);
+	for (uint32_t i = 0; shown && i < image->count; i++)
 		if (image->nodes[i].reached && image->nodes[i].levels)
-			cuts[count++] =
-				(struct eco_cut){ .list = scene->ground_images[image->nodes[i].tile].list,
-					.end = image->nodes[i].levels,
-					.scale = 1,
-					.anchor = ECO_NONE,
-					.share_end = ECO_SHARE_ONE };
+			cuts[count++] = (struct eco_cut){ .list = scene->ground_images[image->nodes[i].tile].list,
+				.end = image->nodes[i].levels, .scale = 1, .anchor = ECO_NONE, .share_end = ECO_SHARE_ONE };
 	return count;
 }
 

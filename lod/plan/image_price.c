@@ -10,8 +10,6 @@
 #include "lod/plan/byte_price.h"
 #include "lod/plan/texture_levels.h"
 
-const double lod_kinds_levels[LOD_KINDS_LEVELS] = { 1, 4 };
-
 /* Pixels that a texel of a ladder's texture is wide where a choice stands. */
 static double texel_px(const struct lod_allocation *m, const struct ladder_price *l, uint32_t id)
 {
@@ -193,7 +191,8 @@ static double limit_texture(struct lod_allocation *m, uint32_t i, double *outlin
 void lod_images_limit(struct lod_allocation *m)
 {
 	for (uint32_t i = 0; i < m->prices->image_count; i++) {
-		m->prices->images[i].price = m->price * (m->limited ? lod_kinds_levels[m->prices->images[i].level] : 1);
+		static const double times[LOD_KINDS_LEVELS] = LOD_KIND_TEXTURES;
+		m->prices->images[i].price = m->price * (m->limited ? times[m->prices->images[i].level] : 1);
 		double outline, lost = limit_texture(m, i, &outline);
 		for (uint32_t k = 0; k < m->prices->ladder_count; k++) {
 			struct ladder_price *l = &m->prices->ladders[k];

@@ -125,10 +125,10 @@ static struct lod_proxy_shape proxy_shape_of(const struct lod_plan_tables *table
 		const struct eco_anchor *cell = all + i;
 		double x = (double)cell->center[0] - all->center[0],
 			y = (double)cell->center[1] - all->center[1];
-		across = fmax(across, sqrt(x * x + y * y) + 0.6 * cell->radius);
+		across = fmax(across, sqrt(x * x + y * y) + LOD_PLANT_CELL * cell->radius);
 	}
 	if (plant->anchor_count < 2)
-		across = fmax(0.5 * r, sqrt(fmax(0, r * r - up * up)));
+		across = fmax(LOD_PLANT_NARROWEST * r, sqrt(fmax(0, r * r - up * up)));
 	across = fmin(across, r);
 	double leaves = anchor_area(tables, plant->anchor_first, false), wood = anchor_area(tables, plant->anchor_first, true),
 		area = plant->area > 0 ? (double)plant->area : leaves + wood, least = LOD_PLANT_THINNEST * r * r;

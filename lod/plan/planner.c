@@ -147,44 +147,36 @@ static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_i
 	return code;
 }
 
-/* For a rule that knows no bytes: halves the way between the vertices that fit and those that do not. `plan` is that of
- * all vertices, on ground that has given way. */
+/* For a rule that knows no bytes: halves the way between the vertices that fit and those that do not, on ground that
+ * has given way. `plan` is that of all vertices; in the end it is made again, with reasons. */
 static enum eco_code search_vertices(struct eco_plan *plan, struct lod_planner_input *input,
 	struct eco_request *request, struct lod_planner_stats *stats, struct eco_error *error)
 {
+	struct lod_explanation *const why = input->explanation;
 	uint64_t low = 0, high = plan->vertices, work = stats->work;
-	bool fits = false;
+	bool fits = true;
 	enum eco_code code = ECO_OK;
-	struct lod_explanation none = { 0 }, *why = input->explanation ? input->explanation : &none, before;
-	while (!code && (!fits || high - low > 1 + low / LOD_SEARCH_SLACK) && (!input->work_max
-			|| work / LOD_SEARCH_PART < input->work_max)) {
-		struct lod_planner_stats now;
-		struct eco_plan next;
-		request->vertices = fits ? low + (high - low) / 2 : 0;
-		request->ground_px = plan->ground_px;
-		before = *why;
-		*why = none;
-		code = plan_once(&next, input, &now, error);
-		work += now.work;
-		bool enough = !code && now.bytes <= request->bytes;
-		if (!code && (enough || !fits)) {
-			struct eco_plan worse = *plan;
-			*plan = next;
-			next = worse;
-			*stats = now;
-		} else {
-			lod_explanation_free(why);
-			*why = before;
-			before = none;
-		}
-		eco_plan_free(&next);
-		lod_explanation_free(&before);
-		if (!code && !enough && !fits)
-			break;
-		*(enough ? &low : &high) = request->vertices;
-		fits = true;
+	request->vertices = 0;
+	request->ground_px = plan->ground_px;
+	input->explanation = NULL;
+	for (bool first = true; !code && fits && (first || high - low > 1 + low / LOD_SEARCH_SLACK) && (!input->work_max
+			|| work / LOD_SEARCH_PART < input->work_max); first = false) {
+		request->vertices = first ? 0 : low + (high - low) / 2;
+		eco_plan_free(plan);
+		code = plan_once(plan, input, stats, error);
+		work += stats->work;
+		bool enough = stats->bytes <= request->bytes;
+		request->ground_px = !code && enough ? plan->ground_px : request->ground_px;
+		*(enough || first ? &low : &high) = request->vertices;
+		fits = enough || !first;
 	}
-	stats->work = work;
+	request->vertices = low;
+	input->explanation = why;
+	if (!code) {
+		eco_plan_free(plan);
+		code = plan_once(plan, input, stats, error);
+	}
+	stats->work += work;
 	return code;
 }
 

@@ -329,27 +329,25 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 {
 	struct lod_allocation *m = s->allocation;
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
-	const double lowest = lod_lambda_at(s->last);
-	double octave = LOD_PRICE_LOWEST, lambda = fmax(s->lambda, lowest),
-		before = lod_price_relax(m, lambda, octave, NULL), step = LOD_SWEEP_STEP;
+	const double price = m->p->price, lowest = lod_lambda_at(s->last);
+	double octave = price > 0 ? fmax(LOD_PRICE_LOW, 2 * lod_octaves(price)) : LOD_PRICE_LOWEST,
+		lambda = fmax(s->lambda, lowest), before = relax_within(s, &lambda, octave), step = LOD_SWEEP_STEP;
 	enum eco_code code = ECO_OK;
-	octave = fmax(octave, LOD_SWEEP_FIRST);
+	octave = fmax(octave, LOD_PRICE_LOW);
 	while (!code && coarser->count < coarser->most && before > (double)coarser->least && octave < LOD_PRICE_HIGHEST) {
-		const bool late = lod_planner_over(m->p, 3);
-		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_STEP_MOST / 2 : LOD_SWEEP_STEP;
-		step = fmax(step, least);
 		double bytes = relax_within(s, &lambda, octave + step);
-		bool steep = bytes * ratio * ratio < before && step > least;
+		bool steep = bytes * coarser->ratio * coarser->ratio < before && step > LOD_SWEEP_STEP;
 		octave += steep ? 0 : step;
 		if (steep) {
-			step = least;
-		} else if (bytes * ratio > before) {
+			step = LOD_SWEEP_STEP;
+		} else if (bytes * coarser->ratio > before) {
 			step = fmin(2 * step, LOD_SWEEP_STEP_MOST);
 		} else if (bytes > 0) {
 			code = hand_over(s, lambda, budget, error);
 			before = bytes;
-			step = least;
-			lambda = m->cost.vertices < LOD_SWEEP_VERTICES * (double)budget ? fmax(lowest, LOD_SWEEP_LAMBDA * lambda) : lambda;
+			step = LOD_SWEEP_STEP;
+			if (m->cost.vertices < LOD_SWEEP_VERTICES * (double)budget)
+				lambda = fmax(lowest, LOD_SWEEP_LAMBDA * lambda);
 		} else {
 			break;
 		}

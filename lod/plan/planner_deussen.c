@@ -21,6 +21,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ecofiles/base/array_grow.h"
 #include "lod/ladder.h"
@@ -31,8 +32,8 @@ struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	if (entry->slot == ECO_NONE) { /* summaries are not measured: random points over random plants */
 		double share = entry->full ? (double)vertices / (double)entry->full : 1;
-		return (struct eco_curve){ .share = (float)share, .fp = (float)(0.3 * share),
-			.fn = (float)(1 - 0.7 * share) };
+		return (struct eco_curve){ .share = (float)share, .fp = (float)((1 - LOD_DEUSSEN_HIT) * share),
+			.fn = (float)(1 - LOD_DEUSSEN_HIT * share) };
 	}
 	return lod_ladder_curve(p->scene, ladder, lod_way_share(lod_planner_way(p, entry->ladder), vertices));
 }
@@ -115,10 +116,16 @@ static uint32_t gate_at(const struct lod_planner *p, uint32_t plant, double d)
 
 enum eco_code lod_planner_open(struct lod_planner *p, double d, double d_cells, struct eco_error *error)
 {
-	for (uint32_t i = 0; i < p->scene->plant_count; i++)
-		p->gates[i] = gate_at(p, i, d_cells);
-	uint64_t before = p->visible.places;
-	enum eco_code code = lod_visible_tree_count(&p->visible, d, p->gates, error);
+	const uint64_t before = p->visible.places, plants = p->scene->plant_count;
+	uint32_t *gates = malloc((plants + 1) * sizeof *gates);
+	if (!gates)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", p->scene->plant_count);
+	for (uint32_t i = 0; i < plants; i++)
+		gates[i] = gate_at(p, i, d_cells);
+	enum eco_code code = lod_visible_tree_count(&p->visible, d, gates, error);
+	if (!code)
+		memcpy(p->gates, gates, plants * sizeof *gates);
+	free(gates);
 	lod_planner_work(p, LOD_WORK_PLACE * (p->visible.places - before)
 		+ LOD_WORK_NODE * (uint64_t)p->visible.node_count);
 	return code;
@@ -232,18 +239,14 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
  * step tiles beyond the bounds show their summaries: a million plants may stand around the eye. */
 static enum eco_code open_step(struct lod_planner *p, int step, struct eco_error *error)
 {
-	const uint64_t work = p->input->work_max, nodes_max = p->visible.nodes_max;
-	uint64_t places = work ? work / 4 / LOD_WORK_PLACE : LOD_DEUSSEN_PLACES, nodes = work ? work / LOD_DEUSSEN_NODE_WORK : nodes_max;
-	bool bound = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES);
-	places = (places < LOD_DEUSSEN_PLACES ? places : LOD_DEUSSEN_PLACES) + 1;
-	nodes = (nodes < nodes_max ? nodes : nodes_max - 1) + 1;
-	p->visible.places_max = bound ? places : work ? LOD_DEUSSEN_PLACES + ECO_OPEN_PLANTS_MAX : 0;
-	p->visible.nodes_max = bound ? nodes : nodes_max;
-	p->visible.places_few = step == 0 && work ? places : 0;
-	p->visible.nodes_few = step == 0 && work ? nodes : 0;
+	const uint64_t work = p->input->work_max, nodes = work ? work / LOD_DEUSSEN_NODE_WORK + 1 : 0,
+		most = work / 4 / LOD_WORK_PLACE, places = (work && most < LOD_DEUSSEN_PLACES ? most : LOD_DEUSSEN_PLACES) + 1;
+	const bool few = step == 0 && work;
+	p->visible.bounds = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES)
+		? (struct lod_walk_bounds){ .nodes = nodes, .places = places }
+		: (struct lod_walk_bounds){ .places = work ? LOD_DEUSSEN_PLACES + ECO_OPEN_PLANTS_MAX : 0,
+			.nodes_few = few ? nodes : 0, .places_few = few ? places : 0 };
 	enum eco_code code = lod_planner_open(p, distance_at(step), distance_at(step), error);
-	p->visible.nodes_max = nodes_max;
-	p->visible.places_few = p->visible.nodes_few = 0;
 	return code == ECO_TOO_LARGE && lod_visible_tree_restart(&p->visible, NULL) ? ECO_NO_MEMORY : code;
 }
 

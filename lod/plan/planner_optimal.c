@@ -151,7 +151,7 @@ static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget, d
 	int side = 0;
 	for (int i = 0; i < LOD_LAMBDA_TRIES && low > 0 && unused > enough * LOD_LAMBDA_SLACK && !is_enough(s); i++) {
 		double part = under / (under + over);
-		part = part < 0.02 ? 0.02 : part > 0.98 ? 0.98 : part;
+		part = fmin(fmax(part, LOD_LAMBDA_PART), 1 - LOD_LAMBDA_PART);
 		double middle = high * lod_exp_minus(part * lod_log(high / low));
 		lod_allocation_relax(s->allocation, middle);
 		double left = enough - s->allocation->cost.vertices;
@@ -369,13 +369,15 @@ static uint64_t nodes_most(const struct lod_planner *p)
 	return p->level_work && most < p->visible.nodes_max ? most + 1 : p->visible.nodes_max;
 }
 
-/* Bounds of a level that no coarser one follows: what a view must open below a tile that is open
- * (ECO_OPEN_TILES_MAX) comes on top. A pack that needs more is no pack of ecopack's. */
-static void bound_last(struct lod_planner *p, uint64_t nodes_max)
+/* Bounds of a level. If no coarser one follows, what a view must open below a tile that is open
+ * (ECO_OPEN_TILES_MAX) comes on top: a pack that needs more is no pack of ecopack's. */
+static struct lod_walk_bounds bounds_of(const struct lod_planner *p, int level, bool last)
 {
-	uint64_t nodes = nodes_most(p) + ECO_OPEN_TILES_MAX;
-	p->visible.nodes_max = nodes < nodes_max ? nodes : nodes_max;
-	p->visible.places_max = places_most(p) + ECO_OPEN_PLANTS_MAX;
+	const uint64_t nodes = nodes_most(p), places = places_most(p), cells = level > 0 ? cells_most(p) : 0;
+	if (!last)
+		return (struct lod_walk_bounds){ .nodes = nodes, .places = places, .cells = cells };
+	return p->level_work ? (struct lod_walk_bounds){ nodes + ECO_OPEN_TILES_MAX, places + ECO_OPEN_PLANTS_MAX, nodes, places,
+		cells } : (struct lod_walk_bounds){ .cells = cells };
 }
 
 /* Opens the finest level from `level` towards coarser ones that is within bounds. At eye height there may be
@@ -384,21 +386,11 @@ static void bound_last(struct lod_planner *p, uint64_t nodes_max)
  * summaries: where a million plants stand at one place, all of their tiles are around the eye. */
 static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco_error *error)
 {
-	const uint64_t nodes_max = p->visible.nodes_max;
 	for (;; --*level) {
 		struct eco_error local = { 0 };
 		bool bound = *level > LOD_COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
-		p->visible.places_max = bound ? places_most(p) : 0;
-		p->visible.nodes_max = bound ? nodes_most(p) : nodes_max;
-		if (!bound && p->level_work)
-			bound_last(p, nodes_max);
-		p->visible.places_few = bound || !p->level_work ? 0 : places_most(p);
-		p->visible.nodes_few = bound || !p->level_work ? 0 : nodes_most(p);
-		p->visible.cells_max = *level > 0 ? cells_most(p) : 0;
+		p->visible.bounds = bounds_of(p, *level, !bound);
 		enum eco_code code = open_level(p, *level, &local);
-		p->visible.nodes_max = nodes_max;
-		p->visible.cells_max = 0;
-		p->visible.places_few = p->visible.nodes_few = 0;
 		bool affordable = code || !bound || is_affordable(p, 1);
 		if ((code != ECO_TOO_LARGE && affordable) || *level <= LOD_COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
@@ -418,25 +410,13 @@ enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, stru
 /* Opens the next finer level, if it is within bounds; else all is as it was. */
 static enum eco_code open_finer(struct lod_planner *p, int *level, bool *opened, struct eco_error *error)
 {
-	const uint64_t nodes_max = p->visible.nodes_max, plants = p->scene->plant_count;
+	const bool summaries = p->scene->needs & ECO_NEED_SUMMARIES;
 	struct eco_error local = { 0 };
-	uint32_t *gates = malloc((plants + 1) * sizeof *gates);
-	if (!gates)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants",
-			p->scene->plant_count);
-	memcpy(gates, p->gates, plants * sizeof *gates);
-	p->visible.places_max = p->scene->needs & ECO_NEED_SUMMARIES
-		? places_most(p) * LOD_PASSES_VERTICES / passes(p) : 0;
-	p->visible.nodes_max = p->scene->needs & ECO_NEED_SUMMARIES ? nodes_most(p) : nodes_max;
-	p->visible.cells_max = cells_most(p);
+	p->visible.bounds = (struct lod_walk_bounds){ .nodes = summaries ? nodes_most(p) : 0, .cells = cells_most(p),
+		.places = summaries ? places_most(p) * LOD_PASSES_VERTICES / passes(p) : 0 };
 	enum eco_code code = open_level(p, *level + 1, &local);
-	p->visible.nodes_max = nodes_max;
-	p->visible.cells_max = 0;
 	*opened = !code;
 	*level += *opened;
-	if (code == ECO_TOO_LARGE)
-		memcpy(p->gates, gates, plants * sizeof *gates);
-	free(gates);
 	return code && code != ECO_TOO_LARGE ? eco_fail(error, code, "%s", local.text) : ECO_OK;
 }
 

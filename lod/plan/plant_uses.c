@@ -41,30 +41,6 @@ static void fill(struct lod_allocation *m, uint32_t *first, uint32_t *next)
 	m->uses.first[visible->node_count] = count;
 }
 
-/* The same uses by slot, of each slot by node. */
-static void fill_by_slot(struct lod_uses *uses, uint32_t nodes, uint32_t slots)
-{
-	uint32_t *to = uses->slot_first + 1;     /* where a slot's next use goes; afterwards where it ends */
-	for (uint32_t i = 0; i < uses->first[nodes]; i++)
-		if (uses->items[i].slot + 1 < slots)
-			to[uses->items[i].slot + 1]++;
-	for (uint32_t s = 1; s < slots; s++)
-		to[s] += to[s - 1];
-	for (uint32_t n = 0; n < nodes; n++)
-		for (uint32_t i = uses->first[n]; i < uses->first[n + 1]; i++)
-			uses->by_slot[to[uses->items[i].slot]++] = (struct lod_slot_use){ n,
-				uses->items[i].whole, uses->items[i].count };
-}
-
-/* Nothing is summed yet. */
-static void forget_sums(struct lod_uses *uses, uint32_t nodes, uint32_t slots)
-{
-	memset(uses->stale, true, nodes * sizeof *uses->stale);
-	memset(uses->moved, true, slots * sizeof *uses->moved);
-	for (uint32_t n = 0; n < nodes; n++)
-		uses->weight[n] = NAN;
-}
-
 enum eco_code lod_uses_make(struct lod_allocation *m, struct eco_error *error)
 {
 	const struct lod_visible_tree *visible = &m->p->visible;
@@ -76,24 +52,19 @@ enum eco_code lod_uses_make(struct lod_allocation *m, struct eco_error *error)
 	struct lod_arena *a = &m->memory;
 	uses->items = lod_arena_try(a, count, sizeof *uses->items);
 	uses->cells = lod_arena_try(a, count, sizeof *uses->cells);
-	uses->by_slot = lod_arena_try(a, count, sizeof *uses->by_slot);
 	uses->first = lod_arena_try(a, nodes + 1u, sizeof *uses->first);
-	uses->slot_first = lod_arena_try(a, slots + 1u, sizeof *uses->slot_first);
 	uses->near = lod_arena_try(a, slots, sizeof *uses->near);
 	uses->each = lod_arena_try(a, slots, sizeof *uses->each);
 	uses->drawn = lod_arena_try(a, slots, sizeof *uses->drawn);
 	uses->seen = lod_arena_try(a, slots, sizeof *uses->seen);
 	uses->moved = lod_arena_try(a, slots, sizeof *uses->moved);
-	uses->redrawn = lod_arena_try(a, slots, sizeof *uses->redrawn);
 	uses->own = lod_arena_try(a, nodes, sizeof *uses->own);
 	uses->stale = lod_arena_try(a, nodes, sizeof *uses->stale);
 	uses->reach = lod_arena_try(a, nodes, sizeof *uses->reach);
-	uses->weight = lod_arena_try(a, nodes, sizeof *uses->weight);
 	bool good = first && next && !a->failed;
 	if (good) {
 		fill(m, first, next);
-		fill_by_slot(uses, nodes, slots);
-		forget_sums(uses, nodes, slots);
+		memset(uses->stale, true, nodes * sizeof *uses->stale);
 	}
 	free(first);
 	free(next);
@@ -117,22 +88,16 @@ static bool is_same(const struct lod_cost *a, const struct lod_cost *b)
 	return a->alike == b->alike && a->open == b->open && a->vertices == b->vertices;
 }
 
-/* Another `near` draws more or fewer of a plant's cells, which stand in the plant's tiles. Returns uses passed. */
-static uint64_t set_each(struct lod_uses *uses, uint32_t s, double near, const struct lod_cost *cost)
+/* One pass over all uses. */
+static void count_pass(const struct lod_allocation *m)
 {
-	if (uses->near[s] == near && is_same(&uses->each[s], cost))
-		return 0;
-	uses->moved[s] |= uses->near[s] != near;
-	uses->near[s] = near;
-	uses->each[s] = *cost;
-	for (uint32_t i = uses->slot_first[s]; i < uses->slot_first[s + 1]; i++)
-		uses->stale[uses->by_slot[i].node] = true;
-	return uses->slot_first[s + 1] - uses->slot_first[s];
+	lod_planner_work(m->p, LOD_WORK_TALLY * (uint64_t)m->uses.first[m->p->visible.node_count] / LOD_PASS_TALLIES);
 }
 
 void lod_uses_set_each(struct lod_allocation *m)
 {
-	uint64_t looks = 0;
+	struct lod_uses *uses = &m->uses;
+	bool any = false;
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++) {
 		const struct lod_slot *slot = &m->p->visible.slots[s];
 		const struct lod_slot_choice *choice = &m->slot_choices[s];
@@ -143,9 +108,16 @@ void lod_uses_set_each(struct lod_allocation *m)
 			lod_cost_add(&cost, &choice->cost[1], choice->open, near, near);
 		if (far > 0)
 			lod_cost_add(&cost, &choice->cost[0], choice->open, far, far);
-		looks += set_each(&m->uses, s, near, &cost);
+		uses->moved[s] = uses->near[s] != near || !is_same(&uses->each[s], &cost);
+		any |= uses->moved[s];
+		uses->near[s] = near;
+		uses->each[s] = cost;
 	}
-	lod_planner_work(m->p, LOD_WORK_TALLY * looks);
+	for (uint32_t n = 0; any && n < m->p->visible.node_count; n++)
+		for (uint32_t i = uses->first[n]; i < uses->first[n + 1] && !uses->stale[n]; i++)
+			uses->stale[n] = uses->moved[uses->items[i].slot];
+	if (any)
+		count_pass(m);
 }
 
 static struct lod_cost sum_own(const struct lod_allocation *m, uint32_t n)
@@ -175,12 +147,12 @@ struct lod_cost lod_uses_cost(const struct lod_allocation *m, uint32_t n)
 	return m->uses.own[n];
 }
 
-/* Sets the weights of tiles, and marks the slots of those that are others. Returns uses passed. */
-static uint64_t weigh_tiles(struct lod_allocation *m)
+void lod_uses_sum_drawn(struct lod_allocation *m)
 {
 	const struct lod_visible_tree *visible = &m->p->visible;
 	struct lod_uses *uses = &m->uses;
-	uint64_t looks = 0;
+	memset(uses->drawn, 0, visible->slot_count * sizeof *uses->drawn);
+	memset(uses->seen, 0, visible->slot_count * sizeof *uses->seen);
 	uses->reach[0] = 1;
 	for (uint32_t n = 0; n < visible->node_count; n++) {
 		const struct lod_node *node = &visible->nodes[n];
@@ -188,44 +160,12 @@ static uint64_t weigh_tiles(struct lod_allocation *m)
 		double weight = choice->open ? uses->reach[n] * choice->share : 0;
 		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
 			uses->reach[node->child_first + c] = weight;
-		if (uses->weight[n] == weight)
-			continue;
-		uses->weight[n] = weight;
-		for (uint32_t i = uses->first[n]; i < uses->first[n + 1]; i++)
-			uses->redrawn[uses->items[i].slot] = true;
-		looks += uses->first[n + 1] - uses->first[n];
-	}
-	return looks;
-}
-
-static void sum_slot(struct lod_allocation *m, uint32_t s)
-{
-	struct lod_uses *uses = &m->uses;
-	uses->drawn[s] = uses->seen[s] = 0;
-	for (uint32_t i = uses->slot_first[s]; i < uses->slot_first[s + 1]; i++) {
-		const struct lod_slot_use *use = &uses->by_slot[i];
-		if (!(uses->weight[use->node] > 0))
-			continue;
-		double count = uses->weight[use->node] * use->count
-			* (use->whole == s ? 1 : uses->near[use->whole]);
-		uses->drawn[s] += count;
-		uses->seen[s] += count * m->tile_choices[use->node].factor;
-	}
-}
-
-void lod_uses_sum_drawn(struct lod_allocation *m)
-{
-	struct lod_uses *uses = &m->uses;
-	uint32_t slots = m->p->visible.slot_count;
-	memset(uses->redrawn, false, slots * sizeof *uses->redrawn);
-	uint64_t looks = weigh_tiles(m);
-	for (uint32_t i = 0; i < uses->cell_count; i++)
-		uses->redrawn[uses->cells[i].slot] |= uses->moved[uses->cells[i].whole];
-	memset(uses->moved, false, slots * sizeof *uses->moved);
-	for (uint32_t s = 0; s < slots; s++)
-		if (uses->redrawn[s]) {
-			sum_slot(m, s);
-			looks += uses->slot_first[s + 1] - uses->slot_first[s];
+		for (uint32_t i = uses->first[n]; i < uses->first[n + 1] && weight > 0; i++) {
+			const struct lod_use *use = &uses->items[i];
+			double count = weight * use->count * (use->whole == use->slot ? 1 : uses->near[use->whole]);
+			uses->drawn[use->slot] += count;
+			uses->seen[use->slot] += count * choice->factor;
 		}
-	lod_planner_work(m->p, LOD_WORK_TALLY * looks);
+	}
+	count_pass(m);
 }

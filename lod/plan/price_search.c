@@ -39,20 +39,16 @@ double lod_price_wrong(const struct lod_allocation *m)
 	return m->cost.alike + m->cost.open + lod_prices_lost(m);
 }
 
-static void remember(struct lod_allocation *m, double lambda, double octave, double bytes)
+/* A price for all bytes alike, which is remembered. */
+static double relax_alike(struct lod_allocation *m, double lambda, double octave)
 {
+	const double bytes = lod_price_relax(m, lambda, octave, NULL);
 	struct lod_price_tries *tries = &m->tries;
-	if (tries->count == LOD_PRICE_TRIES)
-		return;
-	tries->at[tries->count].lambda = lambda;
-	tries->at[tries->count].octave = octave;
-	tries->at[tries->count++].bytes = bytes;
-}
-
-double lod_price_relax_alike(struct lod_allocation *m, double lambda, double octave)
-{
-	double bytes = lod_price_relax(m, lambda, octave, NULL);
-	remember(m, lambda, octave, bytes);
+	if (tries->count < LOD_PRICE_TRIES) {
+		tries->at[tries->count].lambda = lambda;
+		tries->at[tries->count].octave = octave;
+		tries->at[tries->count++].bytes = bytes;
+	}
 	return bytes;
 }
 
@@ -62,7 +58,7 @@ static double beyond(double bytes, double target)
 	return bytes > 0 && target > 0 ? fabs(lod_octaves(bytes / target)) : LOW_OCTAVES;
 }
 
-/* The same at a price for all bytes alike; 1 where that was not tried. */
+/* The same at such a price; 1 where that was not tried. */
 static double beyond_at(const struct lod_allocation *m, double lambda, double target, double octave)
 {
 	for (uint32_t i = 0; i < m->tries.count; i++)
@@ -82,9 +78,9 @@ static double search_price(struct lod_allocation *m, double lambda, double targe
 			&& (tries < LOD_PRICE_SEARCHES || !lod_planner_over(m->p, 4)); tries++) {
 		double part = over / (over + under);
 		bool halves = high - low < LOD_PRICE_CLOSE || abs(side) > 1;
-		part = halves ? 0.5 : part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
+		part = halves ? 0.5 : fmin(fmax(part, LOD_PRICE_PART), 1 - LOD_PRICE_PART);
 		double middle = low + part * (high - low);
-		double now = lod_price_relax_alike(m, lambda, middle);
+		double now = relax_alike(m, lambda, middle);
 		if (now > target) {
 			low = middle;
 			over = beyond(now, target);
@@ -106,20 +102,20 @@ static void seek(struct lod_allocation *m, double lambda, double target, double 
 {
 	double step = isnan(near) ? 1 : LOD_PRICE_NEAR;
 	*low = *high = isnan(near) ? LOD_PRICE_USUAL : near;
-	double bytes = lod_price_relax_alike(m, lambda, *low);
+	double bytes = relax_alike(m, lambda, *low);
 	while (bytes <= target && *low > LOD_PRICE_LOWEST) {
 		*high = *low;
 		*low -= step;
-		*low = *low < LOD_SWEEP_FIRST ? LOD_PRICE_LOWEST : *low;
+		*low = *low < LOD_PRICE_LOW ? LOD_PRICE_LOWEST : *low;
 		step *= 2;
-		bytes = lod_price_relax_alike(m, lambda, *low);
+		bytes = relax_alike(m, lambda, *low);
 	}
 	if (bytes <= target)
 		*high = *low;
 	while (bytes > target && *high <= *low && *high < LOD_PRICE_HIGHEST) {
 		*high = fmin(LOD_PRICE_HIGHEST, *high + step);
 		step *= 2;
-		if (*high < LOD_PRICE_HIGHEST && lod_price_relax_alike(m, lambda, *high) > target)
+		if (*high < LOD_PRICE_HIGHEST && relax_alike(m, lambda, *high) > target)
 			*low = *high;
 	}
 }

@@ -10,8 +10,6 @@ struct lod_mix;
 /* Relaxes at a price, with its own limits or, if `mix` is used, with those; lod_prices_make came before. Returns the
  * bytes. */
 double lod_price_relax(struct lod_allocation *allocation, double lambda, double octave, const struct lod_mix *mix);
-/* The same without a mix: it is remembered for lod_price_find. */
-double lod_price_relax_alike(struct lod_allocation *allocation, double lambda, double octave);
 /* Relaxes at a price whose bytes are at most `target`, and returns these bytes. near: log2 of a price that nearly fits;
  * NAN: not known. */
 double lod_price_find(struct lod_allocation *allocation, double lambda, double target, double near, double *octave);

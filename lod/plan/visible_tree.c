@@ -81,9 +81,10 @@ void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct l
 static enum eco_code add_node(struct lod_visible_tree *visible, uint32_t tile, uint32_t placement,
 	struct eco_error *error)
 {
-	if (visible->node_count >= visible->nodes_max)
+	const uint64_t bound = visible->bounds.nodes, most = bound && bound < visible->nodes_max ? bound : visible->nodes_max;
+	if (visible->node_count >= most)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail opens more than %llu tiles; "
-			"ask for fewer vertices", (unsigned long long)visible->nodes_max);
+			"ask for fewer vertices", (unsigned long long)most);
 	if (!eco_array_grow(&visible->nodes, &visible->node_capacity, visible->node_count, sizeof *visible->nodes))
 		return no_memory(error);
 	struct lod_node *node = &visible->nodes[visible->node_count++];
@@ -477,9 +478,9 @@ static bool is_beyond(const struct lod_visible_tree *visible, const struct lod_n
 {
 	const struct eco_tile *tile = &visible->scene->tiles[node->tile];
 	uint64_t nodes = visible->node_count + (node->expanded ? 0 : tile->child_count);
-	return tile->summary != ECO_NONE && ((visible->nodes_few && nodes > visible->nodes_few)
-		|| (visible->places_few && visible->places_walked
-		&& visible->places_walked + new_places(visible, node) > visible->places_few));
+	const struct lod_walk_bounds *b = &visible->bounds;
+	return tile->summary != ECO_NONE && ((b->nodes_few && nodes > b->nodes_few) || (b->places_few
+		&& visible->places_walked && visible->places_walked + new_places(visible, node) > b->places_few));
 }
 
 /* They count towards their bound. */
@@ -487,9 +488,9 @@ static enum eco_code count_places(struct lod_visible_tree *visible, const struct
 	struct eco_error *error)
 {
 	visible->places_walked += new_places(visible, node);
-	if (visible->places_max && visible->places_walked > visible->places_max)
+	if (visible->bounds.places && visible->places_walked > visible->bounds.places)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu "
-			"plants; ask for fewer vertices", (unsigned long long)visible->places_max);
+			"plants; ask for fewer vertices", (unsigned long long)visible->bounds.places);
 	return ECO_OK;
 }
 
@@ -529,7 +530,7 @@ static enum eco_code count_cells(const struct lod_visible_tree *visible, const u
 {
 	const struct eco_scene *scene = visible->scene;
 	double cells = 0, most = 0;
-	uint64_t bound = visible->cells_max ? visible->cells_max : visible->cells_most;
+	uint64_t all = visible->bounds.cells, bound = all ? all : visible->cells_most;
 	for (uint32_t i = 0; bound && i < visible->node_count; i++) {
 		const struct eco_tile *tile = &scene->tiles[visible->nodes[i].tile];
 		for (uint32_t g = 0; visible->nodes[i].state == LOD_OPEN && g < tile->group_count; g++) {
@@ -539,7 +540,7 @@ static enum eco_code count_cells(const struct lod_visible_tree *visible, const u
 			most += gates[group->plant] ? each : 0;
 		}
 	}
-	bool few = (!visible->cells_max || cells <= (double)visible->cells_max)
+	bool few = (!all || cells <= (double)all)
 		&& (!visible->cells_most || most <= (double)visible->cells_most);
 	return few ? ECO_OK : eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than "
 		"%llu cells of plants; ask for fewer vertices", (unsigned long long)bound);

@@ -56,6 +56,13 @@ struct lod_slot {
 
 struct lod_seen { uint32_t slot, index; uint16_t hash; };     /* a plant in view; index: in its group */
 
+/* Bounds of a walk; 0: none. */
+struct lod_walk_bounds {
+	uint64_t nodes, places;      /* tiles; plants walked over since the start */
+	uint64_t nodes_few, places_few;      /* beyond these, tiles that have a summary show it */
+	uint64_t cells;              /* where all plants draw their cells: of all in open tiles */
+};
+
 struct lod_visible_tree {
 	const struct eco_scene *scene;
 	struct lod_eye eye;
@@ -67,12 +74,10 @@ struct lod_visible_tree {
 	struct lod_anchor_band *scratch;
 	uint8_t *known;              /* enum lod_places per group; NULL: all are known */
 	uint64_t nodes_max, placements_max;
-	uint64_t nodes_few, places_few; /* beyond these, tiles that have a summary show it; 0: no bound */
+	struct lod_walk_bounds bounds;       /* of the next walk, the caller's */
 	uint64_t plants;             /* visible, at the last count */
 	uint64_t places;             /* plants walked over, ever */
-	uint64_t places_walked, places_max; /* plants walked over since the start, and their bound; 0: no
-	                                     * bound */
-	uint64_t cells_max;          /* where all plants draw their cells: of all in open tiles; 0: no bound */
+	uint64_t places_walked;      /* the same since the start */
 	uint64_t cells_most;         /* where any plants of a species may, of all of it; 0: no bound */
 	struct lod_screen *screen;   /* may be NULL; every visible plant is added once, with its node and
 	                              * slot */

@@ -26,6 +26,7 @@
 #define LOD_SCREEN_HILL 1.0f  /* columns on either side of a foot in which ground hides */
 #define LOD_SCREEN_CLUMPED 0.6  /* leaves stand along twigs: a picture shows as many as of so many random ones
 				* (Nilson 1971; forests: 0.5 to 0.7) */
+#define LOD_SCREEN_CLOSEST 0.25  /* of the larger half extent: nothing counts as nearer */
 #define LOD_SCREEN_NEAR 2.0  /* half axes of a crown, to an eye that looks through it ray by ray */
 #define LOD_SCREEN_SHADOW 0.003  /* of the pixels of its leaves: so many a near plant shows at least, for the
 				* shadow that it casts from above the picture or beside it */
@@ -44,6 +45,8 @@
 
 /* ---- Proxy shapes ---- */
 #define LOD_STEM_LEAST 0.1  /* of half a plant's height: a stem below the crown is no shorter */
+#define LOD_PLANT_CELL 0.6  /* of a cell's radius: so far it reaches beyond its middle, across */
+#define LOD_PLANT_NARROWEST 0.5  /* of its radius: a plant without cells is no narrower */
 #define LOD_PLANT_THINNEST 0.01  /* area of a plant over its radius squared: a plant without area is visible
 				* all the same */
 #define LOD_SPLAT_FACTOR 1.3  /* c_p, Deussen 2002, 5.1: 1.2 to 1.5 */
@@ -73,6 +76,7 @@
 /* ---- Deussen's rule ---- */
 #define LOD_DEUSSEN_STEPS 256  /* of d': next to none of a budget is left */
 #define LOD_DEUSSEN_PLACES 1000000u  /* plants looked at with a step, where summaries stand for the others */
+#define LOD_DEUSSEN_HIT 0.7  /* of the points of a summary, which is not measured: on its plants */
 #define LOD_DEUSSEN_NODE_WORK 300u  /* of a tile in view, from opening it at many steps to sending its cut */
 
 /* ---- Weights of choices ---- */
@@ -99,14 +103,19 @@
 /* ---- Prices, log2 ---- */
 #define LOD_PRICE_LOWEST -30.0  /* wrong pixels a byte: nothing is worth so little, ... */
 #define LOD_PRICE_HIGHEST 30.0  /* ... or so much */
+#define LOD_PRICE_LOW -10.0  /* octaves: at lower prices hardly anything is left out */
 #define LOD_PRICE_SLACK 0.03  /* share of the bytes that may be left */
 #define LOD_PRICE_NEAR 0.25  /* the same from a price that nearly fits */
 #define LOD_PRICE_USUAL -1.0  /* octave of the first price tried; the next is one further, then twice as far */
 #define LOD_PRICE_STEP 0.1  /* octaves to which a price is searched */
 #define LOD_PRICE_CLOSE 0.45  /* octaves: nearer than that bytes come at once, and are no line */
+#define LOD_PRICE_PART 0.1  /* of the way between two prices: each is tried no nearer to either by the secant */
 #define LOD_PRICE_SEARCHES 5  /* of a search, whatever work is done: the highest price draws nothing */
 
 /* ---- Kinds that share bytes ---- */
+#define LOD_KIND_PRICES { 0, 1.5, 0.5, -0.125, -0.5, -1, -2 }  /* octaves, beside that of tiles, whose limits a kind may
+				* have; the first is that price */
+#define LOD_KIND_TEXTURES { 1, 4 }  /* times the price of tiles, that a kind's textures may pay */
 #define LOD_KIND_BINS 256  /* of the bytes that kinds share */
 #define LOD_KIND_ENOUGH 0.985  /* of the bytes: kinds need share none */
 #define LOD_KIND_TRIES 5  /* of a mix: tiles that choose others need bytes, too */
@@ -144,6 +153,7 @@
 /* ---- Search for lambda, and levels of detail ---- */
 #define LOD_LAMBDA_HIGHEST 34  /* octaves: more pixels than a picture can have */
 #define LOD_LAMBDA_TRIES 8  /* of the search between two grid lambdas, ... */
+#define LOD_LAMBDA_PART 0.02  /* of the way between two of them: each is tried no nearer to either, ... */
 #define LOD_LAMBDA_SLACK 0.001  /* ... which ends when no more than this share of the budget is unused */
 #define LOD_LAMBDA_UNUSED 0.01  /* a larger share asks for other tiles and gates, of few plants in view */
 #define LOD_TILES_PX 0.5  /* sample distance to which tiles are opened, ... */
@@ -166,6 +176,7 @@
 #define LOD_NODE_BYTES 2  /* times that a tile is passed in each of these */
 #define LOD_HIDDEN_MOST 0.05  /* of what a picture has */
 #define LOD_TALLIES_UNCHANGED 2  /* one of so many tallies is summed again, for the others nothing changed */
+#define LOD_PASS_TALLIES 4  /* so many tallies that are only passed take the work of one that is summed */
 #define LOD_SUMMARY_TRIES 7  /* numbers of points that are tried of each */
 
 /* ---- Answers within bytes ---- */
@@ -177,11 +188,9 @@
 #define LOD_FEW_FALL 4  /* vertices of one try over those of the next, where hardly any fit */
 #define LOD_SIZE_MARGIN 0.002  /* of the bytes, since what is beside differs from one answer to the next */
 #define LOD_SIZE_TRIES 5  /* answers whose bytes are counted */
-#define LOD_TIMES_COARSER 4.0  /* their bytes count chunks of coarser answers that the answer lacks */
-#define LOD_SWEEP_FIRST -10.0  /* octaves: at lower prices hardly anything is left out */
+#define LOD_TIMES_COARSER 16.0  /* their bytes count chunks of coarser answers that the answer lacks */
 #define LOD_SWEEP_STEP 0.375  /* octaves of the price to the next one tried, at least ... */
-#define LOD_SWEEP_STEP_MOST 3.0  /* ... and at most; half of it at least once the work is done that a plan may take: ... */
-#define LOD_SWEEP_LATE_RATIO 2.5  /* ... answers have so many times fewer bytes then */
+#define LOD_SWEEP_STEP_MOST 3.0  /* ... and at most */
 #define LOD_SWEEP_LAMBDA 0.25  /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
 #define LOD_SWEEP_VERTICES 0.5  /* ... where no more than this part of the budget is used */
 

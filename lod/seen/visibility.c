@@ -320,7 +320,7 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] },
 		crown[3] = { d[0], d[1], d[2] + proxy_shape->rise }, foot[3] = { d[0], d[1], d[2] - proxy_shape->up };
-	double ahead = lod_dot(eye->forward, d), closest = 0.25 * fmax(proxy_shape->across, proxy_shape->up),
+	double ahead = lod_dot(eye->forward, d), closest = LOD_SCREEN_CLOSEST * fmax(proxy_shape->across, proxy_shape->up),
 		under = fmax(lod_dot(eye->forward, foot), 1e-9), range = eye->right[0] * d[1] - eye->right[1] * d[0];
 	struct lod_outline *outline = &screen->crowns[screen->count];
 	struct lod_visibility *visibility = &screen->visibilities[screen->count++];

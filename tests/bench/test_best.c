@@ -86,6 +86,7 @@ static void try_structure(void)
 {
 	struct lod_fill fill = { 0 };
 	double closed = 0;
+	lod_uses_set_each(&s.allocation);
 	lod_allocation_fix(&s.allocation);
 	assert_ok(lod_fill_make(&fill, &s.allocation, &error), error);
 	for (uint32_t n = 0; n < s.planner.visible.node_count; n++) {

@@ -131,12 +131,7 @@ static void forget(struct lod_allocation *m)
 {
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
 		lod_allocation_unsettle(m, s);
-	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
-		m->ladder_choices[i].free_lambda = NAN;
-	for (uint32_t n = 0; n < m->p->visible.node_count; n++) {
-		m->uses.stale[n] = true;
-		m->uses.weight[n] = NAN;
-	}
+	memset(m->uses.stale, true, m->p->visible.node_count);
 	m->relaxed.lambda = NAN;
 }
 

@@ -444,29 +444,29 @@ UNIT_TEST(a_walk_that_is_too_far_looks_at_no_plant)
 		view.target[i] = view.eye[i] = (root->low[i] + root->high[i]) / 2;
 	view.eye[2] += 2 * (root->high[0] - root->low[0] + root->high[1] - root->low[1]);
 	assert_good(lod_visible_tree_init(&visible, &scene.scene, &view, 1000000, 100000, &cause));
-	visible.places_max = 1;
+	visible.bounds.places = 1;
 	assert_code(lod_visible_tree_count(&visible, 0, gates, &cause), ECO_TOO_LARGE, "");
 	assert_int_equal(visible.places, 0);
 	assert_good(lod_visible_tree_restart(&visible, &cause));
-	visible.places_max = 0;
+	visible.bounds.places = 0;
 	assert_good(lod_visible_tree_count(&visible, 1, gates, &cause));
 	uint32_t nodes = visible.node_count;
 	uint64_t plants = visible.plants, places = visible.places;
-	visible.places_max = 1;              /* then all stays as it was */
+	visible.bounds.places = 1;              /* then all stays as it was */
 	assert_code(lod_visible_tree_count(&visible, 0, gates, &cause), ECO_TOO_LARGE, "");
 	assert_int_equal(visible.node_count, nodes);
 	assert_int_equal(visible.plants, plants);
 	assert_int_equal(visible.places, places);
 	assert_int_equal(visible.nodes[0].state, LOD_SUMMARY);
-	visible.places_max = 0;
+	visible.bounds.places = 0;
 	assert_good(lod_visible_tree_count(&visible, 0, gates, &cause));
 	assert_true(visible.places > 1 && visible.nodes[0].state == LOD_OPEN);
-	visible.cells_max = 1;
+	visible.bounds.cells = 1;
 	for (uint32_t i = 0; i < scene.scene.plant_count; i++)
 		gates[i] = ECO_BANDS * ECO_SHARE_ONE;
 	assert_code(lod_visible_tree_count(&visible, 0, gates, &cause), ECO_TOO_LARGE, "");
 	assert_int_equal(visible.nodes[0].state, LOD_OPEN);
-	visible.cells_max = 0;
+	visible.bounds.cells = 0;
 	visible.cells_most = 1;
 	for (uint32_t i = 0; i < scene.scene.plant_count; i++)
 		gates[i] = ECO_SHARE_ONE;
