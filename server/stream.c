@@ -12,6 +12,7 @@
 #define BODY_MAX_DEFAULT (1ull << 31)
 #define STEP_RATIO 1.3                       /* bytes of a step over those of the step before */
 #define STEP_BYTES_LEAST 10000u              /* no step goes before one of so few, ... */
+#define COARSER_PART 128u                     /* of the bytes is left to coarser answers: 1 / so many */
 #define FIRST_MOST 64u                       /* times the bytes of a first picture: more seldom bind, and steps come */
 #define STEP_PRICED_LEAST 5000u              /* ground and bytes without a price may be half of it */
 #define SIZING_WORK 12u                      /* a cut or a list whose bytes are counted */
@@ -103,8 +104,10 @@ static enum eco_code plan_answer(struct srv_stream *stream, struct srv_step *ste
 	const struct srv_stream_input *input = &stream->input;
 	struct lod_planner_stats stats = { 0 };
 	struct lod_planner_coarser coarser = { STEP_RATIO, STEP_PRICED_LEAST, SRV_STEPS_MAX - 1, stream->coarser, 0 };
+	struct eco_request request = *input->request;
+	request.bytes -= input->single || request.bytes == ECO_BYTES_UNBOUNDED ? 0 : request.bytes / COARSER_PART;
 	const struct lod_planner_input planner = { .scene = &input->scene->pack->scene,
-		.tables = input->scene->tables, .request = input->request, .holdings = input->holdings,
+		.tables = input->scene->tables, .request = &request, .holdings = input->holdings,
 		.rule = input->rule, .ignore_occlusion = input->ignore_occlusion, .work_max = input->work_max,
 		.level_work = input->level_work,
 		.places = input->places, .cancelled = input->cancelled, .stats = &stats, .sent = true, .coarser = input->single ? NULL : &coarser,
@@ -203,6 +206,35 @@ enum eco_code srv_size_all(struct srv_stream *stream, struct eco_error *error)
 	return code;
 }
 
+/* Bytes of a step that the answer does not use. */
+static uint64_t wasted_bytes(const struct srv_stream *stream, uint32_t number)
+{
+	const struct eco_holdings *needs = &stream->steps[number].needs, *answer = &stream->steps[stream->step_count - 1].needs;
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < needs->count; i++) {
+		const struct eco_list *list = &stream->input.scene->pack->scene.lists[needs->items[i].list];
+		uint32_t held = eco_holdings_chunks(stream->input.holdings, needs->items[i].list),
+			used = eco_holdings_chunks(answer, needs->items[i].list);
+		for (uint32_t c = held > used ? held : used; c < needs->items[i].chunks; c++)
+			sum += stream->input.scene->pack->scene.chunks[list->chunk_first + c].size_bytes;
+	}
+	return sum;
+}
+
+/* The one that wastes most; of equals the finest. */
+static void drop_coarse(struct srv_stream *stream)
+{
+	uint32_t worst = 0;
+	for (uint32_t i = 1; i + 1 < stream->step_count; i++)
+		worst = wasted_bytes(stream, i) >= wasted_bytes(stream, worst) ? i : worst;
+	srv_trace(SRV_TRACE_PLAN, "a step of %llu vertices left out: no room in the byte budget",
+		(unsigned long long)stream->steps[worst].plan.vertices);
+	step_free(&stream->steps[worst]);
+	stream->step_count--;
+	for (uint32_t i = worst; i < stream->step_count; i++)
+		stream->steps[i] = stream->steps[i + 1];
+}
+
 /* Coarse steps send a little that the answer does not use: they give way where the byte budget has no room
  * for that. */
 static enum eco_code fit_steps(struct srv_stream *stream, struct eco_error *error)
@@ -215,11 +247,7 @@ static enum eco_code fit_steps(struct srv_stream *stream, struct eco_error *erro
 		code = srv_size_all(stream, error);
 	while (!code && stream->body_bytes > stream->input.request->bytes) {
 		assert(stream->step_count > 1);
-		uint32_t last = --stream->step_count;    /* the finest coarse step goes */
-		srv_trace(SRV_TRACE_PLAN, "a step of %llu vertices left out: no room in the byte budget",
-			(unsigned long long)stream->steps[last - 1].plan.vertices);
-		step_free(&stream->steps[last - 1]);
-		stream->steps[last - 1] = stream->steps[last];
+		drop_coarse(stream);
 		code = srv_size_all(stream, error);
 	}
 	return code;

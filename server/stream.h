@@ -6,7 +6,8 @@
  *   srv_body_free(&body); srv_stream_free(&stream);
  *
  * Steps. The last step is the plan for the whole budget. Coarser answers go before it, each with about three
- * quarters of the bytes of the next, down to 10 kB (lod/plan/planner.h): a client that stops reading has
+ * quarters of the bytes of the next, down to 10 kB (lod/plan/planner.h), in a 128th of the bytes that is left to them; those
+ * that send most of what the answer does not use give way first. So a client that stops reading has
  * about the best picture for its bytes. Their ground takes at most a quarter of their bytes, and goes first,
  * coarse to fine.
  *
