@@ -9,8 +9,7 @@
  *   uint32_t low = 0, high = count;
  *   ECO_LEAST(low, high, i, reach[i] > target)       low: the first i of [low, high) for which that holds, which it does
  *                                                    for all after it; high where it does for none */
-#ifndef ECO_ORDER_H
-#define ECO_ORDER_H
+#pragma once
 
 #define ECO_ORDER_BY(name, type, order) \
 	static int name(const void *one, const void *two) \
@@ -34,5 +33,3 @@
 		else \
 			low = i + 1; \
 	}
-
-#endif
