@@ -171,7 +171,7 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 	const char *dot = strrchr(eco_path_last(path), '.');
 	char extension[16];
 	if (dot)
-		snprintf(extension, sizeof extension, "%.10s ", dot);
+		snprintf(extension, sizeof extension, "|%.10s|", dot);
 	for (size_t i = 0; code == ECO_OK && i < sizeof other_files_rows / sizeof *other_files_rows; i++)
 		if (dot && strcasestr(other_files_rows[i].extensions, extension))
 			code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: %s", path, other_files_rows[i].says);

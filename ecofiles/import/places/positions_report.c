@@ -148,7 +148,7 @@ void eco_positions_report(const struct eco_positions *reader, void (*say)(void *
 	head_line(&r, &c);
 	size_lines(&r);
 	for (int i = 0; i < ECO_SKIP_COUNT; i++) {
-		if (*reasons_rows[i].line)
+		if (strcmp(reasons_rows[i].line, "-") != 0)
 			count_line(&r, &c.skipped[i], c.where, "%s", reasons_rows[i].line);
 		else if (i == ECO_SKIP_UNKNOWN_SPECIES)
 			unknown_lines(&r, &c);

@@ -131,9 +131,9 @@ static enum track_role role_of(const char *text, uint32_t *rank, double *unit)
 			word[length++] = (char)tolower((unsigned char)*text);
 	word[length] = '|';
 	enum track_role role = 0;
-	while (role < TRACK_ROLES && !(at = strstr(track_columns_rows[role].words, word)))
+	while (role < TRACK_ROLES && !(at = strstr(track_columns_rows[role].spellings, word)))
 		role++;
-	*rank = at ? (uint32_t)(at - track_columns_rows[role].words) : 0;
+	*rank = at ? (uint32_t)(at - track_columns_rows[role].spellings) : 0;
 	return role;
 }
 
