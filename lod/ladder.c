@@ -3,7 +3,8 @@
  *   forms    the elements of one list in several forms: lod/forms.h
  *   levels   points or lines first, then the triangles or the levels of wood; a level that draws no more vertices
  *            than the one before it is skipped. Samples of the curve may stand between two of these
- *   splats   one list of points in levels: splats give way to their children one by one */
+ *   splats   one list of points in levels: splats give way to their children one by one; then leaves before the last
+ *            level, which shrinks behind them */
 #include "lod/ladder.h"
 
 #include <assert.h>
@@ -47,9 +48,18 @@ static struct splats splats_floor(const struct eco_ladder *ladder, uint64_t vert
 		? (uint32_t)(more / splat_step(ladder, level)) : 0 };
 }
 
+/* All splats of the last level. */
+static uint64_t splats_all(const struct eco_ladder *ladder)
+{
+	return splat_level_size(ladder, ladder->level_count - 1);
+}
+
 static uint64_t splats_vertices(const struct eco_ladder *ladder, uint64_t vertices, bool next)
 {
 	struct splats s = splats_floor(ladder, vertices);
+	uint64_t all = splats_all(ladder);
+	if (vertices >= all)
+		return all + ((vertices - all) / 3 + next) * 3;
 	if (vertices < splat_level_size(ladder, 0))
 		return vertices + next;
 	return splat_level_size(ladder, s.level)
@@ -94,10 +104,10 @@ static uint64_t first_unit(const struct eco_scene *scene, const struct eco_ladde
 uint64_t lod_ladder_full(const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
 	uint32_t levels = level_count(scene, ladder);
+	if (eco_ladder_has_splats(scene, ladder))
+		return splats_all(ladder) + 3 * primitives(scene, ladder->triangles);
 	if (levels)
 		return level_vertices(scene, ladder, levels - 1);
-	if (eco_ladder_has_splats(scene, ladder))
-		return splat_level_size(ladder, ladder->level_count - 1);
 	return first_unit(scene, ladder) * primitives(scene, first_list(scene, ladder));
 }
 
@@ -334,7 +344,7 @@ uint64_t lod_way_stage_end(const struct lod_way *way)
 	if (way->stage_end != UINT64_MAX)
 		return way->stage_end;
 	if (way->has_splats)
-		return way->full;
+		return splats_all(way->ladder);
 	if (!way->has_forms)
 		return first_floor(way->scene, way->ladder, UINT64_MAX);
 	uint64_t all = way->forms.total == way->forms.own ? way->full : lod_forms_all_drawn(&way->forms);
@@ -436,13 +446,19 @@ static uint32_t forms_cuts(const struct lod_forms *forms, uint64_t vertices, flo
 		lod_forms_range_end(forms, s.stage, s.e), scale);
 }
 
-static uint32_t splats_cuts(const struct eco_ladder *ladder, uint64_t vertices,
+static uint32_t splats_cuts(const struct lod_way *way, uint64_t vertices, double above,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
 {
+	const struct eco_ladder *ladder = way->ladder;
 	struct splats s = splats_floor(ladder, vertices);
 	uint32_t first = splat_level_first(ladder, s.level), end = ladder->level_end[s.level], count = 0;
 	if (vertices < splat_level_size(ladder, 0))
 		return put(cuts, ladder->points, 0, vertices, 1);
+	if (vertices > splats_all(ladder)) {
+		float scale = lod_ladder_curve_seen(way->scene, ladder, lod_way_share(way, vertices), above).scale;
+		count = put(cuts, ladder->triangles, 0, (vertices - splats_all(ladder)) / 3, 1);
+		return count + put(cuts + count, ladder->points, first, end, scale);
+	}
 	if (s.p)
 		count = put(cuts, ladder->points, end, end + (splat_step(ladder, s.level) + 1ull) * s.p, 1);
 	return count + put(cuts + count, ladder->points, first + s.p, end, 1);
@@ -458,7 +474,7 @@ uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double densi
 	assert(density > 0);
 	if (way->has_splats) {
 		assert(lod_way_floor(way, vertices) == vertices);
-		return splats_cuts(ladder, vertices, cuts);
+		return splats_cuts(way, vertices, above, cuts);
 	}
 	if (way->has_forms)
 		return forms_cuts(&way->forms, vertices, scale_at(way, vertices, density, above), cuts);

@@ -249,8 +249,8 @@ static bool ladder_form_fits(const struct eco_scene *s, uint32_t list, uint32_t 
 static const char *splat_levels_fault(const struct eco_scene *s, const struct eco_ladder *l)
 {
 	uint32_t before = 0, first = 0;
-	if (l->lines != ECO_NONE || l->simple != ECO_NONE || l->triangles != ECO_NONE)
-		return "it has other lists beside its splats";
+	if (l->lines != ECO_NONE || l->simple != ECO_NONE)
+		return "it has other lists than leaves beside its splats";
 	for (uint32_t i = 0; i < l->level_count; i++) {
 		uint32_t size = l->level_end[i] - first;
 		if (before && (size % before != 0 || size == before))

@@ -166,7 +166,7 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_la
 	points->open = weight_px > 0 ? slot_choice->nothing.open / weight_px : 0;
 	hull->points = points;
 	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
-	lod_hull_complete(hull, table->way.full);
+	lod_hull_complete(hull, lod_way_stage_end(&table->way));
 	if (!room)
 		room = lod_arena_try(&m->memory, from->count + 1, sizeof *room);
 	if (room)

@@ -116,7 +116,7 @@ UNIT_TEST(splats_give_way_to_their_children)
 				(ladder->level_end[last] - (last ? ladder->level_end[last - 1] : 0)) / roots;
 			uint64_t had[64] = { 0 }, before = 0;
 			assert_true(roots <= 64);
-			for (uint64_t v = lod_way_next(way_of(ladder), 0); v != UINT64_MAX;
+			for (uint64_t v = lod_way_next(way_of(ladder), 0); v <= lod_way_stage_end(way_of(ladder));
 					before = v, v = lod_way_next(way_of(ladder), v), tried++) {
 				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 				uint32_t count = lod_way_cuts(way_of(ladder), v, 0.5, 0, cuts);
@@ -145,6 +145,35 @@ UNIT_TEST(splats_give_way_to_their_children)
 		}
 	}
 	assert_true(tried > 2000);
+}
+
+/* Beyond its splats a ladder draws leaves from the first on, with all splats of the last level at the curve's scale. */
+UNIT_TEST(leaves_stand_before_splats)
+{
+	uint32_t tried = 0;
+	for (uint64_t seed = 1; seed < 60; seed++) {
+		random_scene_splats(&scene, seed, 0);
+		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
+			const struct eco_ladder *ladder = &scene.ladders[l];
+			if (!(ladder->flags & ECO_LADDER_WHOLE) || ladder->triangles == ECO_NONE)
+				continue;
+			const struct lod_way *way = way_of(ladder);
+			uint64_t splats = lod_way_stage_end(way), v = splats;
+			scene.curves[ladder->curve_first + ladder->curve_count - 1].scale = 0.5f;
+			assert_int_equal(way->full, splats + 3 * scene.lists[ladder->triangles].primitive_count);
+			while ((v = lod_way_next(way, v)) != UINT64_MAX) {
+				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+				double share = lod_way_share(way, v);
+				assert_int_equal(lod_way_cuts(way, v, 1, 0, cuts), 2);
+				assert_true(cuts[0].list == ladder->triangles && !cuts[0].first && cuts[0].scale == 1
+					&& 3 * cuts[0].end == v - splats);
+				assert_true(cuts[1].list == ladder->points && cuts[1].end - cuts[1].first == splats
+					&& cuts[1].scale == lod_ladder_curve(&scene.scene, ladder, share).scale);
+				tried++;
+			}
+		}
+	}
+	assert_true(tried > 1000);
 }
 
 /* Wood with lines and two levels. A sample of the curve stands between two of these: the first of the finer one with

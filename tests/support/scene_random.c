@@ -151,8 +151,8 @@ static void add_impostor(struct scene_builder *b, struct eco_ladder *l, uint32_t
 	l->curve_count += levels;
 }
 
-/* A few levels, and a curve that ends with an error, a small one or a large one. With more splats some miss
- * more and cover less that is wrong. */
+/* A few levels, some with leaves behind them, and a curve that ends with an error, a small one or a large one. With
+ * more splats some miss more and cover less that is wrong. */
 static void add_splats(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor)
 {
 	struct eco_ladder l = scene_ladder(b->scene.plant_count - 1, anchor, ECO_ORGAN_FOLIAGE);
@@ -168,13 +168,18 @@ static void add_splats(struct scene_builder *b, const struct random_sizes *sizes
 	l.total = end;
 	l.curve_first = b->scene.curve_count;
 	l.curve_count = 11;
+	uint32_t full = end;
+	if (end % 2) {
+		l.triangles = b->ladders[b->scene.ladder_count - 2].triangles;
+		full = end - (levels > 1 ? l.level_end[levels - 2] : 0) + 3 * b->lists[l.triangles].primitive_count;
+	}
 	if (end > 1 && random_below(b, 2))
-		add_impostor(b, &l, end);
+		add_impostor(b, &l, full);
 	float first = (float)random_real(b, 0.1, 0.5), last = first * (float)random_real(b, 0, 1);
 	float trade = random_below(b, 2) ? 0.09f : 0;
 	for (int i = 0; i < 11; i++) {
 		float error = first + (last - first) * (float)i / 10;
-		if (l.impostor != ECO_NONE && ldexpf((float)end, i - 10) < 1.5f) {
+		if (l.impostor != ECO_NONE && ldexpf((float)full, i - 10) < 1.5f) {
 			l.curve_count--;
 			continue;
 		}

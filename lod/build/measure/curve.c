@@ -148,12 +148,26 @@ static void sample_levels(struct lod_curve_organ *curve)
 	add_sample(curve, 1, false);
 }
 
+#define BEFORE_STEP 1.4142135623730951   /* of vertices, from a number of leaves before splats to the next */
+
+/* Splats, then leaves before the last level, whose scale is searched. */
+static void sample_splats(struct lod_curve_organ *curve)
+{
+	struct lod_way way;
+	lod_way_begin(&way, &curve->probe->scene, lod_curve_member(curve, 0));
+	double splats = (double)lod_way_stage_end(&way);
+	sample_geometrically(curve, splats, 1 / curve->full);
+	add_sample(curve, splats / curve->full, false);
+	for (double v = BEFORE_STEP * splats; v < curve->full; v *= BEFORE_STEP)
+		add_sample(curve, v / curve->full, true);
+}
+
 static void choose_samples(struct lod_curve_organ *curve)
 {
+	double unit = curve->unit[0];    /* vertices of the smallest step */
 	curve->sample_count = 0;
-	double unit = curve->whole ? 1 : curve->unit[0]; /* vertices of the smallest step */
-	if (!curve->forms && !curve->whole) {
-		sample_levels(curve);
+	if (!curve->forms) {
+		(curve->whole ? sample_splats : sample_levels)(curve);
 		return;
 	}
 	sample_geometrically(curve, curve->full / unit, unit / curve->full);
@@ -433,7 +447,7 @@ static void append(struct lod_plant *plant, const struct lod_curve_organ *curve)
 		if (impostor && !(s->share * curve->full > 1.5))
 			continue;                        /* one splat, which the impostor replaces */
 		plant->curves[plant->curve_count++] = (struct eco_curve){ .share = (float)s->share,
-			.scale = curve->scaled ? (float)lod_curve_scale(s->step) : 1,
+			.scale = (float)lod_curve_scale(s->step),
 			.reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
 	}
 }
