@@ -3,8 +3,8 @@
  *   forms    the elements of one list in several forms: lod/forms.h
  *   levels   points or lines first, then the triangles or the levels of wood; a level that draws no more vertices
  *            than the one before it is skipped. Samples of the curve may stand between two of these
- *   splats   one list of points in levels: splats give way to their children one by one; then leaves before the last
- *            level, which shrinks behind them */
+ *   splats   one list of points in levels: splats give way to their children one by one; then leaves, or else wood,
+ *            before the last level, which shrinks behind them */
 #include "lod/ladder.h"
 
 #include <assert.h>
@@ -105,7 +105,7 @@ uint64_t lod_ladder_full(const struct eco_scene *scene, const struct eco_ladder 
 {
 	uint32_t levels = level_count(scene, ladder);
 	if (eco_ladder_has_splats(scene, ladder))
-		return splats_all(ladder) + 3 * primitives(scene, ladder->triangles);
+		return splats_all(ladder) + (ladder->triangles == ECO_NONE ? 0 : 3 * (uint64_t)ladder->total);
 	if (levels)
 		return level_vertices(scene, ladder, levels - 1);
 	return first_unit(scene, ladder) * primitives(scene, first_list(scene, ladder));
@@ -456,7 +456,8 @@ static uint32_t splats_cuts(const struct lod_way *way, uint64_t vertices, double
 		return put(cuts, ladder->points, 0, vertices, 1);
 	if (vertices > splats_all(ladder)) {
 		float scale = lod_ladder_curve_seen(way->scene, ladder, lod_way_share(way, vertices), above).scale;
-		count = put(cuts, ladder->triangles, 0, (vertices - splats_all(ladder)) / 3, 1);
+		uint64_t from = primitives(way->scene, ladder->triangles) - ladder->total;
+		count = put(cuts, ladder->triangles, from, from + (vertices - splats_all(ladder)) / 3, 1);
 		return count + put(cuts + count, ladder->points, first, end, scale);
 	}
 	if (s.p)

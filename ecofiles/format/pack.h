@@ -99,8 +99,9 @@ struct eco_seen { uint16_t color[ECO_SEEN_SIZES][2], contrast[ECO_SEEN_SIZES][2]
  *   splats: `points` with ECO_ATTR_SPLAT in levels; a level has a whole multiple, m, of the splats of the one
  *           before it, and splats [m i, m (i + 1)) stand for splat i of that one. The first p of a level
  *           give way to their children: [0, m p) of the next level with [p, all) of this one. Then, with
- *           `triangles`, the first p/3 of these with all of the last level, at the curve's scale. With `impostor`
- *           one vertex is a level of it in place of a splat, up to LOD_IMPOSTOR_PIXELS (lod/impostor.h)
+ *           `triangles`, the first p/3 of the last `total` of these with all of the last level, at the curve's
+ *           scale. With `impostor` one vertex is a level of it in place of a splat, up to LOD_IMPOSTOR_PIXELS
+ *           (lod/impostor.h)
  * lod/ladder.h turns (ladder, vertices) into cuts. Absent lists are ECO_NONE; a FAR ladder may have lines
  * only. */
 struct eco_ladder {

@@ -250,7 +250,9 @@ static const char *splat_levels_fault(const struct eco_scene *s, const struct ec
 {
 	uint32_t before = 0, first = 0;
 	if (l->lines != ECO_NONE || l->simple != ECO_NONE)
-		return "it has other lists than leaves beside its splats";
+		return "it has other lists than triangles beside its splats";
+	if (l->triangles != ECO_NONE && l->total > s->lists[l->triangles].primitive_count)
+		return "it has fewer triangles before its splats";
 	for (uint32_t i = 0; i < l->level_count; i++) {
 		uint32_t size = l->level_end[i] - first;
 		if (before && (size % before != 0 || size == before))

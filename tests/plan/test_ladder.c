@@ -160,13 +160,14 @@ UNIT_TEST(leaves_stand_before_splats)
 			const struct lod_way *way = way_of(ladder);
 			uint64_t splats = lod_way_stage_end(way), v = splats;
 			scene.curves[ladder->curve_first + ladder->curve_count - 1].scale = 0.5f;
-			assert_int_equal(way->full, splats + 3 * scene.lists[ladder->triangles].primitive_count);
+			uint32_t from = scene.lists[ladder->triangles].primitive_count - ladder->total;
+			assert_int_equal(way->full, splats + 3 * ladder->total);
 			while ((v = lod_way_next(way, v)) != UINT64_MAX) {
 				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 				double share = lod_way_share(way, v);
 				assert_int_equal(lod_way_cuts(way, v, 1, 0, cuts), 2);
-				assert_true(cuts[0].list == ladder->triangles && !cuts[0].first && cuts[0].scale == 1
-					&& 3 * cuts[0].end == v - splats);
+				assert_true(cuts[0].list == ladder->triangles && cuts[0].first == from && cuts[0].scale == 1
+					&& 3 * (cuts[0].end - from) == v - splats);
 				assert_true(cuts[1].list == ladder->points && cuts[1].end - cuts[1].first == splats
 					&& cuts[1].scale == lod_ladder_curve(&scene.scene, ladder, share).scale);
 				tried++;

@@ -165,13 +165,14 @@ static void add_splats(struct scene_builder *b, const struct random_sizes *sizes
 	l.points = add_list(b, ECO_LIST_POINTS, end, l.plant);
 	b->lists[l.points].attributes = ECO_ATTR_SPLAT;
 	l.flags = ECO_LADDER_WHOLE;
-	l.total = end;
 	l.curve_first = b->scene.curve_count;
 	l.curve_count = 11;
 	uint32_t full = end;
+	l.total = end;
 	if (end % 2) {
 		l.triangles = b->ladders[b->scene.ladder_count - 2].triangles;
-		full = end - (levels > 1 ? l.level_end[levels - 2] : 0) + 3 * b->lists[l.triangles].primitive_count;
+		l.total = (1 + b->lists[l.triangles].primitive_count) / 2;
+		full = end - (levels > 1 ? l.level_end[levels - 2] : 0) + 3 * l.total;
 	}
 	if (end > 1 && random_below(b, 2))
 		add_impostor(b, &l, full);

@@ -32,7 +32,7 @@
 #define PIXELS_DRAFT 96u
 /* Errors that are seen lie between those of samples whose shares are so many times apart at most. */
 #define SEEN_STEP 1.7f
-#define SEEN_STEP_DRAFT 5.0f
+#define SEEN_STEP_DRAFT 5.0f             /* of organs */
 #define SEEN_VIEWS_FEW 2u            /* of drafts */
 
 /* ---- Shares ---- */
@@ -272,9 +272,10 @@ static bool measure_ways(struct lod_curve_organ *curve, struct progress *progres
 			chosen = chosen ? chosen : i + 1;
 		} else if (sample->free) {
 			struct lod_curve_way way = { .reach = sample->share };
-			lod_curve_try_way(curve, sample->share, &way, step, chosen > 0, 1e30);
+			lod_curve_try_way(curve, sample->share, &way, step, chosen > 0 && !curve->whole, 1e30);
 			chosen = chosen ? chosen : i + 1;
-			sample->step = step = way.step;
+			sample->step = way.step;
+			step = curve->whole ? 0 : way.step;      /* some have two optima */
 			sample->play = way.play;
 			sample->reach = curve->forms ? way.reach : 1;
 		}
@@ -520,12 +521,13 @@ static void see_curve(struct lod_seen *seen, struct lod_plant *plant, const stru
 	for (uint32_t i = 0; i < curve->member_count; i++)
 		plant->ladders[curve->members[i]].nothing = nothing;
 	uint32_t levels = has_impostor(curve) ? plant->impostor_count : 0, last = 0;
+	float step = curve->draft && !curve->whole ? SEEN_STEP_DRAFT : SEEN_STEP;
 	for (uint32_t i = 0; i < first->curve_count; i++) {
 		struct eco_curve *sample = &plant->curves[first->curve_first + i];
 		struct lod_impostor impostor;
 		bool one = i < levels;
 		if (i > levels && i + 1 < first->curve_count && sample[1].share
-				<= (curve->draft ? SEEN_STEP_DRAFT : SEEN_STEP) * plant->curves[first->curve_first + last].share)
+				<= step * plant->curves[first->curve_first + last].share)
 			continue;
 		lod_probe_clear(probe);
 		if (one) {

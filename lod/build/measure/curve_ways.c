@@ -72,8 +72,8 @@ void lod_curve_draw(const struct lod_curve_organ *curve, double share, double re
 
 /* ---- Searching the scale ---- */
 
-struct search { const struct lod_curve_organ *curve; double share, reach; uint32_t stride; double loss[STEPS];
-	};
+struct search { const struct lod_curve_organ *curve; double share, reach; uint32_t stride; int most;
+	double loss[STEPS]; };
 
 static double loss_at(struct search *search, int step)
 {
@@ -93,7 +93,7 @@ static void walk(struct search *search, int stride, int *best)
 {
 	for (int way = -1; way <= 1; way += 2) {
 		bool moved = false;
-		for (int next = *best + way * stride; next >= LOD_CURVE_STEP_LOW && next <= LOD_CURVE_STEP_HIGH
+		for (int next = *best + way * stride; next >= LOD_CURVE_STEP_LOW && next <= search->most
 				&& loss_at(search, next) < loss_at(search, *best); next += way * stride) {
 			*best = next;
 			moved = true;
@@ -109,7 +109,7 @@ static void refine(struct search *search, int best, struct lod_curve_way *way)
 	way->step = best;
 	way->play = 0;
 	way->loss = loss_at(search, best);
-	if (best == LOD_CURVE_STEP_LOW || best == LOD_CURVE_STEP_HIGH)
+	if (best == LOD_CURVE_STEP_LOW || best == search->most)
 		return;
 	double low = loss_at(search, best - 1), high = loss_at(search, best + 1), bend = low - 2 * way->loss + high;
 	way->play = bend > LITTLE / 8 ? sqrt(2 * LITTLE / bend) : 4;
@@ -121,7 +121,8 @@ void lod_curve_try_way(const struct lod_curve_organ *curve, double share, struct
 	double start, bool warm, double most)
 {
 	struct search search = { .curve = curve, .share = share, .reach = way->reach,
-		.stride = curve->draft || curve->probe->views >= 8 ? 2 : 1 };
+		.stride = curve->draft || curve->probe->views >= 8 ? 2 : 1,
+		.most = curve->whole ? 0 : LOD_CURVE_STEP_HIGH };        /* splats behind leaves only shrink */
 	for (int i = 0; i < STEPS; i++)
 		search.loss[i] = -1;
 	int best = (int)(start - LOD_CURVE_STEP_LOW + 0.5) + LOD_CURVE_STEP_LOW;

@@ -235,33 +235,36 @@ static struct lod_list_draft *add_list(struct lod_plant *plant, const struct eco
 	return draft;
 }
 
-/* The triangles of most leaves; ECO_NONE: there are none. */
-static uint32_t leaves_of(const struct lod_plant *plant)
+/* Sets what stands before the splats: the triangles of most leaves, or else the last level of wood. */
+static void add_front(const struct lod_plant *plant, struct eco_ladder *whole)
 {
-	uint32_t best = ECO_NONE, most = 0;
+	bool leaves = false;
 	for (uint32_t i = 0; i < plant->ladder_count; i++) {
 		const struct eco_ladder *l = &plant->ladders[i];
-		uint32_t count = l->anchor || l->organ == ECO_ORGAN_WOOD || l->triangles == ECO_NONE ? 0
-			: plant->lists[l->triangles].list.primitive_count;
-		if (count > most) {
-			best = l->triangles;
-			most = count;
+		bool wood = l->organ == ECO_ORGAN_WOOD;
+		if (l->anchor || l->flags & ECO_LADDER_FAR || l->triangles == ECO_NONE || (wood && leaves))
+			continue;
+		uint32_t count = plant->lists[l->triangles].list.primitive_count
+			- (l->level_count > 1 ? l->level_end[l->level_count - 2] : 0);
+		if (count > whole->total || leaves == wood) {
+			whole->triangles = l->triangles;
+			whole->total = count;
 		}
+		leaves |= !wood;
 	}
-	return best;
 }
 
 static void add_ladder(struct lod_plant *plant, const struct lod_splats *splats)
 {
-	uint32_t leaves = leaves_of(plant);
 	plant->ladders = eco_realloc(plant->ladders, plant->ladder_count + 1u, sizeof *plant->ladders);
-	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
+	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count];
 	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .flags = ECO_LADDER_WHOLE,
 		.level_count = (uint8_t)splats->level_count, .points = plant->list_count - 1,
-		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = leaves, .impostor = ECO_NONE,
+		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .impostor = ECO_NONE,
 		.importance = 1 };
 	memcpy(ladder->level_end, splats->level_end, splats->level_count * sizeof *ladder->level_end);
-	plant->plant.ladder_count = plant->ladder_count;
+	add_front(plant, ladder);
+	plant->plant.ladder_count = ++plant->ladder_count;
 }
 
 /* A body that is one piece, such as a rock, has no leaves: it would be drawn as one on three shells, which shade each
