@@ -83,7 +83,8 @@ static double loss_at(struct search *search, int step)
 		lod_curve_draw(search->curve, search->share, search->reach, step);
 		lod_probe_compare(search->curve->probe, search->stride, &result);
 		double balloons = result.fp + result.fn - WRONG_MOST;
-		*known = result.loss + (balloons > 0 ? balloons : 0);
+		*known = result.loss + (balloons > 0 ? balloons : 0)
+			+ (search->curve->whole ? fabs(result.fp - result.fn) : 0);      /* as much as the plant covers */
 	}
 	return *known;
 }
