@@ -198,35 +198,39 @@ static void smooth_steps(struct lod_curve_organ *curve)
 	}
 }
 
-/* Pool adjacent violators: the non-increasing sequence of errors nearest to the measured one. fp and fn keep
- * their ratio. */
-static void make_monotone(struct lod_curve_organ *curve)
+/* Pool adjacent violators: the non-increasing sequence nearest to `values`. */
+static void make_fall(double *values, uint32_t count)
 {
 	double mean[LOD_CURVE_SAMPLES_MAX], weight[LOD_CURVE_SAMPLES_MAX];
-	uint32_t ends[LOD_CURVE_SAMPLES_MAX], pools = 0;
-	for (uint32_t i = 0; i < curve->sample_count; i++) {
-		mean[pools] = curve->samples[i].fp + curve->samples[i].fn;
-		weight[pools] = 1;
-		ends[pools++] = i + 1;
-		while (pools > 1 && mean[pools - 2] < mean[pools - 1]) {
+	uint32_t pools = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		mean[pools] = values[i];
+		weight[pools++] = 1;
+		for (; pools > 1 && mean[pools - 2] < mean[pools - 1]; pools--) {
 			double both = weight[pools - 2] + weight[pools - 1];
-			mean[pools - 2] =
-				(mean[pools - 2] * weight[pools - 2] + mean[pools - 1] * weight[pools - 1])
-				/ both;
+			mean[pools - 2] = (mean[pools - 2] * weight[pools - 2] + mean[pools - 1] * weight[pools - 1]) / both;
 			weight[pools - 2] = both;
-			ends[pools - 2] = ends[pools - 1];
-			pools--;
 		}
 	}
-	for (uint32_t pool = 0, i = 0; pool < pools; pool++) {
-		for (; i < ends[pool]; i++) {
-			struct lod_curve_sample *sample = &curve->samples[i];
-			double error = sample->fp + sample->fn;
-			if (error > 0)
-				sample->fp *= mean[pool] / error, sample->fn *= mean[pool] / error;
-			else
-				sample->fn = mean[pool];
-		}
+	for (uint32_t pool = 0, i = 0; pool < pools; pool++)
+		for (; weight[pool] > 0; weight[pool]--)
+			values[i++] = mean[pool];
+}
+
+/* fp and fn keep their ratio. */
+static void make_monotone(struct lod_curve_organ *curve)
+{
+	double mean[LOD_CURVE_SAMPLES_MAX];
+	for (uint32_t i = 0; i < curve->sample_count; i++)
+		mean[i] = curve->samples[i].fp + curve->samples[i].fn;
+	make_fall(mean, curve->sample_count);
+	for (uint32_t i = 0; i < curve->sample_count; i++) {
+		struct lod_curve_sample *sample = &curve->samples[i];
+		double error = sample->fp + sample->fn;
+		if (error > 0)
+			sample->fp *= mean[i] / error, sample->fn *= mean[i] / error;
+		else
+			sample->fn = mean[i];
 	}
 }
 
@@ -506,6 +510,25 @@ static void see_between(struct eco_curve *from, uint32_t count)
 		}
 }
 
+/* Errors that are seen fall with each sample: they were measured in few views, and where they are equal but for noise the
+ * finer one is better, by the least that can be said. */
+static void make_seen_fall(struct eco_curve *samples, uint32_t count)
+{
+	double value[LOD_CURVE_SAMPLES_MAX];
+	for (size_t k = 0; k < sizeof samples->seen / sizeof(uint16_t); k++) {
+		uint16_t *of, before = UINT16_MAX;
+		for (uint32_t i = 0; i < count; i++)
+			value[i] = ((const uint16_t *)&samples[i].seen)[k];
+		make_fall(value, count);
+		for (uint32_t i = 0; i < count; i++, before = *of) {
+			of = (uint16_t *)&samples[i].seen + k;
+			*of = (uint16_t)(value[i] + 0.5);
+			if (*of >= before)
+				*of = before ? (uint16_t)(before - 1) : 0;
+		}
+	}
+}
+
 /* Measures errors that are seen: of the samples of a curve, and of nothing. */
 static void see_curve(struct lod_seen *seen, struct lod_plant *plant, const struct lod_curve_organ *curve)
 {
@@ -543,6 +566,8 @@ static void see_curve(struct lod_seen *seen, struct lod_plant *plant, const stru
 			see_between(sample - (i - last), i - last);
 		last = i;
 	}
+	if (curve->whole)
+		make_seen_fall(plant->curves + first->curve_first + levels, first->curve_count - levels);
 	lod_probe_clear(probe);
 }
 
