@@ -36,7 +36,7 @@ Q := $(if $(V),,@)
 B := build$(if $(filter-out release,$(config)),/$(config))
 
 PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libjpeg-dev libpng-dev \
-	libwebp-dev libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev zlib1g-dev \
+	libwebp-dev libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libcmocka-dev libzstd-dev pkg-config jq curl \
 	xz-utils help2man python3-jsonschema python3-yaml openapi-specification
 # what of these says by pkg-config where its headers are
@@ -136,7 +136,6 @@ FUZZERS := $(patsubst tests/fuzz/corpus/%,$(B)/fuzz/fuzz_%,$(wildcard tests/fuzz
 LIBS_CORE := -lxxhash -ljansson -lm
 LIBS_DRACO := -l:libdraco.a -lstdc++
 LIBS_IMPORT := -lmeshoptimizer -lseccomp -ljpeg -lpng -lwebp
-LIBS_PUBLISH := -lz
 # what programs that test or measure call themselves
 LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd
 # linked in, so that what it reads passes server/request/gate.c
@@ -171,7 +170,7 @@ $(MODULES): $(B)/eco%.so: $(LIB_ECO)
 PACK_LIBS := $(call archive,$(PACK_ROOM) server/publish server server/request) $(LIB_BUILD) $(call archive,$(PLAN_ROOMS)) $(LIB_ECO) $(LIB_DRACO)
 $(B)/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(PACK_LIBS) | $(MODULES)
 	$(call say,ld,$@)
-	$(Q)$(LINK_C) -o $@ $< $(call group,$(PACK_LIBS)) $(LINK) $(LIBS_IMPORT) $(LIBS_PUBLISH) $(LIBS_DRACO) $(LIBS_CORE)
+	$(Q)$(LINK_C) -o $@ $< $(call group,$(PACK_LIBS)) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 $(B)/ecoserve: $(B)/obj/server/main_ecoserve.o $(LIB_SERVER)
 	$(call say,ld,$@)
 	$(Q)$(LINK_C) -o $@ $< $(call group,$(LIB_SERVER)) $(LINK) $(LIBS_SERVER) $(LIBS_CORE)
@@ -250,7 +249,7 @@ deb:
 
 # Tests and measurements are linked with all rooms.
 TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)
-LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_PUBLISH) $(LIBS_DRACO) $(LIBS_CORE)
+LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c) $(filter-out $(BASELINE_ROOM)/% tests/bench/extreme/%,\
 	$(wildcard tests/bench/*/*.c)))
 $(foreach source,$(TEST_SOURCES),$(eval $(B)/tests/$(basename $(notdir $(source))): $(B)/obj/$(source:.c=.o)))
@@ -294,10 +293,10 @@ $(B)/o0/%.o: %.c
 	$(Q)$(CC) $(CFLAGS_ALL) -O0 -U_FORTIFY_SOURCE -MMD -MP -c -o $@ $<
 $(B)/o0/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(call archive,$(PACK_ROOM) server/publish server server/request) $(O0) $(LIB_ECO) $(LIB_DRACO) | $(MODULES)
 	$(call say,ld,$@)
-	$(Q)$(LINK_C) -o $@ $(call group,$^) $(LINK) $(LIBS_IMPORT) $(LIBS_PUBLISH) $(LIBS_DRACO) $(LIBS_CORE)
+	$(Q)$(LINK_C) -o $@ $(call group,$^) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 $(B)/o0/plans: $(B)/obj/tests/bench/plans.o $(O0) $(LIB_ECO) $(LIB_DRACO)
 	$(call say,ld,$@)
-	$(Q)$(LINK_C) -o $@ $(call group,$^) $(LINK) $(LIBS_IMPORT) $(LIBS_PUBLISH) $(LIBS_DRACO) $(LIBS_CORE)
+	$(Q)$(LINK_C) -o $@ $(call group,$^) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 
 # One program for all fuzz targets; its name says which one runs. Outside config=fuzz its main replays files.
 $(B)/fuzz/targets: $(call objects,$(wildcard tests/fuzz/*.c)) $(TEST_LIBS) | $(MODULES)

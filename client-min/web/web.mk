@@ -45,13 +45,15 @@ WEB_OBJECTS := $(WEB_SOURCES:%.c=$(W)/obj/%.o) $(W)/obj/ecofiles/format/chunk/dr
 	$(WEB_WEBP:%=$(W)/obj/libwebp/%.o)
 
 # the planner of published scenes: server/publish/README.md
-PLANNER_SOURCES := $(wildcard server/publish/web/*.c) server/publish/index.c $(wildcard server/stream*.c) server/describe.c server/plants.c \
+PLANNER_LACKS := model $(patsubst %,chunk/%,chunk_ground chunk_mesh chunk_shapes shape)
+PLANNER_SOURCES := $(wildcard server/publish/web/*.c) server/publish/index.c server/publish/index_columns.c $(wildcard server/stream*.c) server/describe.c server/plants.c \
 	$(patsubst %,server/request/%.c,json query target) $(wildcard lod/plan/*.c lod/seen/*.c lod/*.c) $(WEB_BASE:%=ecofiles/base/%.c) \
-	$(patsubst %,ecofiles/format/%.c,$(filter-out chunk/model model,$(WEB_FORMAT)) inventory)
+	$(patsubst %,ecofiles/format/%.c,$(filter-out $(PLANNER_LACKS),$(WEB_FORMAT)) inventory)
 PLANNER_OBJECTS := $(PLANNER_SOURCES:%.c=$(W)/obj/%.o)
-# small, as it is fetched beside a first picture; uint64_t is no long there
-$(W)/obj/server/%.o $(W)/obj/lod/plan/%.o $(W)/obj/lod/seen/%.o: WEB_FLAGS += -Oz -DNDEBUG -Wno-format -Wno-missing-field-initializers \
-	-Wno-unused-parameter -Wno-unused-variable -Wno-unused-but-set-variable
+# -Oz, as it is fetched beside a first picture, but for what plans; uint64_t is no long there
+PLANNER_FLAGS := -DNDEBUG -Wno-format -Wno-missing-field-initializers -Wno-unused-parameter -Wno-unused-variable -Wno-unused-but-set-variable
+$(W)/obj/server/%.o: WEB_FLAGS += -Oz $(PLANNER_FLAGS)
+$(W)/obj/lod/plan/%.o $(W)/obj/lod/seen/%.o: WEB_FLAGS += -O2 -msimd128 -mbulk-memory $(PLANNER_FLAGS)
 
 # every function of web_client.h, of planner.h
 exports_of = $(shell grep -v '^ \*' $(1) | grep -oE '\b$(2)_[a-z_]+\b' | grep -v '_present_' | sort -u)

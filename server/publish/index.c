@@ -9,61 +9,31 @@
 #include "ecofiles/format/chunk/chunk.h"
 #include "lod/plan/planner.h"
 
+#define TAIL_BYTES 9u            /* zeros, hash */
+#define RECORDS_MOST (1u << 26)
+
 #define BAD(...) eco_fail(error, ECO_DAMAGED, "index: " __VA_ARGS__)
 
-static void take_column(uint8_t *to, size_t record, size_t count, unsigned width, uint8_t way, const uint8_t *planes)
-{
-	const size_t next = way < SRV_INDEX_WHOLE ? 1 : width, apart = way < SRV_INDEX_WHOLE ? count : 1;
-	uint32_t value = 0, step = 0;
-	way %= SRV_INDEX_WHOLE;
-	for (size_t i = 0; i < count; i++, to += record) {
-		uint32_t coded = 0;
-		for (unsigned k = 0; k < width; k++)
-			coded |= (uint32_t)planes[k * apart + i * next] << 8 * k;
-		step = way == 2 ? step + coded : coded;
-		value = way ? value + step : coded;
-		for (unsigned k = 0; k < width; k++)
-			to[k] = (uint8_t)(value >> 8 * k);
-	}
-}
-
-/* The records of a table, malloc'ed; NULL: no memory, or r->failed. */
-static uint8_t *read_columns(struct eco_reader *r, enum eco_section_kind kind, uint32_t count)
-{
-	uint8_t widths[ECO_RECORD_VALUES_MAX];
-	const uint32_t values = eco_record_widths(kind, widths), record = eco_record_bytes(kind);
-	r->failed |= count > (r->size - r->at) / record;
-	uint8_t *bytes = r->failed ? NULL : malloc((size_t)count * record + 1), *to = bytes;
-	for (uint32_t i = 0; bytes && i < values; to += widths[i++]) {
-		uint8_t way = eco_read_u8(r);
-		const uint8_t *planes = eco_read_bytes(r, widths[i] * (size_t)count);
-		r->failed |= way >= SRV_INDEX_WAYS;
-		if (!r->failed)
-			take_column(to, record, count, widths[i], way, planes);
-	}
-	if (!r->failed)
-		return bytes;
-	free(bytes);
-	return NULL;
-}
-
 /* Table `kind` of the scene; the palette stays bytes. */
-static enum eco_code read_table(struct srv_index *index, struct eco_reader *r, enum eco_section_kind kind,
-	struct eco_error *error)
+static enum eco_code read_table(struct srv_index *index, struct eco_range *range, enum eco_section_kind kind,
+	uint32_t count, struct eco_error *error)
 {
 	struct eco_scene *scene = &index->pack.scene;
-	uint32_t count = eco_read_u32(r), record = eco_record_bytes(kind);
-	uint8_t *bytes = read_columns(r, kind, count);
-	if (!bytes)
-		return r->failed ? BAD("%u records of %s are not there", count, eco_section_name(kind))
-			: eco_no_memory(error, "a published scene");
+	struct eco_reader records = { .size = (size_t)eco_record_bytes(kind) * count };
+	if (records.size > RECORDS_MOST)
+		return BAD("%u records of %s are too many", count, eco_section_name(kind));
+	uint8_t *bytes = malloc(records.size + 1);
+	if (!bytes || !srv_index_table(range, kind, bytes, count, NULL)) {
+		free(bytes);
+		return BAD("its records of %s are impossible, or too many for this memory", eco_section_name(kind));
+	}
+	records.bytes = bytes;
 	if (kind == ECO_SECTION_PALETTE) {
 		index->tables[kind] = bytes;
 		scene->palette = (const uint8_t (*)[3])(void *)bytes;
 		scene->palette_count = count;
 		return ECO_OK;
 	}
-	struct eco_reader records = { .bytes = bytes, .size = (size_t)record * count };
 	index->tables[kind] = eco_records_read(&records, kind, count, scene);
 	free(bytes);
 	if (!index->tables[kind])
@@ -71,7 +41,23 @@ static enum eco_code read_table(struct srv_index *index, struct eco_reader *r, e
 	return records.failed ? BAD("a record of %s has an impossible field", eco_section_name(kind)) : ECO_OK;
 }
 
-/* Offsets in the chunks' file. */
+static enum eco_code read_tables(struct srv_index *index, struct eco_reader *r, struct eco_error *error)
+{
+	struct eco_range range;
+	uint32_t counts[ECO_SECTION_KIND_END];
+	enum eco_code code = ECO_OK;
+	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END; kind++)
+		counts[kind] = srv_index_has(kind) ? eco_read_u32(r) : 0;
+	if (r->failed || r->size - r->at < TAIL_BYTES)
+		return BAD("it is cut short");
+	eco_range_read(&range, r->bytes + r->at, r->size - r->at - TAIL_BYTES);
+	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END && !code; kind++)
+		if (srv_index_has(kind))
+			code = read_table(index, &range, kind, counts[kind], error);
+	return !code && eco_range_end(&range) != r->bytes[r->size - TAIL_BYTES] ? BAD("it is cut short") : code;
+}
+
+/* Lists' counts, which are those of their chunks; offsets in the chunks' file. */
 static void place_chunks(struct srv_index *index)
 {
 	struct eco_chunk *chunks = index->tables[ECO_SECTION_CHUNKS];
@@ -81,6 +67,12 @@ static void place_chunks(struct srv_index *index)
 		uint64_t own = chunks[i].offset + chunks[i].size_bytes;
 		end = own > end ? own : end;
 	}
+	struct eco_list *lists = index->tables[ECO_SECTION_LISTS];
+	for (uint32_t i = 0; i < index->pack.scene.list_count; i++)
+		for (uint32_t c = lists[i].chunk_first, last = c + lists[i].chunk_count; c < last && c < index->pack.scene.chunk_count; c++) {
+			lists[i].primitive_count += chunks[c].primitive_count;
+			lists[i].element_count += chunks[c].element_count;
+		}
 }
 
 static enum eco_code make_places(struct srv_index *index, struct eco_error *error)
@@ -110,12 +102,7 @@ static enum eco_code read_all(struct srv_index *index, struct eco_reader *r, str
 	eco_record_read(r, ECO_SECTION_SCENE, &pack->scene);
 	pack->scene.place_count = places;
 	atomic_init(&index->scene.typical_work, work);
-	enum eco_code code = ECO_OK;
-	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END && !code; kind++)
-		if (eco_records_are_table(kind) || kind == ECO_SECTION_PALETTE)
-			code = read_table(index, r, kind, error);
-	if (!code && (r->failed || r->at + 8 != r->size))
-		return BAD("it is cut short");
+	enum eco_code code = read_tables(index, r, error);
 	if (!code)
 		place_chunks(index);
 	code = code ? code : make_places(index, error);

@@ -6,30 +6,26 @@
  *   srv_index_take(index, list, payload, size, &error);  the places of a list's plants
  *   srv_index_free(index);
  *
- * File (little-endian), by zlib:
+ * File (little-endian):
  *   0    8  "ECOINDEX"
  *   8    u32 ECO_PACK_VERSION       12  16 the pack's id
  *   28   u64 work of an ordinary plan (server/stream.h)
  *   36   u64 number of places
- *   44   the pack's SCENE record, then each table of ECO_PACK_TABLES and the palette
- *   .    u64 XXH3-64 of all before
- * Chunks have no ids. A chunk's offset is 0 where its payload follows those before it, else 1 more than where it
+ *   44   the pack's SCENE record; u32 number of records of each table of ECO_PACK_TABLES and of the palette
+ *   .    all records, as one range-coded stream (index_columns.h)
+ *   .    u8 zeros that were left off at its end (range.h); u64 XXH3-64 of all before
+ * Lists have no counts, chunks no ids. A chunk's offset is 0 where its payload follows those before it, else 1 more than where it
  * lies in the chunks' file, which is the pack's CHUNK_DATA with the published columns of inventories' rows alone, if any.
- *
- * A table: u32 number of records, and a column for each of their values, wide ones as two: u8 way, then the lowest bytes
- * of all, the second ones, and so on. Way 0: values, 1: differences to the record before, 2: second differences; 3 to 5: the
- * same, but whole values one after the other.
  */
 #ifndef SRV_INDEX_H
 #define SRV_INDEX_H
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/pack_record.h"
+#include "server/publish/index_columns.h"
 #include "server/store.h"
 
 #define SRV_INDEX_MAGIC "ECOINDEX"
-#define SRV_INDEX_WHOLE 3u
-#define SRV_INDEX_WAYS (2 * SRV_INDEX_WHOLE)
 #define SRV_INDEX_NO_ROWS 1u             /* bytes of blocks that are not published, fewer than any block has */
 #define SRV_INDEX_PLAN_TIMES 5u          /* work of a plan, over that of an ordinary one: ecoserve's default */
 
@@ -41,11 +37,16 @@ struct srv_index {
 	void *tables[ECO_SECTION_KIND_END];
 };
 
+/* Whether an index has this table. */
+static inline bool srv_index_has(enum eco_section_kind kind)
+{
+	return eco_records_are_table(kind) || kind == ECO_SECTION_PALETTE;
+}
 /* Writes the index of a scene whose typical work is known, and how many bytes the chunks' file has, before its rows:
  * blocks that are published in place of the pack's; NULL: none are. */
 enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scene, const struct eco_bytes *rows,
 	uint64_t *chunk_bytes, struct eco_error *error);
-/* Reads an index, decompressed. ECO_DAMAGED: something is wrong with it. */
+/* Reads an index. ECO_DAMAGED: something is wrong with it. */
 enum eco_code srv_index_read(struct srv_index **index, const uint8_t *bytes, size_t size, struct eco_error *error);
 /* Decodes a chunk of a list of instances; the last one makes the places of its groups known. */
 enum eco_code srv_index_take(struct srv_index *index, uint32_t list, uint32_t ordinal, const uint8_t *bytes, size_t size,

@@ -1,81 +1,47 @@
-/* Writing an index: its tables by columns, each in the way that zlib makes smallest. */
+/* Writing an index: its tables by columns, each in the way that takes fewest bytes. */
 #include "server/publish/index.h"
 
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <xxhash.h>
-#include <zlib.h>
 
 #include "ecofiles/format/inventory.h"
 
-struct column { const uint8_t *bytes; size_t record, count; uint8_t width; };
+#define ROWS_TRIED 4096u         /* the first ones, to find the way of a column */
 
-/* The planes of a column's values, differences or second differences. */
-static void take_planes(const struct column *c, uint8_t *planes, uint8_t way)
+struct choice { struct srv_index_way way; size_t bytes; };
+
+static void try_way(struct choice *best, const struct srv_index_columns *columns, uint32_t column, struct srv_index_way way)
 {
-	const size_t next = way < SRV_INDEX_WHOLE ? 1 : c->width, apart = way < SRV_INDEX_WHOLE ? c->count : 1;
-	uint32_t before = 0, step = 0;
-	for (size_t i = 0; i < c->count; i++) {
-		uint32_t value = 0;
-		for (size_t k = 0; k < c->width; k++)
-			value |= (uint32_t)c->bytes[i * c->record + k] << 8 * k;
-		uint32_t difference = value - before, coded = way % SRV_INDEX_WHOLE == 2 ? difference - step
-			: way % SRV_INDEX_WHOLE ? difference : value;
-		for (size_t k = 0; k < c->width; k++)
-			planes[k * apart + i * next] = (uint8_t)(coded >> 8 * k);
-		before = value;
-		step = difference;
-	}
+	struct eco_range range;
+	eco_range_count(&range);
+	srv_index_column(&range, columns, column, &way, columns->rows < ROWS_TRIED ? columns->rows : ROWS_TRIED, best->bytes);
+	if (range.size < best->bytes)
+		*best = (struct choice){ way, range.size };
 }
 
-/* The way that zlib makes smallest; its planes are in `planes`. False: no memory. */
-static bool find_way(const struct column *c, uint8_t *planes, uint8_t *way)
+/* The smallest one, part by part: the guess, models and keys, modelled bits. Columns behind this one are known. */
+static struct srv_index_way find_way(const struct srv_index_columns *columns, uint32_t column)
 {
-	const size_t size = c->width * c->count;
-	uLongf least = ULONG_MAX;
-	uint8_t *packed = malloc(compressBound(size));
-	for (uint8_t w = 0; packed && w < SRV_INDEX_WAYS && (w < SRV_INDEX_WHOLE || c->width > 1); w++) {
-		uLongf bytes = compressBound(size);
-		take_planes(c, planes, w);
-		if (compress2(packed, &bytes, planes, size, Z_BEST_COMPRESSION) == Z_OK && bytes < least) {
-			least = bytes;
-			*way = w;
+	struct choice best = { .bytes = SIZE_MAX };
+	struct srv_index_way way = { .top = SRV_INDEX_TOP_STEPS / 2 };
+	for (way.base = 0; way.base < SRV_BASES; way.base++)
+		for (uint32_t of = column + 1; of <= (way.base < SRV_BASE_SUM ? column + 1 : columns->count - 1); of++) {
+			way.of = (uint8_t)(way.base < SRV_BASE_SUM ? 0 : of);
+			try_way(&best, columns, column, way);
 		}
-	}
-	if (packed)
-		take_planes(c, planes, *way);
-	free(packed);
-	return packed;
-}
-
-static bool write_table(struct eco_writer *w, enum eco_section_kind kind, const uint8_t *bytes, uint32_t count)
-{
-	uint8_t widths[ECO_RECORD_VALUES_MAX], way = 0, *planes = malloc(4 * (size_t)count + 1);
-	const uint32_t values = eco_record_widths(kind, widths);
-	bool made = planes;
-	eco_write_u32(w, count);
-	for (uint32_t i = 0, at = 0; made && i < values; at += widths[i++]) {
-		const struct column column = { bytes + at, eco_record_bytes(kind), count, widths[i] };
-		made = find_way(&column, planes, &way);
-		eco_write_u8(w, way);
-		eco_write_bytes(w, planes, widths[i] * (size_t)count);
-	}
-	free(planes);
-	return made;
-}
-
-/* Compressed. */
-static bool pack_all(struct eco_writer *w)
-{
-	uLongf size = compressBound(w->size);
-	uint8_t *packed = malloc(size);
-	bool made = packed && !w->failed && compress2(packed, &size, w->bytes, w->size, Z_BEST_COMPRESSION) == Z_OK;
-	w->size = 0;
-	eco_write_bytes(w, packed, made ? size : 0);
-	free(packed);
-	return made;
+	way = best.way;
+	for (way.slots = 0; way.slots < SRV_SLOT_KINDS; way.slots++)
+		for (way.key = 0; way.key < SRV_KEYS; way.key++)
+			for (uint32_t by = column + 1; by < columns->count; by++) {
+				way.by = (uint8_t)by;
+				try_way(&best, columns, column, way);
+			}
+	way = best.way;
+	for (way.top = 0; way.top < SRV_INDEX_TOP_STEPS; way.top++)
+		try_way(&best, columns, column, way);
+	return best.way;
 }
 
 /* A pack's chunks as they lie in the chunks' file, without ids; malloc'ed, or NULL. */
@@ -102,32 +68,48 @@ static struct eco_chunk *place_chunks(const struct eco_scene *scene, const struc
 	return chunks;
 }
 
+static uint32_t count_of(const struct eco_scene *scene, enum eco_section_kind kind)
+{
+	return kind == ECO_SECTION_PALETTE ? scene->palette_count : eco_records_count(scene, kind);
+}
+
 enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scene, const struct eco_bytes *rows,
 	uint64_t *chunk_bytes, struct eco_error *error)
 {
 	struct eco_scene tables = scene->pack->scene;
 	struct eco_chunk *chunks = place_chunks(&scene->pack->scene, rows, chunk_bytes);
-	bool made = chunks;
+	struct eco_list *lists = malloc((tables.list_count + 1) * sizeof *lists);
+	struct eco_range range;
+	bool made = chunks && lists;
+	for (uint32_t i = 0; made && i < tables.list_count; i++) {
+		lists[i] = tables.lists[i];
+		lists[i].primitive_count = lists[i].element_count = 0;
+	}
 	tables.chunks = chunks;
+	tables.lists = lists;
 	eco_write_bytes(w, SRV_INDEX_MAGIC, 8);
 	eco_write_u32(w, ECO_PACK_VERSION);
 	eco_write_bytes(w, scene->pack->id.bytes, sizeof scene->pack->id.bytes);
 	eco_write_u64(w, atomic_load(&scene->typical_work));
 	eco_write_u64(w, tables.place_count);
 	eco_record_write(w, ECO_SECTION_SCENE, &tables);
+	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END; kind++)
+		if (srv_index_has(kind))
+			eco_write_u32(w, count_of(&tables, kind));
+	eco_range_write(&range, w);
 	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END && made; kind++) {
-		bool is_palette = kind == ECO_SECTION_PALETTE;
 		struct eco_writer records = { 0 };
-		if (!is_palette && !eco_records_are_table(kind))
-			continue;
-		uint32_t count = is_palette ? tables.palette_count : eco_records_count(&tables, kind);
-		if (!is_palette)
+		if (kind == ECO_SECTION_PALETTE)
+			eco_write_bytes(&records, *tables.palette, 3 * (size_t)tables.palette_count);
+		else if (srv_index_has(kind))
 			eco_records_write(&records, kind, &tables);
-		made = !records.failed && write_table(w, kind, is_palette ? *tables.palette : records.bytes, count);
+		made = !records.failed && (!srv_index_has(kind)
+			|| srv_index_table(&range, kind, records.bytes, count_of(&tables, kind), find_way));
 		eco_writer_free(&records);
 	}
 	free(chunks);
-	if (made && !w->failed)
-		eco_write_u64(w, XXH3_64bits(w->bytes, w->size));
-	return made && pack_all(w) ? ECO_OK : eco_no_memory(error, "an index");
+	free(lists);
+	eco_write_u8(w, (uint8_t)eco_range_end(&range));
+	eco_write_u64(w, w->failed ? 0 : XXH3_64bits(w->bytes, w->size));
+	return made && !w->failed ? ECO_OK : eco_no_memory(error, "an index");
 }

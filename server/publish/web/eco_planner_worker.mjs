@@ -62,13 +62,6 @@ function refused(url, { status }) {
 	return Object.assign(new Error(`${url}: the server answered ${status}`), { status });
 }
 
-async function inflate(answer) {
-	const packed = await answer.blob(), plain = packed.stream().pipeThrough(new DecompressionStream('deflate'));
-	return new Uint8Array(await new Response(plain).arrayBuffer().catch(() => {
-		throw new Error(`${answer.url}: the file is damaged`);
-	}));
-}
-
 export class Planner {
 	/** folder: the URL of a scene's files, which ends with '/'; module: what createPlanner is given. */
 	static async open(folder, module = {}) {
@@ -77,7 +70,7 @@ export class Planner {
 		const [answer, m] = await Promise.all([fetch(new URL('index.bin', folder)), createPlanner(module)]);
 		if (!answer.ok)
 			throw refused(folder, answer);
-		const bytes = await inflate(answer);
+		const bytes = new Uint8Array(await answer.arrayBuffer());
 		Object.assign(planner, { m, file, turn: null });
 		if (m._planner_open(planner.put(bytes), bytes.length) !== 200)
 			throw new Error(planner.error());

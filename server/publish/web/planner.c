@@ -6,7 +6,8 @@
 #include <string.h>
 
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/format/chunk/draco_shim.h"
+#include "ecofiles/format/chunk/chunk_columns.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/inventory.h"
 #include "ecofiles/format/legend.h"
 #include "ecofiles/format/wire.h"
@@ -51,12 +52,30 @@ const char *eco_legend_class(const json_t *meta, const struct eco_scene *scene, 
 	return NULL;
 }
 
-/* Meshes are for who draws them. */
-enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position, uint32_t *vertex,
+/* Other payloads than plants' places are for who draws them. */
+static enum eco_code no_drawing(struct eco_error *error)
+{
+	return eco_fail(error, ECO_UNSUPPORTED, "a planner decodes plants' places alone");
+}
+
+enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payload *payload, struct eco_elements *elements,
 	struct eco_error *error)
 {
-	(void)bytes, (void)size, (void)faces, (void)position, (void)vertex;
-	return eco_fail(error, ECO_UNSUPPORTED, "a planner decodes plants' places alone");
+	(void)list, (void)payload, (void)elements;
+	return no_drawing(error);
+}
+
+enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream, struct eco_elements *stored,
+	struct eco_error *error)
+{
+	(void)list, (void)stream, (void)stored;
+	return no_drawing(error);
+}
+
+enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, struct eco_error *error)
+{
+	(void)rows;
+	return no_drawing(error);
 }
 
 static enum eco_code want(uint32_t chunk, struct eco_error *error)

@@ -1,6 +1,6 @@
 // published.mjs SITE FOLDER URL...: the planner of a published folder against ecoserve. URL: .../v1/scenes/NAME of the
-// same packs. Fourteen views of each, one after the other as a client asks, with what it holds by then; two that say
-// where the camera will be next, and two within bytes: every body is ecoserve's, byte by byte, from a host that
+// same packs. Twenty views of each, one after the other as a client asks, with what it holds by then; two of them say
+// where the camera will be next, and four are within bytes: every body is ecoserve's, byte by byte, from a host that
 // knows Range and from one that does not.
 import { createHash } from 'node:crypto';
 import { createServer } from 'node:http';
@@ -55,19 +55,21 @@ const hash = (bytes) => createHash('sha256').update(bytes).digest('hex').slice(0
 function viewsOf({ bounds: { low, high } }) {
 	const middle = low.map((v, i) => (v + high[i]) / 2), size = Math.max(high[0] - low[0], high[1] - low[1]);
 	const places = [[0.9, -0.2, 0.3], [-0.1, 0.3, 0.06], [0.3, 0.5, 0.9], [-0.6, -0.4, 0.1], [0.02, 0.05, 3],
-		[0.15, -0.1, 0.02], [-2, 3, 1], [0, 0.4, 0.01], [0.45, 0.45, 0.02], [0.1, 0.1, 0.1]];
+		[0.15, -0.1, 0.02], [-2, 3, 1], [0, 0.4, 0.01], [0.45, 0.45, 0.02], [0.1, 0.1, 0.1],
+		[-0.3, 0.1, 0.04], [0.01, -0.02, 0.005], [1.5, 1.2, 0.2], [-0.2, -0.2, 0.5]];
 	const look = (place, wanted) => ({ view: { eye: middle.map((v, i) => v + place[i] * size + (i === 2)), target: middle,
 		fov_y_deg: 45 }, wanted: { width: 640, height: 480, vertices: 300000, bytes: -1, ...wanted } });
 	const next = { eye: middle.map((v, i) => v + [0.3, 0.2, 0.1][i] * size), target: middle };
 	return [...places.map((place) => look(place)), look([0.2, 0.2, 0.05], { next }), look([0.3, -0.3, 0.05], { next }),
-		look([0.5, 0.1, 0.1], { bytes: 40000, vertices: 80000 }), look([-0.3, 0.6, 0.2], { bytes: 14000, vertices: 20000 })];
+		look([0.5, 0.1, 0.1], { bytes: 40000, vertices: 80000 }), look([-0.3, 0.6, 0.2], { bytes: 14000, vertices: 20000 }),
+		look([0.05, 0.2, 0.03], { bytes: 100000 }), look([0.8, -0.7, 0.4], { bytes: 250000, vertices: 1000000 })];
 }
 
 /** Compares all views of a scene; what the client holds grows as it does in a page. */
 async function compare(url, host) {
 	const about = await (await fetch(url)).json(), name = url.split('/').pop();
 	const planner = await Planner.open(`${host.url}${name}/${about.id}/`, wasmOf('eco_planner.wasm'));
-	const figures = { rounds: 0, server: 0, ms: 0, index: host.bytes };
+	const figures = { rounds: 0, server: 0, ms: 0, bodies: 0, equal: 0, index: host.bytes };
 	const answering = async (path, body, good = true) => {
 		const parts = [], since = performance.now();
 		const { status, error } = await planner.answer(path, body, (part) => parts.push(part));
@@ -85,8 +87,10 @@ async function compare(url, host) {
 			const query = stream.query(), answer = await ask();
 			const theirs = Buffer.from(await answer.arrayBuffer()), ours = await answering(`/stream?${query}`, holdings);
 			figures.server += theirs.length;
-			expect(ours.status === answer.status && hash(ours.bytes) === hash(theirs),
-				`${name}: ${ours.bytes.length} bytes ${hash(ours.bytes)}, not ecoserve's ${theirs.length} ${hash(theirs)}: ${query}`);
+			const equal = ours.status === answer.status && hash(ours.bytes) === hash(theirs);
+			figures.bodies++;
+			figures.equal += equal;
+			expect(equal, `${name}: ${ours.bytes.length} bytes ${hash(ours.bytes)}, not ecoserve's ${theirs.length} ${hash(theirs)}: ${query}`);
 			return new Response(answer.status === 204 ? null : theirs, { status: answer.status });
 		};
 		for (const { view, wanted } of viewsOf(about).slice(fresh ? 0 : 1, fresh ? undefined : 2))
@@ -106,7 +110,7 @@ async function compare(url, host) {
 	const refused = await planner.answer(`/stream?${query.replace('&explain=1', '')}&pack=${'0'.repeat(32)}`, null, () => {});
 	expect(refused.status === 409, `${name}: another pack is answered with ${refused.status}`);
 	expect(figures.rounds <= ROUNDS_MOST, `${name}: ${figures.rounds} rounds for places of plants`);
-	console.log(`${name}: index ${figures.index}, host ${host.bytes} in ${host.requests}, server ${figures.server} bytes; `
+	console.log(`${name}: ${figures.equal} of ${figures.bodies} bodies equal; index ${figures.index}, host ${host.bytes} in ${host.requests}, server ${figures.server} bytes; `
 		+ `${figures.rounds} rounds, ${figures.ms.toFixed(0)} ms, ${planner.m.HEAPU8.length >> 20} MiB`);
 	return figures;
 }
