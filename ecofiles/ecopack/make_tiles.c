@@ -290,6 +290,7 @@ void make_add_up(struct make *m, uint32_t tiles_end)
 			t->instance_count += tiles[child->tile].instance_count;
 			t->area += tiles[child->tile].area * child->scale * child->scale;
 		}
+		t->area = (double)eco_few_bits((float)t->area);
 	}
 }
 

@@ -171,7 +171,7 @@ float eco_few_bits(float v)
 {
 	int exponent;
 	float fraction = frexpf(v, &exponent);
-	return isfinite(v) ? ldexpf(floorf(fraction * 16384 + 0.5f), exponent - 14) : v;
+	return isfinite(v) ? ldexpf(floorf(fraction * 1024 + 0.5f), exponent - 10) : v;
 }
 
 /* The mean square is 1/3 for normals in all directions, 1 for level leaves. */

@@ -12,7 +12,9 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "lod/build/summary.h"
 
+#define BOUND_STEPS 256.0        /* of a leaf, by which its bounds may be wider */
 #define DEPTH_MAX 60             /* halvings: beyond it doubles do not separate positions */
 
 struct square { double x, y, side; };        /* south-west corner */
@@ -98,6 +100,19 @@ static void sort_leaf(struct build *b, uint32_t first, uint32_t count, const str
 	free(sorting);
 }
 
+/* Bounds of few bits, as an index of a published scene holds those of all tiles. */
+static void widen(struct lod_tile_node *node)
+{
+	double extent = 0;
+	for (int i = 0; i < 3; i++)
+		extent = fmax(extent, node->high[i] - node->low[i]);
+	double step = extent > 0 ? lod_power_below(extent / BOUND_STEPS) : 0;
+	for (int i = 0; i < 3 && step > 0; i++) {
+		node->low[i] = floor(node->low[i] / step) * step;
+		node->high[i] = ceil(node->high[i] / step) * step;
+	}
+}
+
 static void hold_items(struct build *b, struct lod_tile_node *node)
 {
 	for (int i = 0; i < 3; i++) {
@@ -112,6 +127,7 @@ static void hold_items(struct build *b, struct lod_tile_node *node)
 				fmax(node->high[i], item->at[i] + (i < 2 ? item->reach : item->above));
 		}
 	}
+	widen(node);
 }
 
 /* ---- The tree ---- */

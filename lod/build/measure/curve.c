@@ -428,7 +428,7 @@ static void append_impostor(struct lod_plant *plant, const struct lod_curve_orga
 		lod_impostor_close(&impostor);
 		plant->curves[plant->curve_count++] = (struct eco_curve){ .scale = 1, .reach = 1,
 			.share = (float)((i + 1.0) / plant->impostor_count / curve->full),
-			.fp = (float)result.fp, .fn = (float)result.fn };
+			.fp = eco_few_bits((float)result.fp), .fn = eco_few_bits((float)result.fn) };
 	}
 }
 
@@ -452,8 +452,8 @@ static void append(struct lod_plant *plant, const struct lod_curve_organ *curve)
 		if (impostor && !(s->share * curve->full > 1.5))
 			continue;                        /* one splat, which the impostor replaces */
 		plant->curves[plant->curve_count++] = (struct eco_curve){ .share = (float)s->share,
-			.scale = (float)lod_curve_scale(s->step),
-			.reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
+			.scale = eco_few_bits((float)lod_curve_scale(s->step)), .reach = (float)s->reach,
+			.fp = eco_few_bits((float)s->fp), .fn = eco_few_bits((float)s->fn) };
 	}
 }
 
