@@ -136,6 +136,8 @@ export class EcoLayer {
 		this.loading = false;
 		this.offline = false;           // the server did not answer, and is asked again in a while
 		this.version = 0;               // of what is drawn
+		this.full = false;              // set by who draws: the ground is as fine as it can be
+		this.arrived = false;           // all came of what was asked for last
 		this.moving = false;            // set by who draws: shadows are those of the picture before
 		this.hurried = false;           // set by who draws: moving pictures take too long, and lose their leaves
 		this.leafy = false;             // leaves are drawn on ellipsoids
@@ -236,10 +238,15 @@ export class EcoLayer {
 		this.onChange?.();
 	}
 
-	/** Highlights a plant, as one that is picked is; null: none. */
+	/** Highlights a plant, as one that is picked is, and says what it is, as pick() does; null: none, or it is not in view. */
 	mark(plant) {
-		if (this.stream)
-			this.module._web_mark(this.stream.web, plant?.list ?? -1, plant?.index ?? 0);
+		return this.stream?.said('mark', plant?.list ?? -1, plant?.index ?? 0);
+	}
+
+	/** How far the picture that was compared last is from the one that was drawn last: { picture_error, m16 } (web_compare);
+	 * null: there is none of its size. */
+	compare() {
+		return this.reading(() => this.stream.said('compare'));
 	}
 
 	/** Frees what the scene takes here and on the GPU. Nothing may be drawn afterwards. */
@@ -334,7 +341,7 @@ export class EcoLayer {
 	/** Asks for a view unless it is here or on its way. What comes for the way that a camera no longer goes
 	 * is given up. */
 	ask(view, width, height, next = null) {
-		const wanted = { view, width, height, vertices: this.vertices, bytes: this.bytes };
+		const wanted = { view, width, height, vertices: this.vertices, bytes: this.bytes, full: this.full };
 		const way = next && ['eye', 'target'].flatMap((key) => next[key].map((v, i) => v - view[key][i]));
 		this.wanted = wanted;
 		if (this.loading && this.way && !alike(way, this.way)) {
@@ -352,6 +359,7 @@ export class EcoLayer {
 
 	async load(wanted, next = null, way = null) {
 		this.loading = true;
+		this.arrived = false;
 		[this.asked, this.way] = [wanted, way];
 		this.ahead.asked += !!next;
 		[this.since, this.came] = [performance.now(), Infinity];
@@ -378,7 +386,7 @@ export class EcoLayer {
 				show();
 				this.onChange?.();
 			}
-			await this.stream.fetch(wanted.view, { ...wanted, next, signal, onPart });
+			this.arrived = await this.stream.fetch(wanted.view, { ...wanted, next, signal, onPart });
 			show();
 			this.offline = false;
 		} catch (error) {

@@ -79,10 +79,15 @@ export class EcoStream {
 
 	/** Streams one view. `onPart` is called after each slice that was decoded: a coarser picture may be
 	 * there. Resolves to true, or false where no picture fits in `bytes`. `signal` ends it early: what
-	 * came is kept. `next`: eye and target of a view that is wanted soon; what it lacks comes last. */
-	async fetch(view, { width, height, vertices, bytes = -1, next, signal, onPart }) {
+	 * came is kept. `next`: eye and target of a view that is wanted soon; what it lacks comes last. `full`: the ground is
+	 * as fine as it can be, and the browser keeps neither this nor what comes afterwards. */
+	async fetch(view, { width, height, vertices, bytes = -1, next, full, signal, onPart }) {
 		const { module, web } = this;
 		this.check(module._web_request(web, this.putView(view), width, height, vertices, bytes));
+		if (full) {
+			module._web_fully(web);
+			this.keep = null;
+		}
 		if (next) {
 			module.HEAPF64.set([...next.eye, ...next.target], this.view / 8);
 			module._web_next(web, this.view);
@@ -195,17 +200,22 @@ export class EcoStream {
 		return before === 0;
 	}
 
+	/** What a function of the client says as JSON. */
+	said(name, ...values) {
+		const text = this.module[`_web_${name}`](this.web, ...values);
+		this.check(!text);
+		return JSON.parse(this.text(text));
+	}
+
 	/** Figures of what is drawn: vertices, plants, predicted_q, predicted_m16, roles, models, bytes,
 	 * memory_bytes and others. */
 	facts() {
-		return JSON.parse(this.text(this.module._web_facts(this.web)));
+		return this.said('facts');
 	}
 
 	/** The thing that is seen at a pixel of the last picture: web_client.h. */
 	pick(x, y) {
-		const text = this.module._web_pick(this.web, x, y);
-		this.check(!text);
-		return JSON.parse(this.text(text));
+		return this.said('pick', x, y);
 	}
 
 	/** Height of the ground that is drawn at a place, or null. */
@@ -243,9 +253,7 @@ export class EcoStream {
 
 	/** Plants in view, the nearest first (web_plants). */
 	near(most) {
-		const text = this.module._web_plants(this.web, most);
-		this.check(!text);
-		return JSON.parse(this.text(text));
+		return this.said('plants', most);
 	}
 
 	/** The species that each plant of the pack stands for, by its number (openapi.yaml's Species); null: the

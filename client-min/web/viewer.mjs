@@ -4,8 +4,8 @@
 import { scenesHere, sceneUrl } from './eco_ask.mjs';
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
 import { readLink, writeLink } from './viewer_link.mjs';
-import { hasObjects, metres, nameSpecies, number, placeText, showFacts, showLegend, showNorth, showPicked,
-	showPlant, showReasons, showScale, showWhy } from './viewer_panel.mjs';
+import { errorText, hasObjects, metres, nameSpecies, number, placeText, showError, showFacts, showLegend, showNorth,
+	showPicked, showPlant, showReasons, showScale, showWhy } from './viewer_panel.mjs';
 import { fixed, t, translatePage } from './viewer_text.mjs';
 import { captioned, sayMeasured, scriptOf, showChoices, showMeasured, tourAt } from './viewer_tools.mjs';
 
@@ -284,10 +284,15 @@ const heard = {
 		else if (!reasons)
 			showWhy(why);
 	},
-	async saved({ blob }) {
+	comparing() {
+		say(t('The picture is compared with one of all detail'));
+	},
+	async saved({ blob, compares, facts, error }) {
 		saving = null;
 		redraw();
-		save(`${settings.scene}.png`, $('caption').checked ? await captioned(blob, caption()) : blob);
+		if (error)
+			showError(error);
+		save(`${settings.scene}.png`, compares ? await captioned(blob, caption(facts, error)) : blob);
 		if (!$('state').classList.contains('error'))
 			say('');
 	},
@@ -493,6 +498,7 @@ function choose({ said, ...plant }) {
 	picked = plant;
 	showPicked(picked, about.origin);
 	showPlant(said, plant.number, about.columns);
+	// once it is in view it is as one that was clicked
 	engine.postMessage({ type: 'mark', plant });
 	orbitPicked();
 }
@@ -516,19 +522,19 @@ function savePicture() {
 	if (canvas.dataset.complete !== 'true' || drawn.more)
 		say(t('The picture is saved once all of it is here'));
 	saving = ['still-width', 'still-height'].map((id) => Math.max(16, Math.min(8192, Math.round($(id).value) || 0)));
-	engine.postMessage({ type: 'save' });
+	engine.postMessage({ type: 'save', compares: $('caption').checked });
 	redraw();
 }
 
-/** A caption: the scene and its sun, the camera, and how much of the picture is expected to be right. */
-function caption() {
-	const { eye, target } = camera.view(), { vertices, predicted_q: q } = drawn.facts;
+/** A caption: the scene and its sun, the camera, and the picture's error: measured, else as it is expected. */
+function caption({ vertices, predicted_q: q }, error) {
+	const { eye, target } = camera.view();
 	const sun = hasPlace() ? t('; sun of {}, {}', $('date').value, $('sun-text').textContent) : '';
 	const date = about.date ? t('; data of {}', about.date) : '';
 	return [`${about.title ?? settings.scene}${date}${sun}`,
 		t('Eye {}; target {}', placeText(eye, about.origin), placeText(target, about.origin)),
 		t('Pack {}; {} vertices', about.id.slice(0, 8), number(vertices))
-			+ (q ? t('; expected agreement with full detail (Q) {}', fixed(q, 3)) : '')];
+			+ (error ? errorText(error) : q ? t('; expected agreement with full detail (Q) {}', fixed(q, 3)) : '')];
 }
 
 async function copyLink() {

@@ -15,11 +15,13 @@
 //                                                  then others
 //   { type: 'pick', at }                            what is seen there? 'picked', then of a plant 'identified':
 //                                                  its row, and 'explained': why so. It is highlighted
-//   { type: 'mark', plant }                         highlights another, by list and index; null: none
+//   { type: 'mark', plant }                         the same of another, by list and index, once it is in view; null: none
 //   'named', once a picture is complete, brings the species that its plants stand for
 //   { type: 'explain' }                             why is the picture what it is?
-//   { type: 'save' }                                the next picture that is drawn with `still`, as a PNG, once it has
-//                                                  all samples: 'saved'. `pick` with `measures` says only what is there
+//   { type: 'save', compares }                      the next picture that is drawn with `still`, as a PNG, once it has
+//                                                  all samples: 'saved', with its facts. `compares`: after 'comparing' it
+//                                                  is drawn with all detail, too, and 'saved' has its `error` beside that
+//   `pick` with `measures` says only what is there
 //
 // and from it these answers, 'drawn' with what there is to say of the picture, and 'failed'.
 import { EcoLayer } from './eco_layer.mjs';
@@ -38,11 +40,13 @@ const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const PACE_PICTURES = 6, PACE_FACTOR = 1.5;      // so many in turn are late, or early, and the budget changes so
 const FIND_BYTES = 100;          // of openapi.yaml's `text`
 const STILL_SAMPLES = 64, REST_SAMPLES = 16;
+const FULL_VERTICES = 2 ** 23, FULL_MS = 120000;         // of a picture with all detail: the most, and the longest that it may take
 const NEAR_MOST = 5000, FOUND_MOST = 20, PIECE = 512;   // plants that are searched, and shown; rows that are asked for at once
 const ROWS_MAX = 40;                             // of an explanation that are shown
 const nextFrame = globalThis.requestAnimationFrame?.bind(globalThis) ?? ((f) => setTimeout(f, 16));
 
 const between = (least, value, most) => Math.min(most, Math.max(least, value));
+const pictureOf = (wanted) => JSON.stringify({ ...wanted, number: 0 });
 const apart = (row, distance) => Math.abs(Math.log((row.distance_m ?? distance) / distance));
 
 class Engine {
@@ -84,7 +88,8 @@ class Engine {
 					this.pace(performance.now() - since);
 				}
 				if (layer && layer === this.layer && !this.gl.isContextLost()) {
-					this.tell();
+					if (!this.compares)
+						this.tell();
 					await this.offer();
 					for (const each of this.layers())
 						await this.refine(each);
@@ -222,10 +227,11 @@ class Engine {
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
-		const { vertices, bytes, tint, smooth, sun, shadows, haze } = wanted;
+		const { tint, smooth, sun, shadows, haze } = wanted, full = this.compares;
+		const [vertices, bytes] = full ? [Math.max(FULL_VERTICES, wanted.vertices), -1] : [wanted.vertices, wanted.bytes];
 		const scale = wanted.still ? 1 : Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
 		for (const each of this.layers()) {
-			Object.assign(each, { vertices, bytes, tint, smooth, sun, shadows, haze, moving, hurried: this.movingScale < 1,
+			Object.assign(each, { vertices, bytes, full, tint, smooth, sun, shadows, haze, moving, hurried: this.movingScale < 1,
 				samples: wanted.still ? STILL_SAMPLES : REST_SAMPLES, scale: moving ? scale * this.movingScale : scale });
 			each.hide(wanted.hide).catch((error) => this.fail(error.message));
 		}
@@ -254,6 +260,8 @@ class Engine {
 		this.post({ type: 'drawn', ...this.said });
 		if (complete && this.named !== this.layer.stream)
 			this.name(this.layer.stream);
+		if (complete && this.sought)
+			this.show(this.sought);
 	}
 
 	/** Without an answer plants keep the pack's names. */
@@ -264,10 +272,21 @@ class Engine {
 			this.post({ type: 'named', species });
 	}
 
-	mark({ plant, of = this.layer }) {
+	mark({ plant }) {
+		this.sought = plant;
 		for (const layer of this.layers())
-			layer?.mark(layer === of ? plant : null);
+			layer?.mark(null);
 		this.redraw();
+	}
+
+	/** Highlights a plant that was looked for, and says what is known of it, if it is in view. */
+	show(plant) {
+		const picked = this.layer.mark(plant);
+		if (!picked)
+			return;
+		this.sought = null;
+		this.redraw();
+		this.describe(this.layer, picked).catch((error) => this.fail(error.message));
 	}
 
 	/** Plants whose species, model, columns or number of a row is looked for: the nearest of those in view, then others of
@@ -327,19 +346,29 @@ class Engine {
 	async pick({ at, measures }) {
 		if (!this.layer?.stream?.selected || !this.draw())
 			return;
-		const layer = this.at(at[0]), { stream } = layer, picked = layer.pick(...at);
+		const layer = this.at(at[0]), picked = layer.pick(...at);
+		if (!picked)
+			return;
+		if (measures)
+			this.mark({ plant: null });
+		this.sought = null;
+		this.redraw();
+		return this.describe(layer, picked, measures);
+	}
+
+	/** Says what a thing is, a plant's row, and why it is drawn so; `measures`: only the first. */
+	async describe(layer, picked, measures = false) {
+		const { stream, about: { columns, tints } } = layer;
+		Object.assign(picked, { columns, tints });
 		for (const key of ['foot', 'at'])
-			if (picked?.[key])
+			if (picked[key])
 				picked[key] = picked[key].map((v, i) => v - this.wayTo(layer)[i]);
-		if (picked)
-			picked.columns = layer.about.columns;
 		this.post({ type: 'picked', picked });
 		if (measures)
-			return this.mark({ plant: null });
-		this.redraw();
-		if (picked?.kind === 'plant')
+			return;
+		if (picked.kind === 'plant')
 			this.post({ type: 'identified', picked, plant: await this.rowSaid(layer, await stream.plant(picked)) });
-		if (picked?.cuts?.length)
+		if (picked.cuts?.length)
 			this.post({ type: 'explained', picked, reasons: await this.reasonsOf(stream, picked) });
 	}
 
@@ -371,20 +400,52 @@ class Engine {
 
 	/** The next picture that is whole is saved: not a coarse one of a motion, nor an incomplete one, nor one that
 	 * gets more samples. */
-	save() {
-		this.saving = true;
+	save({ compares }) {
+		this.saving = { compares };
 		this.redraw();
 	}
 
+	/** It is drawn with all detail, and compared with what is saved: until then nothing else is told of pictures. */
+	get compares() {
+		return Boolean(this.saving?.blob) && this.wanted.still;
+	}
+
 	async offer() {
-		const { moving, complete, offline } = this.said;
-		if (!this.saving || !this.wanted.still || moving || !(complete || offline) || this.layer.refines)
+		const { saving } = this, { moving, complete, offline, facts } = this.said, layers = this.layers();
+		const late = this.compares && performance.now() - saving.since > FULL_MS;
+		if (!saving || !this.wanted.still || moving || !late && (!(complete || offline) || layers.some(({ refines }) => refines)))
 			return;
-		this.saving = false;
-		const { canvas } = this;
-		const blob = canvas.convertToBlob ? await canvas.convertToBlob()
-			: await new Promise((done) => canvas.toBlob(done));
-		this.post({ type: 'saved', blob });
+		if (saving.blob) {
+			const error = late || offline ? null : await this.errorOf(layers, saving.facts).catch(() => null);
+			if (saving.blob)
+				this.give({ ...saving, error });
+			return;
+		}
+		const { canvas, wanted } = this;
+		Object.assign(saving, { facts, since: performance.now(), blob: canvas.convertToBlob ? await canvas.convertToBlob()
+			: await new Promise((done) => canvas.toBlob(done)) });
+		if (saving.compares && complete && pictureOf(wanted) === pictureOf(this.wanted)) {
+			layers.forEach((layer) => layer.compare());
+			this.post({ type: 'comparing' });
+			return this.redraw();
+		}
+		this.give(saving);
+	}
+
+	give(saved) {
+		this.saving = null;
+		this.post({ type: 'saved', ...saved });
+	}
+
+	/** The error of a picture beside those that are drawn now, of two scenes that of the worse one: { picture_error, m16,
+	 * vertices, full }; null: they are not here. */
+	async errorOf(layers, { vertices: before }) {
+		const errors = layers.map((layer) => layer.arrived && layer.compare()), facts = layers.map((layer) => layer.facts());
+		if (!errors.every(Boolean))
+			return null;
+		const plans = await Promise.all(layers.map(({ stream }) => stream.explain())), [{ vertices }] = facts;
+		const full = plans.every(({ lambda }) => lambda === 0) && facts.every(({ coarse }) => coarse === 0);
+		return full || vertices > before ? { ...errors.reduce((a, b) => a.picture_error > b.picture_error ? a : b), vertices, full } : null;
 	}
 
 	async hear(message) {
@@ -392,6 +453,9 @@ class Engine {
 			return;
 		try {
 			if (message.type === 'draw') {
+				// another picture is compared anew
+				if (this.saving && pictureOf(message) !== pictureOf(this.wanted))
+					this.saving.blob = null;
 				this.wanted = message;
 				this.redraw();
 			} else {

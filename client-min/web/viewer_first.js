@@ -27,12 +27,12 @@
 		const number = eye && target ? own.first.findIndex(saved) : 0, { eye: from, target: to, ...size } = own.first[number] ?? {};
 		const answer = from && kept !== own.about.id ? fetch(`${scene}/${own.about.id}/first-${number}.bin`)
 			.then((came) => new Response(came.body, { status: came.status })) : null;
-		answer?.catch(() => {});
-		// another view needs the planner: all that it loads comes at once, for the browser's cache
-		for (const name of from ? [] : ['eco_published.mjs', 'eco_planner_worker.mjs', 'eco_planner.mjs', 'eco_planner.wasm'])
-			fetch(new URL(name, src)).then((file) => file.arrayBuffer()).catch(() => {});
-		if (!from)
-			fetch(`${scene}/${own.about.id}/index.bin`).then((file) => file.arrayBuffer()).catch(() => {});
+		// all that the planner's worker loads comes at once, for the browser's cache, but after a first picture
+		Promise.resolve(answer).then((came) => came?.clone().arrayBuffer()).catch(() => {}).then(() => {
+			for (const file of [...['eco_published.mjs', 'eco_planner_worker.mjs', 'eco_planner.mjs', 'eco_planner.wasm']
+				.map((name) => new URL(name, src)), `${scene}/${own.about.id}/index.bin`])
+				fetch(file).then((came) => came.arrayBuffer()).catch(() => {});
+		});
 		globalThis.first = { scene, about: Promise.resolve(Response.json(own.about)), answer, wanted: size,
 			view: { eye: from, target: to, up: [0, 0, 1], fov_y_deg: 45 } };
 	} else if (scene && !published && !given.has('token')) {

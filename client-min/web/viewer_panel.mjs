@@ -139,6 +139,17 @@ export function showFacts(facts) {
 	$('species').replaceChildren(...species.length ? species : [item(none)]);
 }
 
+/** The measured error of a picture, for its caption: { picture_error, m16, vertices, full }. */
+export const errorText = ({ picture_error: error, m16, vertices, full }) =>
+	t(full ? '; measured error beside full detail ({} vertices): FLIP {}, m16 {}' : '; measured error beside {} vertices: FLIP {}, m16 {}',
+		number(vertices), fixed(error, 3), fixed(m16, 2));
+
+/** The same, with what it means. */
+export function showError(error) {
+	$('error').hidden = false;
+	$('error').firstElementChild.textContent = errorText(error).slice(2);
+}
+
 function lengthText(length) {
 	if (length >= 1000)
 		return `${length / 1000} km`;
@@ -193,12 +204,17 @@ function groundClass(rgb) {
 
 export function showPicked(picked, origin) {
 	const { kind, plant, number: index, at, foot, cuts = [] } = picked;
-	const { height_m: height, crown_m: crown, distance_m: distance } = picked;
+	const { height_m: height, crown_m: crown, distance_m: distance, tint, tints = [] } = picked;
 	const facts = [], species = plant && speciesOf({ number: index, name: plant }), object = isObject(index);
 	if (height)
 		facts.push(Object.assign([t('Height'), metres(height)], { of: 'height' }));
 	if (crown)
 		facts.push(Object.assign([t(object ? 'Width' : 'Crown width'), metres(crown)], { of: 'crown' }));
+	// the first of a colour, as ecoserve says; black stands for a plant's own
+	const classes = tints.flatMap(({ column, classes: all }) => all.map((one) => ({ column, ...one })));
+	const own = tint && classes.find(({ color }) => (color ?? '#000000') === tint);
+	if (own)
+		facts.push([t('Class'), `${t(own.name)} (${own.column})`]);
 	if (kind === 'summary' && plant)
 		facts.push([t('Of these'), named(species)]);
 	const ground = picked.rgb && groundClass(picked.rgb);
@@ -219,12 +235,10 @@ export function showPicked(picked, origin) {
 /** The plant by the inventory that it comes from, if it comes from one. The picture alone knows only what
  * it is shown as, which may stand for several species; and so does a published scene, where `species` is not given.
  * `columns` name the cells; two say what sizes are guessed from. */
-export function showPlant({ species, plant, class: tint, file, row: number, line, cells = [] }, model, columns = []) {
+export function showPlant({ species, plant, file, row: number, line, cells = [] }, model, columns = []) {
 	const title = species === undefined ? speciesOf({ number: model, name: plant }).short : species ?? t('Species not stated');
 	$('card-title').textContent = title;
 	const facts = isSame(title, plant) ? [] : [[t('Shown as'), plant]];
-	if (tint)
-		facts.push([t('Class'), tint]);
 	if (file)
 		facts.push([t('Row'), t('{} of {}', number, file) + (line ? t(' (line {})', line) : '')]);
 	columns.forEach((column, i) => {

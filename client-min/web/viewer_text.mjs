@@ -131,6 +131,16 @@ const german = {
 	'Eye {}; target {}': 'Auge {}; Ziel {}',
 	'Pack {}; {} vertices': 'Paket {}; {} Eckpunkte',
 	'; expected agreement with full detail (Q) {}': '; erwartete Übereinstimmung mit voller Feinheit (Q) {}',
+	'; measured error beside full detail ({} vertices): FLIP {}, m16 {}':
+		'; gemessener Fehler gegen volle Feinheit ({} Eckpunkte): FLIP {}, m16 {}',
+	'; measured error beside {} vertices: FLIP {}, m16 {}': '; gemessener Fehler gegen {} Eckpunkte: FLIP {}, m16 {}',
+	'The picture is compared with one of all detail': 'Das Bild wird mit einem voller Feinheit verglichen',
+	['FLIP is the error that people see where pictures alternate, 0 to 1; m16 the mean difference of colour ' +
+		'(CIELAB) of blocks of 16 x 16 pixels. The view of the picture that was saved was drawn again, with more vertices, ' +
+		'the same light and as many samples.']:
+		'FLIP ist der Fehler, den man beim Wechsel zwischen zwei Bildern sieht, 0 bis 1; m16 der mittlere Farbunterschied '
+			+ '(CIELAB) von Blöcken aus 16 x 16 Pixeln. Die Ansicht des gespeicherten Bilds wurde nochmals gezeichnet, mit mehr '
+			+ 'Eckpunkten, gleichem Licht und ebenso vielen Abtastungen.',
 	'Link copied': 'Link kopiert',
 	'The link is this page\'s address: {}': 'Der Link ist die Adresse dieser Seite: {}',
 	'View {}': 'Ansicht {}',

@@ -14,7 +14,7 @@ WEB_CXXFLAGS = -std=c++17 -fno-rtti $(WEB_FLAGS) -isystem $(W)/src/draco/src
 $(W)/obj/client-min/draw/view_light.o: WEB_FLAGS += -O3 -msimd128
 export NODE_PATH := /usr/share/nodejs
 
-WEB_ROOMS := $(wildcard lod/*.c) lod/raster/texel.c $(wildcard client-min/web/*.c)
+WEB_ROOMS := $(wildcard lod/*.c) $(patsubst %,lod/raster/%.c,blocks flip texel) $(wildcard client-min/web/*.c)
 WEB_BASE := angle16 array_grow bytes memory range status text
 WEB_CHUNK := chunk chunk_columns chunk_decode chunk_ground chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor list model pack_check pack_record plan splat texture \

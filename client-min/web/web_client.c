@@ -16,6 +16,8 @@
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/order.h"
 #include "lod/light.h"
+#include "lod/raster/blocks.h"
+#include "lod/raster/flip.h"
 
 struct web {
 	struct view_store *store;
@@ -29,6 +31,7 @@ struct web {
 	struct view_picture picture;             /* that was drawn last, once somebody has asked */
 	bool read;
 	uint8_t *owners;                         /* of it */
+	uint8_t *compared; size_t compared_size; /* colours, of web_compare */
 	struct web_light light;
 	struct lod_eye eye;                      /* of the picture */
 	enum view_tint tint;
@@ -66,6 +69,7 @@ void web_free(struct web *web)
 	view_gl_close(web->gl);
 	view_picture_free(&web->picture);
 	free(web->owners);
+	free(web->compared);
 	free(web->hidden);
 	eco_wire_parser_free(web->parser);
 	view_select_free(&web->selection);
@@ -84,6 +88,12 @@ const char *web_error(const struct web *web)
 static void forget_error(struct web *web)
 {
 	web->error = (struct eco_error){ 0 };
+}
+
+static const char *end_text(struct web *web)
+{
+	eco_write_u8(&web->text, 0);
+	return web->text.failed ? NULL : (const char *)web->text.bytes;
 }
 
 /* ---- Asking ---- */
@@ -118,6 +128,12 @@ int web_request(struct web *web, const double view[10], double width, double hei
 		view_store_begin(web->store);
 	keep_selection(web);
 	return (int)code;
+}
+
+void web_fully(struct web *web)
+{
+	web->request.ground_px = ECO_GROUND_PX_MIN;
+	web->request.texel_px = ECO_TEXEL_PX_MIN;
 }
 
 void web_next(struct web *web, const double next[6])
@@ -396,9 +412,29 @@ const uint8_t *web_owners(struct web *web)
 	return rgb;
 }
 
-const char *web_renderer(const struct web *web)
+const char *web_compare(struct web *web)
 {
-	return web->gl ? view_gl_renderer(web->gl) : "";
+	uint32_t width = web->picture.width, height = web->picture.height, count = lod_block_count(width, height);
+	size_t size = (size_t)width * height * 3;
+	const uint8_t *rgb = web_colors(web);
+	uint8_t *copy = rgb ? malloc(size) : NULL;
+	struct lod_block *blocks = copy ? calloc(2 * (size_t)count, sizeof *blocks) : NULL;
+	struct lod_block_error error;
+	web->text.size = 0;
+	if (blocks && web->compared && web->compared_size == size) {
+		lod_blocks_make(blocks, width, height, web->compared);
+		lod_blocks_make(blocks + count, width, height, rgb);
+		lod_blocks_compare(&error, blocks, blocks + count, count);
+		eco_write_format(&web->text, "{\"picture_error\":%.4f,\"m16\":%.3f}", lod_flip(&(struct lod_flip_input){ width,
+			height, web->compared, rgb, NULL }), error.color);
+	} else {
+		eco_write_format(&web->text, "null");
+	}
+	free(blocks);
+	free(web->compared);
+	web->compared = copy ? memcpy(copy, rgb, size) : NULL;
+	web->compared_size = size;
+	return end_text(web);
 }
 
 const char *web_digest(struct web *web)
@@ -485,11 +521,10 @@ const char *web_facts(struct web *web)
 	say_roles(web);
 	say_models(web);
 	eco_write_format(&web->text,
-		"\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
-		(unsigned long long)web->bytes, (unsigned long long)stats.chunks,
+		"\"coarse\":%llu,\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
+		(unsigned long long)web->selection.coarse, (unsigned long long)web->bytes, (unsigned long long)stats.chunks,
 		(unsigned long long)stats.memory_bytes, stats.decode_ms);
-	eco_write_u8(&web->text, 0);
-	return web->text.failed ? NULL : (const char *)web->text.bytes;
+	return end_text(web);
 }
 
 double web_ground(const struct web *web, double x, double y)
@@ -584,17 +619,32 @@ static double crown_of(const struct web *web, const struct view_instance *instan
 	return most * instance->place.scale * lod_place_width(&instance->place);
 }
 
-static void say_plant(const struct web *web, const struct view_instance *instance,
-	struct eco_writer *text)
+/* The colour of its class (legend.h); black: its own. Nothing of a plant without one. */
+static void say_tint(const struct web *web, const struct view_instance *instance, struct eco_writer *text)
+{
+	const struct view_list *list = view_store_list(web->store, instance->list);
+	uint8_t code = list && instance->index < list->elements.element_count
+		? eco_place_of(&list->list, &list->elements, instance->index).tint : 0;
+	if (code && code <= list->list.palette_count)
+		eco_write_format(text, ",\"tint\":\"#%02x%02x%02x\"", list->palette[code - 1][0], list->palette[code - 1][1],
+			list->palette[code - 1][2]);
+}
+
+static void say_plant(const struct web *web, const struct view_instance *instance, struct eco_writer *text)
 {
 	const struct view_plant *plant = view_store_plant(web->store, instance->plant);
 	say_model(web, instance->plant, text);
-	if (plant)
-		eco_write_format(text, ",\"height_m\":%.3f,\"crown_m\":%.3f",
-			plant->plant.height_m * instance->place.scale, crown_of(web, instance));
-	eco_write_format(text, ",\"scale\":%.4f,\"list\":%u,\"index\":%u", instance->place.scale,
-		instance->list, instance->index);
+	eco_write_format(text, ",\"height_m\":%.3f,\"scale\":%.4f,\"list\":%u,\"index\":%u",
+		plant ? plant->plant.height_m * instance->place.scale : 0, instance->place.scale, instance->list, instance->index);
 	say_point(text, "foot", instance->place.at);
+}
+
+/* What a card says of it more. */
+static void say_drawn(const struct web *web, const struct view_instance *instance, struct eco_writer *text)
+{
+	say_plant(web, instance, text);
+	eco_write_format(text, ",\"crown_m\":%.3f", crown_of(web, instance));
+	say_tint(web, instance, text);
 	say_cuts(web, (uint32_t)(instance - web->selection.instances), text);
 }
 
@@ -631,7 +681,7 @@ static void say_pick(struct web *web, const struct view_table *owners, double x,
 		eco_write_format(text, ",\"rgb\":[%u,%u,%u]", lod_light_byte(65535 * (double)own.light[0]),
 			lod_light_byte(65535 * (double)own.light[1]), lod_light_byte(65535 * (double)own.light[2]));
 	if (instance)
-		say_plant(web, instance, text);
+		say_drawn(web, instance, text);
 	else if (owner)
 		say_model(web, eco_owner_plant(owner), text);
 	eco_write_format(text, "}");
@@ -651,8 +701,7 @@ const char *web_pick(struct web *web, double x, double y)
 		eco_no_memory(&web->error, "the owners of a picture");
 		return NULL;
 	}
-	eco_write_u8(&web->text, 0);
-	return web->text.failed ? NULL : (const char *)web->text.bytes;
+	return end_text(web);
 }
 
 /* ---- Plants that are here ---- */
@@ -679,22 +728,16 @@ const char *web_plants(struct web *web, double most)
 	qsort(near, count, sizeof *near, by_distance);
 	eco_write_format(&web->text, "[");
 	for (uint32_t i = 0; i < count && i < most; i++) {
-		const struct view_instance *p = near[i];
-		const struct view_plant *plant = view_store_plant(web->store, p->plant);
-		eco_write_format(&web->text, "%s{\"kind\":\"plant\",\"distance_m\":%.3f,\"height_m\":%.3f,\"list\":%u,"
-			"\"index\":%u", i ? "," : "", p->distance_m,
-			plant ? plant->plant.height_m * p->place.scale : 0, p->list, p->index);
-		say_model(web, p->plant, &web->text);
-		say_point(&web->text, "foot", p->place.at);
+		eco_write_format(&web->text, "%s{\"kind\":\"plant\",\"distance_m\":%.3f", i ? "," : "", near[i]->distance_m);
+		say_plant(web, near[i], &web->text);
 		eco_write_format(&web->text, "}");
 	}
 	eco_write_format(&web->text, "]");
-	eco_write_u8(&web->text, 0);
 	free(near);
-	return web->text.failed ? NULL : (const char *)web->text.bytes;
+	return end_text(web);
 }
 
-void web_mark(struct web *web, double list, double index)
+const char *web_mark(struct web *web, double list, double index)
 {
 	const struct view_instance *nearest = NULL;
 	for (uint32_t i = 0; i < web->selection.instance_count; i++) {
@@ -704,4 +747,12 @@ void web_mark(struct web *web, double list, double index)
 			nearest = p;
 	}
 	web->marked = nearest ? nearest->owner : 0;
+	web->text.size = 0;
+	eco_write_format(&web->text, nearest ? "{\"kind\":\"plant\",\"distance_m\":%.3f" : "null",
+		nearest ? nearest->distance_m : 0);
+	if (nearest) {
+		say_drawn(web, nearest, &web->text);
+		eco_write_format(&web->text, "}");
+	}
+	return end_text(web);
 }

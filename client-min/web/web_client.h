@@ -37,6 +37,8 @@ const char *web_error(const struct web *web);
 
 int web_request(struct web *web, const double view[10], double width, double height, double vertices,
 	double bytes);
+/* Also of that request: the ground and its picture are as fine as they can be. */
+void web_fully(struct web *web);
 /* Also of that request: what a view from there, of eye and target, lacks comes last. */
 void web_next(struct web *web, const double next[6]);
 const char *web_query(const struct web *web);
@@ -71,8 +73,10 @@ void web_present(struct web *web, const double *depth, const double *viewport, d
 const uint8_t *web_colors(struct web *web);
 const uint8_t *web_cover(struct web *web);
 const uint8_t *web_owners(struct web *web);
-const char *web_renderer(const struct web *web);
 const char *web_facts(struct web *web);
+/* JSON: { "picture_error": mean FLIP (lod/raster/flip.h), "m16": of blocks (lod/raster/blocks.h) } of the picture at the last
+ * call beside the last picture, which is the truth; null: there is none of its size. Colours of all samples. NULL: see web_error. */
+const char *web_compare(struct web *web);
 /* Height of the ground that is drawn at a place, metres; NaN where there is none. */
 double web_ground(const struct web *web, double x, double y);
 /* JSON at a pixel (from the top left; beside the picture is the sky), or near one of a plant:
@@ -80,19 +84,20 @@ double web_ground(const struct web *web, double x, double y);
  *   { "kind": "sky" }
  *   { "kind": "ground", "at": [x, y, z], "distance_m": d }
  *   { "kind": "summary", ... as the ground, "number": n, "plant": NAME }     a point for many plants
- *   { "kind": "plant", ... as a summary, "height_m": h, "crown_m": w, "scale": s, "list": l, "index": i, "foot": [x, y, z],
- *     "cuts": [{ "role": NAME, "list": l, "first": f, "end": e, "of": primitives, "vertices": v }] }
+ *   { "kind": "plant", ... as a summary, "height_m": h, "scale": s, "list": l, "index": i, "foot": [x, y, z],
+ *     "crown_m": w, "tint": "#rrggbb", "cuts": [{ "role": NAME, "list": l, "first": f, "end": e, "of": primitives, "vertices": v }] }
  *
  * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. `plant` is the
  * pack's plant that is drawn, which may stand for several species; list and index name the one that was
  * picked to the server, which knows its species and its row. `crown_m` is the mean of two widths of what is held of
- * it; 0: unknown. A plant that is picked is highlighted in what web_present shows. NULL: see web_error. */
+ * it; 0: unknown. `tint` is the colour of its class, black where that is its own. A plant that is picked is highlighted in what web_present shows. NULL: see web_error. */
 const char *web_pick(struct web *web, double x, double y);
-/* Plants in view, the nearest first, as web_pick says them, but for what is seen of them: JSON's array, of so many at
+/* Plants in view, the nearest first, as web_pick says them up to `foot`, without `at`: JSON's array, of so many at
  * most. NULL: no memory. */
 const char *web_plants(struct web *web, double most);
-/* Highlights this plant, from now on; a list of -1: none. Nested scenes may have it several times: the nearest. */
-void web_mark(struct web *web, double list, double index);
+/* Highlights this plant, from now on; a list of -1: none. Nested scenes may have it several times: the nearest. JSON as of
+ * web_pick, without `at`; null: it is not in view. NULL: no memory. */
+const char *web_mark(struct web *web, double list, double index);
 const char *web_digest(struct web *web);
 
 #endif

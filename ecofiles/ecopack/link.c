@@ -455,13 +455,19 @@ static bool has_draft(const struct link *l)
 	return any;
 }
 
-/* The value that all parts have; NULL: they differ, or have none. */
-static json_t *season_of(const struct link *l)
+/* A text that all parts have; where they differ "first - last" in order of their bytes, or nothing. */
+static void say_common(const struct link *l, json_t *meta, const char *name, bool range)
 {
-	json_t *season = json_object_get(l->parts[0].meta, "season");
-	for (uint32_t i = 1; i < l->count && season; i++)
-		season = json_equal(season, json_object_get(l->parts[i].meta, "season")) ? season : NULL;
-	return season;
+	const char *low = NULL, *high = NULL;
+	for (uint32_t i = 0; i < l->count; i++) {
+		const char *text = json_string_value(json_object_get(l->parts[i].meta, name));
+		if (!text)
+			return;
+		low = low && strcmp(low, text) <= 0 ? low : text;
+		high = high && strcmp(high, text) >= 0 ? high : text;
+	}
+	if (low && (range || strcmp(low, high) == 0))
+		json_object_set_new(meta, name, strcmp(low, high) ? json_sprintf("%s - %s", low, high) : json_string(low));
 }
 
 static json_t *whole_meta(const struct link *l)
@@ -482,8 +488,8 @@ static json_t *whole_meta(const struct link *l)
 	make_columns_say(&l->m, root);
 	if (has_draft(l))
 		json_object_set_new(root, "draft", json_true());
-	if (season_of(l))
-		json_object_set(root, "season", season_of(l));
+	say_common(l, root, "season", false);
+	say_common(l, root, "date", true);
 	return root;
 }
 

@@ -22,7 +22,8 @@ done
 printf 'x,y,kind,height,health,owner\n1,1,cards-1,4,good,Anna Geheim\n5,1,cards-2,,poor,\n9,3,cards-1,6,good,\n' >"$dir/park/trees.csv"
 plants=$(jq -c '.plants | to_entries[:1] | from_entries' "$dir/park/scene.json") plant=$(jq -r '.plants | keys_unsorted[0]' "$dir/park/scene.json")
 echo "{\"plants\": $plants, \"crs\": \"EPSG:32632\", \"origin\": [0, 0, 0], \"instances\": [{\"from\": \"trees.csv\", \"crs\": \"EPSG:32632\",
-	\"x\": \"x\", \"y\": \"y\", \"species\": \"kind\", \"map\": {\"*\": \"$plant\"}}]}" >"$dir/park/trees.json"
+	\"x\": \"x\", \"y\": \"y\", \"species\": \"kind\", \"map\": {\"*\": \"$plant\"},
+	\"tint\": {\"column\": \"health\", \"palette\": \"health\"}}]}" >"$dir/park/trees.json"
 "$BUILD/ecopack" make --draft "$dir/park/trees.json" --no-rows --columns health,height -o "$dir/trees.eco" --quiet || fail "make trees"
 "$BUILD/ecopack" publish "$dir/trees.eco" --columns health,height --viewer build/web/site -o "$dir/rows" --quiet || fail "publish rows"
 # two saved views of a scene of its own

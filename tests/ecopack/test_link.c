@@ -64,13 +64,15 @@ static struct plant random_plant(uint64_t *seed, uint32_t part)
 	return p;
 }
 
+#define BOTH "\"a\": {\"model\": \"a.obj\", \"unit\": \"m\"}, \"b\": {\"model\": \"b.obj\", \"unit\": \"m\"}"
+
 static void write_part(uint32_t part, const char *plants)
 {
 	char name[32];
 	snprintf(name, sizeof name, "part%u.json", part);
 	FILE *file = open_text(name);
-	fprintf(file, "{\"name\": \"p\", \"tile\": {\"instances\": 16}, \"plants\": {%s}, \"instances\": [",
-		plants);
+	fprintf(file, "{\"name\": \"p\", \"date\": \"%s\", \"tile\": {\"instances\": 16}, \"plants\": {%s}, \"instances\": [",
+		strcmp(plants, BOTH) ? "2026-05" : "2024", plants);
 	for (uint32_t i = 0; i < parts[part].count; i++) {
 		const struct plant *p = &parts[part].plants[i];
 		fprintf(file, "%s\n{\"plant\": \"%s\", \"at\": [%.2f, %.2f, %.2f], \"scale\": %.2f}",
@@ -81,8 +83,6 @@ static void write_part(uint32_t part, const char *plants)
 	assert_int_equal(fclose(file), 0);
 }
 
-#define BOTH "\"a\": {\"model\": \"a.obj\", \"unit\": \"m\"}, \"b\": {\"model\": \"b.obj\", \"unit\": \"m\"}"
-
 static void write_parts(uint64_t seed)
 {
 	for (uint32_t part = 0; part < PARTS; part++) {
@@ -92,7 +92,7 @@ static void write_parts(uint64_t seed)
 		write_part(part, BOTH);
 	}
 	FILE *file = open_text("whole.json");
-	fputs("{\"name\": \"linked\", \"children\": [", file);
+	fputs("{\"name\": \"linked\", \"date\": \"2024\", \"children\": [", file);
 	for (uint32_t part = 0; part < PARTS; part++)
 		fprintf(file, "%s{\"eco\": \"part%u.json\", \"at\": [0, 0, 0]}", part ? ", " : "", part);
 	fputs("]}\n", file);
@@ -198,6 +198,7 @@ UNIT_TEST(parts_keep_plants_of_their_own)
 	fclose(out);
 	assert_int_equal(counts.damaged, 0);
 	assert_int_equal(eco_pack_open(&pack, in_root("linked.eco"), NULL), ECO_OK);
+	assert_non_null(memmem(pack->meta, pack->meta_size, "\"2024 - 2026-05\"", 16));
 	assert_int_equal(pack->scene.plant_count, 3);
 	assert_int_equal(pack->scene.tiles[0].instance_count, PARTS * PLANTS);
 	eco_pack_close(pack);

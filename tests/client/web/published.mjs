@@ -65,6 +65,20 @@ function viewsOf({ bounds: { low, high } }) {
 		look([0.05, 0.2, 0.03], { bytes: 100000 }), look([0.8, -0.7, 0.4], { bytes: 250000, vertices: 1000000 })];
 }
 
+/** A plant that is marked is described, and the colour of its class is that of the class that ecoserve names. */
+async function describe(url, about) {
+	const stream = new EcoStream(client, url, { pack: about.id }), [{ view, wanted }] = viewsOf(about);
+	await stream.fetch(view, { ...wanted, full: true });
+	stream.select();
+	expect(stream.near(9).length === 3 && stream.said('mark', -1, 0) === null, 'no three plants are near');
+	for (const { list, index } of stream.near(9)) {
+		const { tint, crown_m: crown, cuts } = stream.said('mark', list, index), [row] = await stream.rows(list, index, 1);
+		const [{ name }] = about.tints[0].classes.filter(({ color }) => color === tint);
+		expect(name === row.class && crown > 0.1 && cuts.length, `a ${row.class} plant: ${tint}, ${name}, ${crown} m wide, ${cuts.length} cuts`);
+	}
+	stream.free();
+}
+
 /** Compares all views of a scene; what the client holds grows as it does in a page. */
 async function compare(url, host) {
 	const about = await (await fetch(url)).json(), name = url.split('/').pop();
@@ -103,10 +117,14 @@ async function compare(url, host) {
 		|| ours.bytes.toString() === theirs, `${name}: a plan is explained otherwise`);
 	for (const path of !rows ? [] : [...Array(4).keys(), about.lists - 2, about.lists - 1, about.lists].map((list) => `/plants/${list}?count=20`)
 		.concat(['a', 'good', '2', 'no such text'].map((text) => `/find?text=${encodeURIComponent(text)}&count=9`), '/find?count=3')) {
-		const answer = await fetch(url + path), text = await answer.text(), { status, bytes } = await answering(path, null, answer.ok);
+		// the page knows the class of a plant by its colour
+		const answer = await fetch(url + path), text = (await answer.text()).replace(/,"class":"[^"]*"/g, '');
+		const { status, bytes } = await answering(path, null, answer.ok);
 		expect(status === answer.status && (!answer.ok || bytes.toString() === text),
 			`${name}${path}: ${status} ${bytes}, not ecoserve's ${answer.status} ${text}`);
 	}
+	if (rows)
+		await describe(url, about);
 	const refused = await planner.answer(`/stream?${query.replace('&explain=1', '')}&pack=${'0'.repeat(32)}`, null, () => {});
 	expect(refused.status === 409, `${name}: another pack is answered with ${refused.status}`);
 	expect(figures.rounds <= ROUNDS_MOST, `${name}: ${figures.rounds} rounds for places of plants`);

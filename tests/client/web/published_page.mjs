@@ -23,8 +23,12 @@ try {
 	await browser.open(url, 400, 300);
 	await browser.until(complete, WAIT_MS);
 	expect(await ask('viewer.drawn.facts.vertices') > 1000, 'hardly anything is drawn');
-	const first = (await entries()).filter((name) => name.endsWith('.bin'));
-	expect(first.length === 1 && first[0].endsWith('first-0.bin'), `the page asked for ${first}, not for first-0.bin`);
+	// what the planner needs comes in the background, but not before the first picture
+	const when = (name) => ask(`performance.getEntriesByType('resource').find((it) => it.name.endsWith('${name}'))`);
+	await browser.until("performance.getEntriesByType('resource').filter(({ name }) => /index.bin|eco_planner.wasm/.test(name)).length === 2", WAIT_MS);
+	const { responseEnd } = await when('first-0.bin');
+	for (const name of ['index.bin', 'eco_planner.wasm', 'eco_planner.js', 'eco_published.js'])
+		expect((await when(name)).startTime >= responseEnd, `${name} is asked for before first-0.bin is there`);
 	writeFileSync(picture, await browser.picture());
 	let picked = null;
 	for (let i = 0; i < 24 && picked?.kind !== 'plant'; i++) {

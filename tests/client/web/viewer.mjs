@@ -298,7 +298,16 @@ async function savesPictures() {
 	};
 	await choose('still-width', 800);
 	await choose('still-height', 500);
-	const plain = await sizes(false), [width, height] = await sizes(true);
+	const plain = await sizes(false), setVertices = async (from, to) => {
+		await ask(`location.hash = location.hash.replace('vertices=${from}', 'vertices=${to}')`);
+		await browser.until(`viewer.settings.vertices === ${to} && ${complete}`);
+	};
+	expect(await hidden('error'), 'a picture without a caption is measured');
+	await setVertices(300000, 3000);
+	const [width, height] = await sizes(true), [, count, flip, m16] = /full detail \((\S+) k vertices\): FLIP (\S+), m16 (\S+)/.exec(await text('error')) ?? [];
+	expect(count > 3 && flip > 0.001 && flip < 0.9 && m16 > 0.01 && m16 < 50, `the picture's error is ${await text('error')}`);
+	await setVertices(3000, 300000);
+	expect(await ask('viewer.drawn.facts.vertices <= 300000'), 'after a measurement all detail is drawn');
 	expect(String(plain) === '800,500' && width === 800 && height > 530, `pictures of ${plain} and ${[width, height]}`);
 	await browser.until(`document.getElementById('picture').dataset.complete === 'true'`);
 	await ask("dispatchEvent(new Event('resize'))");
@@ -322,6 +331,10 @@ async function findsPlants() {
 	await ask("document.querySelector('#found button').click()");
 	const { origin } = await ask('viewer.about'), { foot } = await ask('viewer.picked');
 	expect(rowAt(foot[0] + origin.at[0], foot[1] + origin.at[1]).number === 7 && !await hidden('card'), 'another plant is chosen');
+	// once it is in view its card is as that of one that was clicked
+	await browser.until("document.querySelectorAll('#card-why li').length > 0");
+	for (const part of ['Crown width', 'Why: ', 'Row7 of'])
+		expect((await text('card')).includes(part), `the card of a plant that was found lacks ${part}: ${await text('card')}`);
 	await press('Escape');
 	expect(!(await found('no such tree')).length, 'something is found that is not there');
 	await press('h');
@@ -863,13 +876,20 @@ async function saysAnyName() {
 	const [, , , , unstated, same] = await facts(oak, 0);
 	expect(unstated.trim().startsWith('Species not stated') && unstated.includes('Shown asoak'), `not stated: ${unstated}`);
 	expect(same.includes('OAK') && !same.includes('Shown as') && same.includes('Row3 of a'), `the same: ${same}`);
-	const card = await ask(`(async () => {
+	const [card, ...classes] = await ask(`(async () => {
 		const { showPicked, showPlant } = await import('/viewer/viewer_panel.mjs');
 		showPicked({ kind: 'plant', plant: 'oak', number: 0, height_m: 12, crown_m: 5, foot: [0, 0, 0], distance_m: 9 });
 		showPlant({ species: 'oak', plant: 'oak', cells: ['T1', null, 'trunk diameter'] }, 0, ['nr', 'health', 'height_from', 'crown_from']);
+		const texts = [document.getElementById('card-facts').textContent];
+		const tints = [{ column: 'health', classes: [{ name: 'good', color: null }, { name: 'poor', color: '#aa0000' }, { name: 'dead', color: '#aa0000' }] }];
+		for (const tint of ['#aa0000', '#000000', undefined]) {
+			showPicked({ kind: 'plant', plant: 'oak', number: 0, height_m: 12, tint, tints });
+			texts.push(document.getElementById('card-facts').textContent);
+		}
 		document.getElementById('card').hidden = true;
-		return document.getElementById('card-facts').textContent;
+		return texts;
 	})()`);
+	expect(String(classes) === 'Height12.0 mClasspoor (health),Height12.0 mClassgood (health),Height12.0 m', `cards of classes: ${classes}`);
 	expect(card.startsWith('Height12.0 mguessed from trunk diameternrT1') && /Crown width5.00 m(?!guessed)/.test(card.replace('nrT1', ''))
 		&& !card.includes('health'), `a card with columns: ${card}`);
 	const [, none, figures] = await facts([], 5);
