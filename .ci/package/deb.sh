@@ -19,7 +19,7 @@ unset CI CFLAGS CXXFLAGS CPPFLAGS LDFLAGS MAKEFLAGS MFLAGS 2>/dev/null || true
 export DEB_BUILD_OPTIONS="parallel=$(nproc) noautodbgsym ${DEB_BUILD_OPTIONS-}"
 dpkg-buildpackage --build=binary --no-sign >../build.log 2>&1 || { tail -n 30 ../build.log >&2; echo "deb: $out/build.log has all of it" >&2; exit 1; }
 # what was put in comes out
-[ ! -e ../../web/site/eco_client.wasm ] || dpkg-deb -c ../ecoserve_*.deb | grep -q eco_client.wasm || {
+[ ! -e ../../web/site/eco_client.wasm ] || dpkg-deb -c ../ecoserve_*.deb | grep eco_client.wasm >/dev/null || {
 	echo "deb: the viewer is not in the package" >&2; exit 1; }
 lintian --fail-on error,warning --allow-root ../*.changes
 ls -l ../*.deb

@@ -136,7 +136,7 @@ export class EcoLayer {
 		this.loading = false;
 		this.offline = false;           // the server did not answer, and is asked again in a while
 		this.version = 0;               // of what is drawn
-		this.full = false;              // set by who draws: the ground is as fine as it can be
+		this.detail = '';               // set by who draws, for pictures that others are compared with: EcoStream.fetch
 		this.arrived = false;           // all came of what was asked for last
 		this.moving = false;            // set by who draws: shadows are those of the picture before
 		this.hurried = false;           // set by who draws: moving pictures take too long, and lose their leaves
@@ -341,7 +341,7 @@ export class EcoLayer {
 	/** Asks for a view unless it is here or on its way. What comes for the way that a camera no longer goes
 	 * is given up. */
 	ask(view, width, height, next = null) {
-		const wanted = { view, width, height, vertices: this.vertices, bytes: this.bytes, full: this.full };
+		const wanted = { view, width, height, vertices: this.vertices, bytes: this.bytes, detail: this.detail };
 		const way = next && ['eye', 'target'].flatMap((key) => next[key].map((v, i) => v - view[key][i]));
 		this.wanted = wanted;
 		if (this.loading && this.way && !alike(way, this.way)) {

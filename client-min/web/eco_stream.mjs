@@ -79,15 +79,14 @@ export class EcoStream {
 
 	/** Streams one view. `onPart` is called after each slice that was decoded: a coarser picture may be
 	 * there. Resolves to true, or false where no picture fits in `bytes`. `signal` ends it early: what
-	 * came is kept. `next`: eye and target of a view that is wanted soon; what it lacks comes last. `full`: the ground is
-	 * as fine as it can be, and the browser keeps neither this nor what comes afterwards. */
-	async fetch(view, { width, height, vertices, bytes = -1, next, full, signal, onPart }) {
+	 * came is kept. `next`: eye and target of a view that is wanted soon; what it lacks comes last. `detail`:
+	 * 'all' is full detail, whatever the budgets; of 'all' and 'more' the browser keeps neither this nor what comes afterwards. */
+	async fetch(view, { width, height, vertices, bytes = -1, next, detail, signal, onPart }) {
 		const { module, web } = this;
 		this.check(module._web_request(web, this.putView(view), width, height, vertices, bytes));
-		if (full) {
+		if (detail === 'all')
 			module._web_fully(web);
-			this.keep = null;
-		}
+		this.keep = detail ? null : this.keep;
 		if (next) {
 			module.HEAPF64.set([...next.eye, ...next.target], this.view / 8);
 			module._web_next(web, this.view);
@@ -266,13 +265,23 @@ export class EcoStream {
 		return !this.pack || pack === this.pack ? plants : null;
 	}
 
-	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */
-	async explain() {
-		const answer = await ask(this.url, `/plan?${this.query()}&explain=1`,
-			{ headers: access(this.token) });
+	/** A plan with its reasons (openapi.yaml's Plan), of the last request unless there is another query. */
+	async plan(query = this.query()) {
+		const answer = await ask(this.url, `/plan?${query}&explain=1`, { headers: access(this.token) });
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);
-		return (await answer.json()).explanation;
+		return answer.json();
+	}
+
+	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */
+	async explain() {
+		return (await this.plan()).explanation;
+	}
+
+	/** Vertices of all detail of the last request's view, as far as the server plans it. */
+	async fullVertices() {
+		const most = this.query().replace(/&bytes=\d+/, '').replace(/&vertices=\d+/, '&vertices=9223372036854775807');
+		return (await this.plan(most)).vertices;
 	}
 
 	/** Says, as `ecoview --digest` does, what is held and drawn. */

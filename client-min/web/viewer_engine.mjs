@@ -40,7 +40,7 @@ const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const PACE_PICTURES = 6, PACE_FACTOR = 1.5;      // so many in turn are late, or early, and the budget changes so
 const FIND_BYTES = 100;          // of openapi.yaml's `text`
 const STILL_SAMPLES = 64, REST_SAMPLES = 16;
-const FULL_VERTICES = 2 ** 23, FULL_MS = 120000;         // of a picture with all detail: the most, and the longest that it may take
+const FULL_VERTICES = 2 ** 24, FULL_MS = 60000;          // of a picture that others are compared with: the most, and how long it may take
 const NEAR_MOST = 5000, FOUND_MOST = 20, PIECE = 512;   // plants that are searched, and shown; rows that are asked for at once
 const ROWS_MAX = 40;                             // of an explanation that are shown
 const nextFrame = globalThis.requestAnimationFrame?.bind(globalThis) ?? ((f) => setTimeout(f, 16));
@@ -228,11 +228,11 @@ class Engine {
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
 		const { tint, smooth, sun, shadows, haze } = wanted, full = this.compares;
-		const [vertices, bytes] = full ? [Math.max(FULL_VERTICES, wanted.vertices), -1] : [wanted.vertices, wanted.bytes];
+		const [vertices, bytes, detail] = full ? [this.saving.most, -1, this.saving.detail] : [wanted.vertices, wanted.bytes, ''];
 		const scale = wanted.still ? 1 : Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
 		for (const each of this.layers()) {
-			Object.assign(each, { vertices, bytes, full, tint, smooth, sun, shadows, haze, moving, hurried: this.movingScale < 1,
-				samples: wanted.still ? STILL_SAMPLES : REST_SAMPLES, scale: moving ? scale * this.movingScale : scale });
+			Object.assign(each, { vertices, bytes, detail, tint, smooth, sun, shadows, haze, moving, hurried: this.movingScale < 1,
+				samples: wanted.still && !full ? STILL_SAMPLES : REST_SAMPLES, scale: moving ? scale * this.movingScale : scale });
 			each.hide(wanted.hide).catch((error) => this.fail(error.message));
 		}
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -401,7 +401,7 @@ class Engine {
 	/** The next picture that is whole is saved: not a coarse one of a motion, nor an incomplete one, nor one that
 	 * gets more samples. */
 	save({ compares }) {
-		this.saving = { compares };
+		this.saving = { compares, since: performance.now() };
 		this.redraw();
 	}
 
@@ -412,24 +412,28 @@ class Engine {
 
 	async offer() {
 		const { saving } = this, { moving, complete, offline, facts } = this.said, layers = this.layers();
-		const late = this.compares && performance.now() - saving.since > FULL_MS;
+		const late = this.compares && performance.now() - saving.since > 2 * FULL_MS;
+		// both pictures are compared with so many samples, as those of all detail take long
+		if (saving?.compares && !saving.blob && this.said.sampled === REST_SAMPLES) {
+			layers.forEach((layer) => layer.compare());
+			saving.kept = true;
+		}
 		if (!saving || !this.wanted.still || moving || !late && (!(complete || offline) || layers.some(({ refines }) => refines)))
 			return;
-		if (saving.blob) {
-			const error = late || offline ? null : await this.errorOf(layers, saving.facts).catch(() => null);
-			if (saving.blob)
-				this.give({ ...saving, error });
-			return;
-		}
+		if (this.compares)
+			return this.give({ ...saving, error: late || offline ? null : this.errorOf(layers, saving) });
 		const { canvas, wanted } = this;
-		Object.assign(saving, { facts, since: performance.now(), blob: canvas.convertToBlob ? await canvas.convertToBlob()
-			: await new Promise((done) => canvas.toBlob(done)) });
-		if (saving.compares && complete && pictureOf(wanted) === pictureOf(this.wanted)) {
-			layers.forEach((layer) => layer.compare());
-			this.post({ type: 'comparing' });
-			return this.redraw();
-		}
-		this.give(saving);
+		const blob = canvas.convertToBlob ? await canvas.convertToBlob()
+			: await new Promise((done) => canvas.toBlob(done));
+		const full = saving.kept && complete && await Promise.all(layers.map(({ stream }) => stream.fullVertices())).catch(() => null);
+		if (!full || pictureOf(wanted) !== pictureOf(this.wanted))
+			return this.give({ ...saving, blob, facts });
+		// as many as this device draws in time, by the time that the picture took
+		const since = performance.now(), times = STILL_SAMPLES / REST_SAMPLES * FULL_MS / (since - saving.since);
+		const most = Math.round(Math.min(FULL_VERTICES, Math.max(2, times) * facts.vertices));
+		Object.assign(saving, { blob, facts, since, most, detail: Math.max(...full) <= most ? 'all' : 'more' });
+		this.post({ type: 'comparing' });
+		this.redraw();
 	}
 
 	give(saved) {
@@ -439,13 +443,11 @@ class Engine {
 
 	/** The error of a picture beside those that are drawn now, of two scenes that of the worse one: { picture_error, m16,
 	 * vertices, full }; null: they are not here. */
-	async errorOf(layers, { vertices: before }) {
-		const errors = layers.map((layer) => layer.arrived && layer.compare()), facts = layers.map((layer) => layer.facts());
-		if (!errors.every(Boolean))
-			return null;
-		const plans = await Promise.all(layers.map(({ stream }) => stream.explain())), [{ vertices }] = facts;
-		const full = plans.every(({ lambda }) => lambda === 0) && facts.every(({ coarse }) => coarse === 0);
-		return full || vertices > before ? { ...errors.reduce((a, b) => a.picture_error > b.picture_error ? a : b), vertices, full } : null;
+	errorOf(layers, { detail, facts: before }) {
+		const errors = layers.map((layer) => layer.arrived && layer.compare()), { vertices } = layers[0].facts();
+		const full = detail === 'all' && layers.every((layer) => layer.about.cap_vertices === null && layer.facts().coarse === 0);
+		return errors.every(Boolean) && (full || vertices > before.vertices)
+			? { ...errors.reduce((a, b) => a.picture_error > b.picture_error ? a : b), vertices, full } : null;
 	}
 
 	async hear(message) {
@@ -455,7 +457,7 @@ class Engine {
 			if (message.type === 'draw') {
 				// another picture is compared anew
 				if (this.saving && pictureOf(message) !== pictureOf(this.wanted))
-					this.saving.blob = null;
+					Object.assign(this.saving, { blob: null, kept: false, since: performance.now() });
 				this.wanted = message;
 				this.redraw();
 			} else {

@@ -178,7 +178,7 @@ export function showNorth(known) {
 
 /** A place for people: in the scene's coordinates if it has some, which find it in an inventory. */
 export function placeText([x, y, z], origin) {
-	const text = (value, i) => (value + (origin?.at[i] ?? 0)).toFixed(2);
+	const text = (value, i) => fixed(value + (origin?.at[i] ?? 0), 2);
 	return `${text(x, 0)}, ${text(y, 1)}, ${text(z, 2)}${origin?.crs ? ` (${origin.crs})` : ' m'}`;
 }
 
@@ -249,7 +249,7 @@ export function showPlant({ species, plant, file, row: number, line, cells = [] 
 			$('card-facts').querySelector(`[data-of=${size}]`)?.lastChild.append(Object.assign(
 				span(t(`guessed from ${cells[i]}`)), { className: 'guess' }));
 	});
-	$('card-facts').rows[0].after(...facts.map(row));
+	($('card-facts').querySelector('[data-of=crown]') ?? $('card-facts').rows[0]).after(...facts.map(row));
 }
 
 /** Why a plant is drawn as it is: of each kind of reason the one for most vertices, the most important ones. */

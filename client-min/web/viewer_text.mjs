@@ -20,6 +20,11 @@ const german = {
 	'field': 'Feld', 'built up': 'bebaut', 'river': 'Fluss', 'stream': 'Bach', 'track': 'Feldweg',
 	'path': 'Pfad', 'footway': 'Fußweg', 'service': 'Zufahrt', 'street': 'Straße',
 	'main road': 'Hauptstraße', 'motorway': 'Autobahn', 'railway': 'Eisenbahn',
+	// classes of import/places/words/tints.tsv
+	'very good': 'sehr gut', 'good': 'gut', 'fair': 'mittel', 'poor': 'schlecht', 'critical': 'sehr schlecht', 'dead': 'tot',
+	'new': 'neu', 'young': 'jung', 'semi-mature': 'halbwüchsig', 'mature': 'ausgewachsen', 'over-mature': 'überaltert',
+	'veteran': 'uralt', 'kept': 'bleibt', 'felled': 'gefällt', 'moved': 'versetzt', 'pruned': 'geschnitten', 'other': 'andere',
+	'not stated': 'nicht angegeben',
 	'In view': 'Im Bild',
 	'Find': 'Suchen',
 	'Species, number of a row, or what a column says': 'Art, Nummer einer Zeile, oder was in einer Spalte steht',
@@ -136,11 +141,11 @@ const german = {
 	'; measured error beside {} vertices: FLIP {}, m16 {}': '; gemessener Fehler gegen {} Eckpunkte: FLIP {}, m16 {}',
 	'The picture is compared with one of all detail': 'Das Bild wird mit einem voller Feinheit verglichen',
 	['FLIP is the error that people see where pictures alternate, 0 to 1; m16 the mean difference of colour ' +
-		'(CIELAB) of blocks of 16 x 16 pixels. The view of the picture that was saved was drawn again, with more vertices, ' +
-		'the same light and as many samples.']:
+		'(CIELAB) of blocks of 16 x 16 pixels. The view of the picture that was saved was drawn again, with more vertices ' +
+		'and the same light; both are compared with 16 samples a pixel.']:
 		'FLIP ist der Fehler, den man beim Wechsel zwischen zwei Bildern sieht, 0 bis 1; m16 der mittlere Farbunterschied '
 			+ '(CIELAB) von Blöcken aus 16 x 16 Pixeln. Die Ansicht des gespeicherten Bilds wurde nochmals gezeichnet, mit mehr '
-			+ 'Eckpunkten, gleichem Licht und ebenso vielen Abtastungen.',
+			+ 'Eckpunkten und gleichem Licht; verglichen werden beide mit 16 Abtastungen je Pixel.',
 	'Link copied': 'Link kopiert',
 	'The link is this page\'s address: {}': 'Der Link ist die Adresse dieser Seite: {}',
 	'View {}': 'Ansicht {}',

@@ -132,6 +132,8 @@ int web_request(struct web *web, const double view[10], double width, double hei
 
 void web_fully(struct web *web)
 {
+	web->request.vertices = ECO_VERTICES_MAX;
+	web->request.bytes = ECO_BYTES_UNBOUNDED;
 	web->request.ground_px = ECO_GROUND_PX_MIN;
 	web->request.texel_px = ECO_TEXEL_PX_MIN;
 }

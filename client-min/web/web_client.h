@@ -37,7 +37,7 @@ const char *web_error(const struct web *web);
 
 int web_request(struct web *web, const double view[10], double width, double height, double vertices,
 	double bytes);
-/* Also of that request: the ground and its picture are as fine as they can be. */
+/* Also of that request: full detail, whatever its budgets. */
 void web_fully(struct web *web);
 /* Also of that request: what a view from there, of eye and target, lacks comes last. */
 void web_next(struct web *web, const double next[6]);

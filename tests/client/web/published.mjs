@@ -68,7 +68,7 @@ function viewsOf({ bounds: { low, high } }) {
 /** A plant that is marked is described, and the colour of its class is that of the class that ecoserve names. */
 async function describe(url, about) {
 	const stream = new EcoStream(client, url, { pack: about.id }), [{ view, wanted }] = viewsOf(about);
-	await stream.fetch(view, { ...wanted, full: true });
+	await stream.fetch(view, { ...wanted, detail: 'all' });
 	stream.select();
 	expect(stream.near(9).length === 3 && stream.said('mark', -1, 0) === null, 'no three plants are near');
 	for (const { list, index } of stream.near(9)) {
