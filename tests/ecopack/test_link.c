@@ -238,7 +238,7 @@ static void write_tinted(uint32_t part, const char *column, const char *palette)
 	assert_int_equal(fclose(file), 0);
 	snprintf(name, sizeof name, "part%u.json", part);
 	file = open_text(name);
-	fprintf(file, "{\"name\": \"p\", \"tile\": {\"instances\": 16}, \"plants\": {" BOTH "}, \"instances\": [{\"from\": \"part%u.csv\", "
+	fprintf(file, "{\"name\": \"p\", \"date\": \"2024\", \"tile\": {\"instances\": 16}, \"plants\": {" BOTH "}, \"instances\": [{\"from\": \"part%u.csv\", "
 		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"tint\": {\"column\": \"%s\", \"palette\": %s}}]}", part, column, palette);
 	assert_int_equal(fclose(file), 0);
 }

@@ -24,7 +24,7 @@ try {
 	await browser.until(complete, WAIT_MS);
 	expect(await ask('viewer.drawn.facts.vertices') > 1000, 'hardly anything is drawn');
 	// what the planner needs comes in the background, but not before the first picture
-	const when = (name) => ask(`performance.getEntriesByType('resource').find((it) => it.name.endsWith('${name}'))`);
+	const when = (name) => ask(`performance.getEntriesByType('resource').find((it) => it.name.endsWith('${name}')).toJSON()`);
 	await browser.until("performance.getEntriesByType('resource').filter(({ name }) => /index.bin|eco_planner.wasm/.test(name)).length === 2", WAIT_MS);
 	const { responseEnd } = await when('first-0.bin');
 	for (const name of ['index.bin', 'eco_planner.wasm', 'eco_planner.js', 'eco_published.js'])
