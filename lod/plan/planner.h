@@ -72,7 +72,8 @@ struct lod_planner_input {
 	/* Work that the plan may take, in units of stats->work; 0: any. It is counted, not timed, so that the
 	 * same request ends the same everywhere. The level of detail is one whose plan it is expected to
 	 * allow; at half of it nothing more is begun that only makes the plan better, at all of it the search
-	 * within bytes takes what it has. Whatever this is,
+	 * within bytes takes what it has. Coarser answers have wider steps from three quarters on, where bytes do
+	 * not bind. Whatever this is,
 	 * within bytes a plan takes at most some six times the work of the plan for the vertices alone. A rule that
 	 * knows no bytes is asked for several plans within them, each with an eighth of the work. */
 	uint64_t work_max;

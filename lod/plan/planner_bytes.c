@@ -335,17 +335,20 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	enum eco_code code = ECO_OK;
 	octave = fmax(octave, LOD_PRICE_LOW);
 	while (!code && coarser->count < coarser->most && before > (double)coarser->least && octave < LOD_PRICE_HIGHEST) {
+		const bool late = !(price > 0) && lod_planner_over(m->p, 3);
+		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_STEP_MOST / 2 : LOD_SWEEP_STEP;
+		step = fmax(step, least);
 		double bytes = relax_within(s, &lambda, octave + step);
-		bool steep = bytes * coarser->ratio * coarser->ratio < before && step > LOD_SWEEP_STEP;
+		bool steep = bytes * ratio * ratio < before && step > least;
 		octave += steep ? 0 : step;
 		if (steep) {
-			step = LOD_SWEEP_STEP;
-		} else if (bytes * coarser->ratio > before) {
+			step = least;
+		} else if (bytes * ratio > before) {
 			step = fmin(2 * step, LOD_SWEEP_STEP_MOST);
 		} else if (bytes > 0) {
 			code = hand_over(s, lambda, budget, error);
 			before = bytes;
-			step = LOD_SWEEP_STEP;
+			step = least;
 			if (m->cost.vertices < LOD_SWEEP_VERTICES * (double)budget)
 				lambda = fmax(lowest, LOD_SWEEP_LAMBDA * lambda);
 		} else {
