@@ -537,9 +537,7 @@ static void finish(struct viewer *v)
 	view_picture_free(&v->reference);
 	view_picture_free(&v->fine);
 	view_picture_free(&v->rough);
-	free(v->before[0]);
-	free(v->before[1]);
-	free(v->error_map);
+	eco_free(v->before[0], v->before[1], v->error_map);
 	view_gl_close(v->gl);
 	view_report_free(&v->report);
 	view_explain_close(&v->explain, false, NULL);

@@ -458,9 +458,7 @@ void view_exchange_free(struct view_exchange *x)
 	for (uint32_t i = 0; i < LANES; i++)
 		curl_easy_cleanup(x->lanes[i].curl);
 	curl_slist_free_all(x->headers);
-	free(x->wanted);
-	free(x->chunks);
-	free(x);
+	eco_free(x->wanted, x->chunks, x);
 }
 
 enum eco_code view_exchange_begin(struct view_exchange *x, const struct view_exchange_job *job,

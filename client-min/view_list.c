@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
+
 #define SHOWN_BYTES 4u           /* of a texel of the image that a part may be shown in */
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
@@ -60,11 +62,7 @@ void view_list_free(struct view_list *list)
 	free(list->parts);
 	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
 		lod_impostor_close(&list->impostors[i]);
-	free(list->impostors);
-	free(list->marks);
-	free(list->palette);
-	free(list->groups);
-	free(list);
+	eco_free(list->impostors, list->marks, list->palette, list->groups, list);
 }
 
 static bool is_texture(const struct view_list *list)

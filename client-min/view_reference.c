@@ -392,9 +392,7 @@ static void scene_free(struct scene *scene)
 {
 	for (uint32_t c = 0; c < scene->job->selection->cut_count; c++)
 		view_mesh_free(&scene->meshes[c]);
-	free(scene->meshes);
-	free(scene->items);
-	free(scene->order);
+	eco_free(scene->meshes, scene->items, scene->order);
 	view_table_free(&scene->owners);
 }
 

@@ -382,13 +382,8 @@ enum eco_code view_select_casters(struct view_selection *selection, const struct
 
 void view_select_free(struct view_selection *selection)
 {
-	free(selection->instances);
-	free(selection->cut_first);
-	free(selection->cuts);
-	free(selection->member_first);
-	free(selection->members);
-	free(selection->roles);
-	free(selection->plan_cuts);
+	eco_free(selection->instances, selection->cut_first, selection->cuts, selection->member_first,
+		selection->members, selection->roles, selection->plan_cuts);
 	view_ground_free(&selection->ground);
 	view_image_free(&selection->image);
 	*selection = (struct view_selection){ 0 };

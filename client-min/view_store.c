@@ -77,9 +77,7 @@ void view_store_free(struct view_store *store)
 	view_table_free(&store->plant_table);
 	eco_plan_free(&store->plan);
 	view_table_free(&store->counted_table);
-	free(store->counted);
-	free(store->plants);
-	free(store);
+	eco_free(store->counted, store->plants, store);
 }
 
 static void forget_plan(struct view_store *store)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "lod/light.h"
 
 /* The mean outline of a convex body is a quarter of its surface (Cauchy). */
@@ -190,9 +191,6 @@ enum eco_code lod_bake_make(struct lod_bake *bake, const struct lod_bake_input *
 
 void lod_bake_free(struct lod_bake *bake)
 {
-	free(bake->position);
-	free(bake->color);
-	free(bake->uv);
-	free(bake->index);
+	eco_free(bake->position, bake->color, bake->uv, bake->index);
 	*bake = (struct lod_bake){ .position = NULL };
 }

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
+
 enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, uint32_t height,
 	struct eco_error *error)
 {
@@ -23,13 +25,8 @@ enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, ui
 
 void view_picture_free(struct view_picture *picture)
 {
-	free(picture->rgb);
-	free(picture->light);
-	free(picture->cover);
-	free(picture->owner);
-	free(picture->depth);
-	free(picture->surface);
-	free(picture->soft);
+	eco_free(picture->rgb, picture->light, picture->cover, picture->owner, picture->depth,
+		picture->surface, picture->soft);
 	*picture = (struct view_picture){ 0 };
 }
 

@@ -24,6 +24,12 @@ bool eco_array_grow(void *array, uint32_t *capacity, uint32_t count, size_t size
 	return true;
 }
 
+void eco_free_all(void *const *pointers, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		free(pointers[i]);
+}
+
 #define NOBODY UINT32_MAX
 #define FIRST_SLOTS 64u
 

@@ -1,4 +1,4 @@
-/* Arrays that grow, and texts each kept once. */
+/* Arrays that grow and are freed together, and texts each kept once. */
 #pragma once
 
 #include <stdbool.h>
@@ -16,6 +16,11 @@
 /* Makes room for one more item of `size` bytes behind `count` items. array: address of the pointer to the
  * items, which may move. False: no memory, or 2^31 items are there already. */
 bool eco_array_grow(void *array, uint32_t *capacity, uint32_t count, size_t size);
+
+/* Frees each of its arguments, as free does: eco_free(list->places, list->names). */
+#define eco_free(...) \
+	eco_free_all((void *const[]){ __VA_ARGS__ }, sizeof((void *const[]){ __VA_ARGS__ }) / sizeof(void *))
+void eco_free_all(void *const *pointers, size_t count);
 
 /* Different texts, each kept once, numbered from 0 in the order in which they first came.
  *

@@ -95,7 +95,5 @@ void grade_foliage(struct eco_model *model)
 	for (uint32_t i = 0; i < model->image_count && light > GRADE_MOST; i++)
 		if (images[i] > 0)
 			darken_image(&model->images[i], factor);
-	free(images);
-	free(materials);
-	free(organ);
+	eco_free(images, materials, organ);
 }

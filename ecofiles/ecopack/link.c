@@ -535,9 +535,7 @@ static void link_free(struct link *l)
 		eco_inventory_free(&l->parts[i].rows);
 		eco_pack_close(l->parts[i].pack);
 		json_decref(l->parts[i].meta);
-		free(l->parts[i].plant_of);
-		free(l->parts[i].color_of);
-		free(l->parts[i].list_of);
+		eco_free(l->parts[i].plant_of, l->parts[i].color_of, l->parts[i].list_of);
 	}
 	make_tables_free(&l->m);
 	json_decref(l->plants);

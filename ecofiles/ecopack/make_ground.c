@@ -203,9 +203,7 @@ void make_ground_free(struct make *m)
 {
 	eco_ground_free(&m->ground);
 	eco_drawing_close(m->drawing);
-	free(m->ground_tiles);
-	free(m->ground_shifts);
-	free(m->ground_images);
+	eco_free(m->ground_tiles, m->ground_shifts, m->ground_images);
 }
 
 /* ---- Ground through plants ---- */

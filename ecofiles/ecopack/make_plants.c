@@ -439,9 +439,7 @@ void make_plants_free(struct make *m)
 		struct make_plant *plant = &m->plants[i];
 		for (uint32_t k = 0; plant->textures && k < plant->built.image_count; k++)
 			lod_texture_free(&plant->textures[k]);
-		free(plant->textures);
-		free(plant->images);
-		free(plant->path);
+		eco_free(plant->textures, plant->images, plant->path);
 		lod_plant_free(&plant->built);
 	}
 	for (uint32_t s = 0; m->plant_of && s < m->sources.count; s++)

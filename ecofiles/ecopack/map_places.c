@@ -388,21 +388,11 @@ void map_free(struct map *m)
 		if (m->own)
 			free(m->own[s].items);
 	}
-	free(m->kind_of);
-	free(m->files);
-	free(m->own);
-	free(m->bounds);
-	free(m->totals);
-	free(m->kinds);
+	eco_free(m->kind_of, m->files, m->own, m->bounds, m->totals, m->kinds);
 	eco_string_pool_free(&m->species);
 	eco_tints_free(&m->tints);
-	free(m->points.items);
-	free(m->left_points.items);
-	free(m->lines);
-	free(m->outlines);
-	free(m->areas.ends);
-	free(m->clear_of.ends);
-	free(m->image);
+	eco_free(m->points.items, m->left_points.items, m->lines, m->outlines, m->areas.ends,
+		m->clear_of.ends, m->image);
 	eco_ground_free(&m->ground);
 	eco_sources_free(&m->sources);
 	*m = (struct map){ 0 };

@@ -504,12 +504,7 @@ void lod_plant_free(struct lod_plant *plant)
 		eco_elements_free(&plant->lists[i].elements);
 		free(plant->lists[i].ends);
 	}
-	free(plant->anchors);
-	free(plant->ladders);
-	free(plant->curves);
-	free(plant->lists);
-	free(plant->palette);
-	free(plant->images);
+	eco_free(plant->anchors, plant->ladders, plant->curves, plant->lists, plant->palette, plant->images);
 	for (uint32_t i = 0; i < plant->impostor_count; i++)
 		free(plant->impostor[i].at);
 	free(plant->impostor);

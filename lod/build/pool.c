@@ -255,8 +255,6 @@ void lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_
 
 void lod_pool_free(struct lod_pool *pool)
 {
-	free(pool->position);
-	free(pool->color);
-	free(pool->keeps);
+	eco_free(pool->position, pool->color, pool->keeps);
 	*pool = (struct lod_pool){ 0 };
 }

@@ -214,10 +214,7 @@ struct band {                            /* of one picture: rows with REACH more
 
 static void band_free(struct band *band)
 {
-	free(band->channels);
-	free(band->filtered);
-	free(band->line);
-	free(band->turned);
+	eco_free(band->channels, band->filtered, band->line, band->turned);
 }
 
 static void band_make(struct band *band, uint32_t width)

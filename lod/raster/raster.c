@@ -45,12 +45,7 @@ void lod_raster_free(struct lod_raster *raster)
 		free(raster->state->block);
 		free(raster->state->stale);
 	}
-	free(raster->state);
-	free(raster->depth);
-	free(raster->cover);
-	free(raster->owner);
-	free(raster->item);
-	free(raster->leaf);
+	eco_free(raster->state, raster->depth, raster->cover, raster->owner, raster->item, raster->leaf);
 	memset(raster, 0, sizeof *raster);
 }
 

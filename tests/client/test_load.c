@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "client-min/load/view_load.h"
+#include "ecofiles/base/array_grow.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/serve/serve_daemon.h"
@@ -337,11 +338,7 @@ UNIT_TEST(views_are_made_for_the_scene)
 				&& walk.views[i].eye[axis] <= root->high[axis]);
 		assert_true(over.views[i].eye[2] > walk.views[i].eye[2] + 5);
 	}
-	free(walk.views);
-	free(over.views);
-	free(one.views);
-	free(same.views);
-	free(other.views);
+	eco_free(walk.views, over.views, one.views, same.views, other.views);
 }
 
 /* ---- Reports ---- */

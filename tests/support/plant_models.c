@@ -1,4 +1,5 @@
 #include "tests/support/plant_models.h"
+#include "ecofiles/base/array_grow.h"
 
 double soup_random(struct soup *s, double low, double high)
 {
@@ -66,10 +67,7 @@ void soup_triangle(struct soup *s, uint32_t material, uint32_t a, uint32_t b, ui
 
 void soup_free(struct soup *s)
 {
-	free(s->model.position);
-	free(s->model.uv);
-	free(s->model.index);
-	free(s->model.material);
+	eco_free(s->model.position, s->model.uv, s->model.index, s->model.material);
 	for (uint32_t i = 0; i < s->model.image_count; i++)
 		free(s->image[i].rgba);
 	memset(s, 0, sizeof *s);

@@ -354,9 +354,7 @@ void plant_view_close(struct plant_view *view)
 		free(list->chunks);
 		eco_image_free(&list->picture);
 	}
-	free(view->lists);
-	free(view->scene_lists);
-	free(view->reference);
+	eco_free(view->lists, view->scene_lists, view->reference);
 	lod_raster_free(&view->raster);
 	*view = (struct plant_view){ 0 };
 }

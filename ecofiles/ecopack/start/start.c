@@ -74,9 +74,7 @@ static void start_free(struct start *s)
 	}
 	eco_table_free(&s->table);
 	eco_table_values_free(&s->species);
-	free(s->models);
-	free(s->matches);
-	free(s->guesses);
+	eco_free(s->models, s->matches, s->guesses);
 	start_raster_free(&s->dem);
 	start_raster_free(&s->image);
 	for (uint32_t i = 0; i < s->raster_path_count; i++)

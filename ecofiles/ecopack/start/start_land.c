@@ -217,9 +217,7 @@ static bool take_layer(struct start *s, const char *path, const char *layer, dou
 	}
 	for (uint32_t i = 0; i < count; i++)
 		free(columns[i]);
-	free(columns);
-	free(look.woods);
-	free(look.crs);
+	eco_free(columns, look.woods, look.crs);
 	if (layer && own.code)
 		eco_stop(own.code, "%s", own.text);
 	return taken || (layer && look.buildings);

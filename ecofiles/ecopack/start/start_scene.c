@@ -502,9 +502,7 @@ static void find_crowd(const struct map *m, double at[2])
 	const struct eco_cluster *near = eco_cluster_near(crowds, eco_clusters_find(points, n, SQUARE_M, crowds), at);
 	if (count_around(points, n, at) < near->count)
 		memcpy(at, near->middle, sizeof near->middle);
-	free(sorted);
-	free(points);
-	free(crowds);
+	eco_free(sorted, points, crowds);
 }
 
 /* The plant nearest to `at`, and the distance within which SEEN others stand. */

@@ -244,10 +244,7 @@ void paper_sight_free(struct paper_sight *sight)
 {
 	for (uint32_t i = 0; i < sight->scene->scene->plant_count; i++)
 		free(sight->plants[i]);
-	free(sight->plants);
-	free(sight->points);
-	free(sight->counts);
-	free(sight);
+	eco_free(sight->plants, sight->points, sight->counts, sight);
 }
 
 void paper_sight_step(struct paper_sight_state *state, double counted)

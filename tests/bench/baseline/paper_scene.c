@@ -124,10 +124,7 @@ void paper_scene_close(struct paper_scene *s)
 		return;
 	for (uint32_t i = 0; s->triangles && i < s->scene->list_count; i++)
 		free(s->triangles[i]);
-	free(s->triangles);
-	free(s->points);
-	free(s->lines);
-	free(s->wood_full);
+	eco_free(s->triangles, s->points, s->lines, s->wood_full);
 	view_store_free(s->store);
 	lod_plan_tables_free(s->tables);
 	if (s->pack)
