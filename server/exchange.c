@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/random.h"
 #include "server/log.h"
 #define FORWARDED "X-Forwarded-For"
@@ -508,8 +509,5 @@ void srv_exchange_end(struct srv_exchange *exchange)
 	srv_answer_free(exchange);
 	eco_writer_free(&exchange->trace);
 	srv_edition_release(exchange->edition);
-	free(exchange->holdings.items);
-	free(exchange->body);
-	free(exchange->raw);
-	free(exchange);
+	eco_free(exchange->holdings.items, exchange->body, exchange->raw, exchange);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/geometry.h"
 #include "ecofiles/format/plan.h"
 
@@ -209,10 +210,6 @@ enum eco_code srv_outlook_find(const struct eco_scene *scene, struct srv_outlook
 	bool made = s.below && s.plants && s.points && s.crowds && s.placed;
 	if (made)
 		find_spot(&s, out);
-	free(s.below);
-	free(s.points);
-	free(s.plants);
-	free(s.crowds);
-	free(s.placed);
+	eco_free(s.below, s.points, s.plants, s.crowds, s.placed);
 	return made ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for another scene");
 }

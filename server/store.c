@@ -6,6 +6,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "ecofiles/base/array_grow.h"
+
 void srv_store_init(struct srv_store *store)
 {
 	*store = (struct srv_store){ 0 };
@@ -24,10 +26,7 @@ static void release_scene(struct srv_scene *scene)
 	lod_plan_tables_free(scene->tables);
 	json_decref(scene->meta);
 	eco_pack_close(scene->pack);
-	free(scene->file.path);
-	free(scene->by_id);
-	free(scene->checked);
-	free(scene);
+	eco_free(scene->file.path, scene->by_id, scene->checked, scene);
 }
 
 void srv_store_free(struct srv_store *store)

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
+
 #define NONE UINT32_MAX
 #define IN_TURN 4u               /* of so many jobs one is the next in turn */
 
@@ -103,10 +105,7 @@ enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, bool spare
 	atomic_bool **running = calloc(threads, sizeof *running);
 	*out = NULL;
 	if (!work || !queue || !owners || !running) {
-		free(work);
-		free(queue);
-		free(owners);
-		free(running);
+		eco_free(work, queue, owners, running);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a queue of %u plans", queue_max);
 	}
 	pthread_mutex_init(&work->mutex, NULL);
@@ -237,8 +236,5 @@ void srv_work_free(struct srv_work *work)
 	srv_work_stop(work);
 	pthread_cond_destroy(&work->wake);
 	pthread_mutex_destroy(&work->mutex);
-	free(work->running);
-	free(work->owners);
-	free(work->queue);
-	free(work);
+	eco_free(work->running, work->owners, work->queue, work);
 }

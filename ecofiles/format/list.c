@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/splat.h"
@@ -21,12 +22,8 @@ void eco_elements_free(struct eco_elements *elements)
 {
 	if (!elements)
 		return;
-	free(elements->corners);
-	free(elements->position);
-	free(elements->exact);
-	free(elements->uv);
-	free(elements->extra);
-	free(elements->part);
+	eco_free(elements->corners, elements->position, elements->exact, elements->uv, elements->extra,
+		elements->part);
 	memset(elements, 0, sizeof *elements);
 }
 

@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include "ecofiles/base/array_grow.h"
+
 const char *const eco_drop_names[ECO_DROP_COUNT] = {
 	[ECO_DROP_BAD_INDEX] = "bad index",
 	[ECO_DROP_NOT_FINITE] = "not finite",
@@ -32,16 +34,8 @@ void eco_model_free(struct eco_model *model)
 {
 	for (uint32_t i = 0; i < model->image_count; i++)
 		free(model->images[i].rgba);
-	free(model->images);
-	free(model->materials);
-	free(model->position);
-	free(model->uv);
-	free(model->index);
-	free(model->material);
-	free(model->part);
-	free(model->organ);
-	free(model->importance);
-	free(model->parts);
+	eco_free(model->images, model->materials, model->position, model->uv, model->index, model->material,
+		model->part, model->organ, model->importance, model->parts);
 	*model = (struct eco_model){ .position = NULL };
 }
 

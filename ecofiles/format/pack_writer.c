@@ -149,11 +149,7 @@ void eco_pack_abort(struct eco_pack_writer *w)
 	}
 	if (w->spool >= 0)
 		close(w->spool);
-	free(w->path);
-	free(w->temporary);
-	free(w->folder);
-	free(w->lists);
-	free(w->chunks);
+	eco_free(w->path, w->temporary, w->folder, w->lists, w->chunks);
 	eco_string_pool_free(&w->payloads);
 	free(w->offsets);
 	free(w);

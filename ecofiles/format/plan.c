@@ -21,16 +21,14 @@
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/order.h"
 
 void eco_plan_free(struct eco_plan *plan)
 {
 	if (!plan)
 		return;
-	free(plan->placements);
-	free(plan->runs);
-	free(plan->gates);
-	free(plan->cuts);
+	eco_free(plan->placements, plan->runs, plan->gates, plan->cuts);
 	*plan = (struct eco_plan){ 0 };
 }
 

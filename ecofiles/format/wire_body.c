@@ -26,9 +26,7 @@ enum eco_code eco_wire_body_init(struct eco_wire_body *body, const struct eco_sc
 
 void eco_wire_body_free(struct eco_wire_body *body)
 {
-	free(body->have);
-	free(body->known);
-	free(body->payloads);
+	eco_free(body->have, body->known, body->payloads);
 	eco_writer_free(&body->frames);
 	eco_wire_bundle_free(&body->bundle);
 	*body = (struct eco_wire_body){ 0 };

@@ -180,14 +180,8 @@ void eco_source_free(struct eco_source *source)
 		eco_footprints_spec_free(&source->footprints[i]);
 	for (uint32_t i = 0; i < source->child_count; i++)
 		eco_scene_fields_free(child_fields, &source->children[i]);
-	free(source->plants);
-	free(source->plants_by_name);
-	free(source->instances);
-	free(source->positions);
-	free(source->scatters);
-	free(source->footprints);
-	free(source->children);
-	free(source->path);
+	eco_free(source->plants, source->plants_by_name, source->instances, source->positions,
+		source->scatters, source->footprints, source->children, source->path);
 	eco_scene_fields_free(scene_fields, source);
 	eco_ground_source_free(&source->ground);
 	eco_ground_image_source_free(&source->ground_image);

@@ -578,9 +578,7 @@ void eco_positions_spec_free(struct eco_positions_spec *spec)
 		free_size(&spec->heights[i]);
 	for (uint32_t i = 0; i < ECO_CROWN_COLUMNS; i++)
 		free(spec->crown.columns[i]);
-	free(spec->crown.base);
-	free(spec->map);
-	free(spec->heights);
+	eco_free(spec->crown.base, spec->map, spec->heights);
 	eco_filters_free(spec->filters, spec->filter_count);
 	*spec = (struct eco_positions_spec){ .path = NULL };
 }

@@ -175,9 +175,7 @@ enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, st
 	enum eco_code code = eco_try(load, &walk, error);
 	for (uint32_t i = 0; i < sources->count; i++)
 		free(walk.real[i]);
-	free(walk.real);
-	free(walk.open);
-	free(walk.finished);
+	eco_free(walk.real, walk.open, walk.finished);
 	if (code)
 		eco_sources_free(sources);
 	return code;

@@ -142,9 +142,7 @@ static struct match *encode_positions(const int32_t *position, uint32_t triangle
 		&& !eco_draco_decode_mesh(bytes, stream->size, triangles, decoded, vertex, NULL);
 	stream->bytes = bytes;
 	struct match *matches = fits ? match_triangles(position, decoded, triangles) : NULL;
-	free(index);
-	free(vertices);
-	free(decoded);
+	eco_free(index, vertices, decoded);
 	return matches;
 }
 

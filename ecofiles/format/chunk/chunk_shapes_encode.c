@@ -348,10 +348,5 @@ void eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_sto
 	measure_extra(e);
 	write_smallest(e, stream);
 	eco_shapes_free(&e->codec.shapes);
-	free(e->codec.seen);
-	free(e->codec.keys);
-	free(e->codec.slots);
-	free(e->of);
-	free(e->placing);
-	free(e);
+	eco_free(e->codec.seen, e->codec.keys, e->codec.slots, e->of, e->placing, e);
 }

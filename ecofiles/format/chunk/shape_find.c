@@ -630,7 +630,5 @@ void eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *i
 	measure(&f);
 	find(&f, shapes, uses, of);
 	finest_steps(&f, shapes);
-	free(f.bodies);
-	free(f.by_size);
-	free(f.models);
+	eco_free(f.bodies, f.by_size, f.models);
 }

@@ -388,12 +388,8 @@ void eco_areas_free(struct eco_areas *areas)
 		free(areas->items[i].strips.first);
 		free(areas->items[i].strips.member);
 	}
-	free(areas->strips.first);
-	free(areas->strips.member);
-	free(areas->items);
-	free(areas->edges);
-	free(areas->near.first);
-	free(areas->near.member);
+	eco_free(areas->strips.first, areas->strips.member, areas->items, areas->edges, areas->near.first,
+		areas->near.member);
 	*areas = (struct eco_areas){ .items = NULL };
 }
 

@@ -478,10 +478,5 @@ void eco_scatter_close(struct eco_scatter *s)
 	if (!s)
 		return;
 	eco_scatter_input_free(&s->input);
-	free(s->lattice);
-	free(s->candidates.items);
-	free(s->grid.head);
-	free(s->grid.next);
-	free(s->places);
-	free(s);
+	eco_free(s->lattice, s->candidates.items, s->grid.head, s->grid.next, s->places, s);
 }

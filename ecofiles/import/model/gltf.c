@@ -272,11 +272,7 @@ void eco_gltf_close(struct eco_gltf *doc)
 		free(doc->buffers[i].owned);
 	for (size_t i = 0; i < doc->view_count; i++)
 		free(doc->views[i].owned);
-	free(doc->buffers);
-	free(doc->views);
-	free(doc->parent);
-	free(doc->owned);
-	free(doc->path);
+	eco_free(doc->buffers, doc->views, doc->parent, doc->owned, doc->path);
 	json_decref(doc->root);
 	free(doc);
 }

@@ -597,10 +597,7 @@ enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_fram
 		gltf_piece_free(&r.pieces[i]);
 	for (uint32_t i = 0; i < r.skin_count; i++)
 		free(r.skins[i].matrix);
-	free(r.pieces);
-	free(r.meshes);
-	free(r.skins);
-	free(r.looks);
+	eco_free(r.pieces, r.meshes, r.skins, r.looks);
 	eco_gltf_close(r.doc);
 	return code;
 }

@@ -236,9 +236,7 @@ void eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
 void eco_mtl_free(struct eco_mtl *mtl)
 {
 	for (uint32_t i = 0; i < mtl->count; i++) {
-		free(mtl->items[i].name);
-		free(mtl->items[i].texture);
-		free(mtl->items[i].opacity);
+		eco_free(mtl->items[i].name, mtl->items[i].texture, mtl->items[i].opacity);
 	}
 	free(mtl->items);
 	*mtl = (struct eco_mtl){ .count = 0 };

@@ -474,14 +474,7 @@ static void free_obj(struct obj *o)
 	eco_string_pool_free(&o->materials);
 	eco_string_pool_free(&o->parts);
 	eco_string_pool_free(&o->libraries);
-	free(o->vertices);
-	free(o->uv);
-	free(o->corners);
-	free(o->faces);
-	free(o->of);
-	free(o->invisible);
-	free(o->keys);
-	free(o->table);
+	eco_free(o->vertices, o->uv, o->corners, o->faces, o->of, o->invisible, o->keys, o->table);
 }
 
 /* Refuses binary files. */

@@ -371,8 +371,6 @@ enum eco_code model_apply_rules(struct model_clean *c)
 		code = eco_fail(c->error, ECO_BAD_INPUT, "%.300s: the rules in \"parts\" leave out all of it",
 			c->what);
 	eco_components_free(&r.components);
-	free(r.importance);
-	free(r.fitted);
-	free(r.of_material);
+	eco_free(r.importance, r.fitted, r.of_material);
 	return code;
 }

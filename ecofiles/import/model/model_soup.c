@@ -363,9 +363,7 @@ void eco_model_take_palettes(struct eco_model *model)
 		find_palettes(&p);
 		paint(&p);
 	}
-	free(p.is_palette);
-	free(p.rgb);
-	free(p.colours);
+	eco_free(p.is_palette, p.rgb, p.colours);
 }
 
 /* ---- The soup ---- */
@@ -598,9 +596,5 @@ void eco_soup_end(struct eco_soup *s, const char *fields)
 
 void eco_soup_free(struct eco_soup *s)
 {
-	free(s->vertices);
-	free(s->triangles);
-	free(s->meshes);
-	free(s->corners);
-	free(s->split);
+	eco_free(s->vertices, s->triangles, s->meshes, s->corners, s->split);
 }

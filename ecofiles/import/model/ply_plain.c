@@ -301,8 +301,6 @@ enum eco_code eco_ply_plain(const char *path, uint8_t **bytes, size_t *size, str
 	p.end = p.bytes + p.size;
 	if (read_head(&p) && is_needed(&p))
 		code = write_plain(&p, bytes, size, error);
-	free(p.bytes);
-	free(p.vertex);
-	free(p.corner);
+	eco_free(p.bytes, p.vertex, p.corner);
 	return code;
 }

@@ -130,10 +130,7 @@ void eco_species_close(struct eco_species_table *table)
 	for (uint32_t i = 0; i < table->texts.count && table->known; i++)
 		free(table->known[i].flora);
 	eco_string_pool_free(&table->texts);
-	free(table->known);
-	free(table->patterns);
-	free(table->keys);
-	free(table);
+	eco_free(table->known, table->patterns, table->keys, table);
 }
 
 /* ---- Sizes ---- */

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/places/crs.h"
 
 struct eco_crs_path {
@@ -413,8 +414,5 @@ void proj_crs_close(struct eco_crs_path *c)
 	proj_destroy(c->to);
 	if (c->context)
 		proj_context_destroy(c->context);
-	free(c->path);
-	free(c->from_name);
-	free(c->to_name);
-	free(c);
+	eco_free(c->path, c->from_name, c->to_name, c);
 }

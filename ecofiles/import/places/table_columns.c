@@ -573,11 +573,7 @@ void eco_table_free(struct eco_table *table)
 	for (uint32_t i = 0; i < table->note_count; i++)
 		free(table->notes[i]);
 	eco_spread_free(&table->crowns);
-	free(table->columns);
-	free(table->fields);
-	free(table->places);
-	free(table->crs);
-	free(table->path);
+	eco_free(table->columns, table->fields, table->places, table->crs, table->path);
 	*table = (struct eco_table){ .path = NULL };
 }
 

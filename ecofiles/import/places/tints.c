@@ -306,9 +306,7 @@ void eco_tints_free(struct eco_tints *tints)
 		free(v->items[i].text);
 	if (v) {
 		eco_string_pool_free(&v->keys);
-		free(v->items);
-		free(v->tints);
-		free(v);
+		eco_free(v->items, v->tints, v);
 	}
 	*tints = (struct eco_tints){ 0 };
 }

@@ -831,9 +831,7 @@ static void close_ogr(struct eco_rows *rows)
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		free(r->copies[i]);
 	eco_rows_free_texts(rows);
-	free(r->wkb);
-	free(r->path);
-	free(r);
+	eco_free(r->wkb, r->path, r);
 }
 
 static bool read_bytes(const char *path, void *bytes, size_t count)

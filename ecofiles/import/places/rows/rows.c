@@ -228,9 +228,7 @@ void eco_rows_free_texts(struct eco_rows *rows)
 		free(rows->columns[i]);
 	for (uint32_t i = 0; i < rows->note_count; i++)
 		free(rows->notes[i]);
-	free(rows->columns);
-	free(rows->fields);
-	free(rows->crs);
+	eco_free(rows->columns, rows->fields, rows->crs);
 }
 
 /* ---- Points as text ---- */

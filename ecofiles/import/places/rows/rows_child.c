@@ -229,9 +229,7 @@ static void close_child(struct eco_rows *rows)
 	eco_guard_finish(c->guard, NULL);
 	rows->fields = NULL;
 	eco_rows_free_texts(rows);
-	free(c->body);
-	free(c->path);
-	free(c);
+	eco_free(c->body, c->path, c);
 }
 
 enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,

@@ -266,9 +266,7 @@ static void close_csv(struct eco_rows *rows)
 {
 	struct csv *csv = (struct csv *)rows;
 	eco_rows_free_texts(rows);
-	free(csv->start);
-	free(csv->text);
-	free(csv->converted);
+	eco_free(csv->start, csv->text, csv->converted);
 	if (csv->first_converted && csv->converter != (iconv_t)-1)
 		iconv_close(csv->converter);
 	free(csv->path);
