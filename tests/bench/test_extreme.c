@@ -1,12 +1,14 @@
-/* Places and cameras at the edge of what numbers can say. Where a scene stands, how it is turned and how large its metre
- * is must change nothing but rounding. Every view that passes the check is planned and drawn. A camera that trembles
- * by less than anyone can see has a plan that does not swing between two. */
+/* Places and cameras at the edge of what numbers can say. Where a scene stands, how it is turned and how
+ * large its metre is must change nothing but rounding. Every view that passes the check is planned and drawn.
+ * A camera that trembles by less than anyone can see has a plan that does not swing between two. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "ecofiles/format/wire.h"
 #include "lod/sort.h"
 #include "tests/bench/extreme/extreme_scene.h"
+#include "tests/support/cases.h"
 
 /* ---- One scene in two places ---- */
 
@@ -28,37 +30,34 @@ static void forget(struct seen *seen)
 	view_picture_free(&seen->picture);
 }
 
-static const struct { const char *name; struct extreme_site site; } sites[] = {
-	{ "1 km away", { .at = { 1e3, -1e3, 0 } } },
-	{ "1000 km away", { .at = { 1e6, -1e6, 0 } } },
-	{ "10000 km away", { .at = { 1e7, -1e7, 100 } } },
-	{ "earth-centred", { .at = { 4178123.625, 853456.375, 4729876.5 } } },
-	{ "1000 km away without a transform", { .at = { 1e6, -1e6, 100 }, .plain = true } },
-	{ "10000 km away without a transform", { .at = { 1e7, -1e7, 0 }, .plain = true } },
-	{ "earth-centred without a transform", { .at = { 4178123.625, 853456.375, 4729876.5 }, .plain = true } },
-	{ "turned by 90 degrees", { .turn = 16384 } },
-	{ "turned by 67.8 degrees", { .turn = 12345 } },
-	{ "scaled by 1e-6", { .scale = 1e-6 } },
-	{ "scaled by 1e6", { .scale = 1e6 } },
-	{ "10000 km away, turned, scaled by 1/4", { .at = { 1e7, -1e7, 100 }, .turn = 54321, .scale = 0.25 } },
-	{ "10000 km away, turned, scaled by 1e6", { .at = { 1e7, -1e7, 100 }, .turn = 777, .scale = 1e6 } } };
+struct site_row { const char *name, *at, *turn, *scale, *plain; };
+
+static void read_v3(const char *text, double v[3])
+{
+	assert_int_equal(sscanf(text, "%lf %lf %lf", &v[0], &v[1], &v[2]), 3);
+}
 
 /* A plant on a border between bands may change sides. */
 UNIT_TEST(places_of_a_scene_change_rounding_only)
 {
 	static const uint64_t budgets[] = { 1500, 20000 };
 	const struct extreme_site origin = { 0 };
-	for (size_t i = 0; i < 2 * sizeof sites / sizeof *sites; i++) {
-		const struct extreme_site *site = &sites[i / 2].site;
+	uint32_t count;
+	const struct site_row *rows = cases_read("tests/bench/cases/extreme_sites.tsv", sizeof *rows, &count);
+	for (uint32_t i = 0; i < 2 * count; i++) {
+		const struct site_row *row = &rows[i / 2];
+		struct extreme_site site = { .turn = (uint16_t)cases_number(row->turn), .scale = cases_number(row->scale),
+			.plain = cases_number(row->plain) > 0 };
 		struct extreme_world moved = { 0 };
 		struct eco_request request = extreme_request(budgets[i % 2]);
-		extreme_world_open(&moved, extreme_stand(), site);
-		struct seen here = see(extreme_world(), &origin, &request), there = see(&moved, site, &request);
+		read_v3(row->at, site.at);
+		extreme_world_open(&moved, extreme_stand(), &site);
+		struct seen here = see(extreme_world(), &origin, &request), there = see(&moved, &site, &request);
 		double pixels = extreme_pixels_differ(&here.picture, &there.picture,
-			!(site->scale > 0) && site->at[2] == 0 && !site->turn);
+			!(site.scale > 0) && site.at[2] == 0 && !site.turn);
 		double vertices = fabs((double)there.plan.vertices / (double)here.plan.vertices - 1);
 		must_hold(here.plan.visible_plants == there.plan.visible_plants && vertices <= 0.01 && pixels < 0.001,
-			"%s: %llu plants in view for %llu, vertices off by %g, %g of pixels differ", sites[i / 2].name,
+			"%s: %llu plants in view for %llu, vertices off by %g, %g of pixels differ", row->name,
 			(unsigned long long)there.plan.visible_plants, (unsigned long long)here.plan.visible_plants,
 			vertices, pixels);
 		forget(&here);
@@ -111,49 +110,9 @@ UNIT_TEST(plants_of_a_millimetre_stand_beside_some_of_100_m)
 
 /* ---- Cameras ---- */
 
-/* Eye and target of a shot are metres from somewhere: the scene's origin, its first tree's foot, the middle
- * of that tree or of its first cell; or the middle of one of its leaves, a corner of that leaf, and a metre
- * along its normal. `least`: share of pixels to be covered; -1: none may be. */
 enum from { FROM_SCENE, FROM_TREE, FROM_MIDDLE, FROM_CELL, FROM_LEAF, FROM_CORNER, FROM_NORMAL };
-#define NONE (-1)
-#define LOOK(x, y, z, tx, ty, tz) { { x, y, z }, { tx, ty, tz }, { 0, 0, 1 }, 45, 320, 240 }
-/* From beside the stand, with another up, lens or picture. */
-#define BESIDE(ux, uy, uz, fov, width, height) { { -26, -21, 6.5 }, { 0, 0, 2 }, { ux, uy, uz }, fov, width, height }
-#define HALF (EXTREME_SIDE_M / 2)
-static const struct shot { const char *name; struct eco_view view; enum from eye, target; double least; } shots[] = {
-	{ "in a leaf, along it", LOOK(0, 0, 0, 0, 0, 0), FROM_LEAF, FROM_CORNER, 0 },
-	{ "in a leaf, across it", LOOK(0, 0, 0, 0, 0, 0), FROM_LEAF, FROM_NORMAL, 0 },
-	{ "in the trunk, level", LOOK(0.02, 0, 1, 0, 0, 1), FROM_TREE, FROM_SCENE, 0.5 },
-	{ "in the trunk, up", LOOK(0.02, 0, 1, 0.02, 0, 5), FROM_TREE, FROM_TREE, 0.5 },
-	{ "in the trunk, down", LOOK(0.02, 0, 1, 0.02, 0, -5), FROM_TREE, FROM_TREE, 0.2 },
-	{ "where four tiles meet", LOOK(0, 0, 1, 10, 10, 1), 0, 0, 0.01 },
-	{ "on the ground there", LOOK(0, 0, 0, -1, 0, 0), 0, 0, 0.01 },
-	{ "in a corner of the square", LOOK(-HALF, -HALF, 0, 0, 0, 0), 0, 0, 0.01 },
-	{ "along an edge", LOOK(-HALF, 0, 2, HALF, 0, 2), 0, 0, 0.01 },
-	{ "at the tree's foot", LOOK(0, 0, 0, 0, 1, 0), FROM_TREE, FROM_TREE, 0 },
-	{ "at its middle", LOOK(0, 0, 0, 1, 0, 0), FROM_MIDDLE, FROM_MIDDLE, 0 },
-	{ "at a cell's middle", LOOK(0, 0, 0, 1, 0, 0), FROM_CELL, FROM_CELL, 0 },
-	{ "at 1e9 m", LOOK(-1e9, 0, 1e8, 0, 0, 2), 0, 0, 0 },
-	{ "at 1e12 m", LOOK(-1e12, 1e12, 1e12, 0, 0, 2), 0, 0, 0 },
-	{ "at 1e9 m through 2e-6 degrees", { { 0, -1e9, 1e8 }, { 0, 0, 2 }, { 0, 0, 1 }, 2e-6, 320, 240 }, 0, 0, 0.05 },
-	{ "up is the direction", BESIDE(26, 21, -4.5, 45, 320, 240), 0, 0, 0.02 },
-	{ "up is its opposite", BESIDE(-26, -21, 4.5, 45, 320, 240), 0, 0, 0.02 },
-	{ "no up", BESIDE(0, 0, 0, 45, 320, 240), 0, 0, 0.02 },
-	{ "straight down", LOOK(0, 0, 40, 0, 0, 0), 0, 0, 0.02 },
-	{ "straight up", LOOK(0, 0, -40, 0, 0, 0), 0, 0, 0.02 },
-	{ "nearly along up", BESIDE(26 * (1 + 1e-13), 21, -4.5, 45, 320, 240), 0, 0, 0.02 },
-	{ "up of 1e-300", BESIDE(0, 0, 1e-300, 45, 320, 240), 0, 0, 0.02 },
-	{ "0.001 degrees", BESIDE(0, 0, 1, 0.001, 320, 240), 0, 0, 0 },
-	{ "1e-9 degrees", BESIDE(0, 0, 1, 1e-9, 320, 240), 0, 0, 0 },
-	{ "0.001 degrees from 1000 km", { { -1e6, 0, 1e5 }, { 0, 0, 2 }, { 0, 0, 1 }, 0.001, 320, 240 }, 0, 0, 0.05 },
-	{ "179.9 degrees", { { 0, 0, 2 }, { 10, 0, 2 }, { 0, 0, 1 }, 179.9, 320, 240 }, 0, 0, 0 },
-	{ "179.999999 degrees", { { 0, 0, 2 }, { 10, 0, 2 }, { 0, 0, 1 }, 179.999999, 320, 240 }, 0, 0, 0 },
-	{ "1 x 1", BESIDE(0, 0, 1, 45, 1, 1), 0, 0, 0 },
-	{ "16384 x 1", BESIDE(0, 0, 1, 45, 16384, 1), 0, 0, 0 },
-	{ "1 x 16384", BESIDE(0, 0, 1, 45, 1, 16384), 0, 0, 0 },
-	{ "all behind, level", LOOK(-50, 0, 2, -100, 0, 2), 0, 0, NONE },
-	{ "all behind, up", LOOK(-50, 0, 2, -50, 0, 100), 0, 0, NONE },
-	{ "all behind, near", LOOK(-50, 0, 2, -50.5, 0, 2), 0, 0, NONE } };
+static const char *const froms[] = { "scene", "tree", "middle", "cell", "leaf", "corner", "normal", NULL };
+struct shot { const char *name, *eye_from, *eye, *target_from, *target, *up, *lens, *least; };
 
 /* A leaf of the first tree: its middle, a corner, and a metre along its normal. */
 static void find_leaf(const struct lod_place *place, struct lod_v3 leaf[3])
@@ -203,25 +162,38 @@ static void add_place(enum from from, double at[3])
 		at[i] += more[i];
 }
 
+static struct eco_view view_of(const struct shot *shot)
+{
+	struct eco_view view = { .width = 0 };
+	read_v3(shot->eye, view.eye);
+	read_v3(shot->target, view.target);
+	read_v3(shot->up, view.up);
+	assert_int_equal(sscanf(shot->lens, "%lf %u %u", &view.fov_y_deg, &view.width, &view.height), 3);
+	add_place((enum from)cases_choice(shot->eye_from, froms), view.eye);
+	add_place((enum from)cases_choice(shot->target_from, froms), view.target);
+	return view;
+}
+
 /* At every budget; drawn at a small one and in full. */
 UNIT_TEST(every_view_is_planned_and_drawn)
 {
 	static const uint64_t budgets[] = { 0, 50, 5000, ECO_VERTICES_MAX };
-	for (size_t i = 0; i < 4 * sizeof shots / sizeof *shots; i++) {
+	uint32_t count;
+	const struct shot *shots = cases_read("tests/bench/cases/extreme_shots.tsv", sizeof *shots, &count);
+	for (uint32_t i = 0; i < 4 * count; i++) {
 		const struct shot *shot = &shots[i / 4];
-		struct eco_request request = { .view = shot->view, .vertices = budgets[i % 4],
+		double least = cases_number(shot->least);
+		struct eco_request request = { .view = view_of(shot), .vertices = budgets[i % 4],
 			.bytes = ECO_BYTES_UNBOUNDED };
 		struct view_picture picture = { 0 };
-		add_place(shot->eye, request.view.eye);
-		add_place(shot->target, request.view.target);
 		assert_good(eco_view_check(&request.view, &cause));
 		struct extreme_look look = extreme_twice(extreme_tables(extreme_world()), &request);
-		must_hold(shot->least >= 0 || !(look.plants || look.vertices), "%s: plants are seen", shot->name);
+		must_hold(least >= 0 || !(look.plants || look.vertices), "%s: plants are seen", shot->name);
 		if (i % 2 == 0)
 			continue;
 		extreme_draw(extreme_world(), &request, &picture);
 		double covered = (double)extreme_covered(&picture), all = (double)picture.width * picture.height;
-		must_hold(shot->least < 0 ? covered == 0 : i % 4 < 3 || covered >= shot->least * all,
+		must_hold(least < 0 ? covered == 0 : i % 4 < 3 || covered >= least * all,
 			"%s: %g of %g pixels", shot->name, covered, all);
 		view_picture_free(&picture);
 	}
