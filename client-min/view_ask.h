@@ -32,8 +32,8 @@ enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, str
 /* ---- Why each cut of a plan is what it is (plan?explain=1), as a table; it appears complete or not at all
  * ---- */
 
-/* Pixels of a picture that each instance of its selection has; the caller frees them. *others: those of what is no
- * instance; may be NULL. Ends the program without memory. */
+/* Pixels of a picture that each instance of its selection has; the caller frees them. *others: those of what
+ * is no instance; may be NULL. Ends the program without memory. */
 uint32_t *view_pixels_of(const struct view_selection *selection, const struct view_picture *picture,
 	uint64_t *others);
 /* The same summed by the instances' distances, lod_distance_of. */

@@ -104,7 +104,6 @@ enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_
 enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco_error *error);
 
 /* The server's description of plants of a list of a pack (openapi.yaml's Plants): at most `count`, from
- * `first` on.
- */
+ * `first` on. */
 enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
 	uint32_t first, uint32_t count, char **text, struct eco_error *error);

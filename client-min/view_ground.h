@@ -51,9 +51,9 @@ bool view_ground_height(const struct view_ground *ground, double x, double y, do
 
 /* ---- The image on it: a colour for each place ----
  *
- * Light asks for the colour under a pixel; nothing that draws the ground's triangles knows of it. Tiles do not
- * overlap (ecofiles/format/ground_tile.h), and levels that are held are mip levels. A texel beside a tile's border is
- * mixed with that of the next tile, whatever its level. */
+ * Light asks for the colour under a pixel; nothing that draws the ground's triangles knows of it. Tiles do
+ * not overlap (ecofiles/format/ground_tile.h), and levels that are held are mip levels. A texel beside a
+ * tile's border is mixed with that of the next tile, whatever its level. */
 
 /* levels: of its parts, that are shown */
 struct view_image_tile { const struct view_list *list; uint32_t levels; };

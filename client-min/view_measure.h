@@ -1,5 +1,5 @@
-/* Measures of a picture's error, and the truth that its colours are judged by: full detail, the mean light of 64
- * samples a pixel. Samples are drawn in software, whatever drew the picture. */
+/* Measures of a picture's error, and the truth that its colours are judged by: full detail, the mean light of
+ * 64 samples a pixel. Samples are drawn in software, whatever drew the picture. */
 #pragma once
 
 #include "client-min/view_reference.h"
@@ -12,9 +12,9 @@ enum eco_code view_measure_soft(const struct view_draw_job *job, struct view_pic
 /* lod_q_ceiling of a reference, from 8 x 8 samples a pixel. */
 enum eco_code view_measure_ceiling(const struct view_draw_job *job, const struct view_picture *reference,
 	double *ceiling, struct eco_error *error);
-/* How unsteady two frames of a camera are, over the truth's own motion: shimmer, by the mean change of
- * sRGB bytes; pop, by that of whole blocks (lod_blocks_pop). They mean something for slow cameras only. rgb: before,
- * after. NaN: the truth does not change. */
+/* How unsteady two frames of a camera are, over the truth's own motion: shimmer, by the mean change of sRGB
+ * bytes; pop, by that of whole blocks (lod_blocks_pop). They mean something for slow cameras only. rgb:
+ * before, after. NaN: the truth does not change. */
 struct view_motion { double shimmer, pop; };
 void view_measure_motion(uint32_t width, uint32_t height, const uint8_t *const rgb[2], const uint8_t *const truth[2],
 	struct view_motion *motion);

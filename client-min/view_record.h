@@ -13,8 +13,8 @@
  * A summary point's owner is that of placement path 0; the key's field lies in the high word, where a path is
  * added modulo its mask. Floats are stored as their bits; colour is r | g << 8 | b << 16 | code << 24, sRGB;
  * code is the growth code of the triangle's element (ECO_GROWTH_PLAIN where the list has none), the size code
- * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16, and VIEW_WOOD of wood. The shader gets the meaning of codes in
- * uniforms that eco_growth and eco_size filled: neither is written twice. */
+ * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16, and VIEW_WOOD of wood. The shader gets the
+ * meaning of codes in uniforms that eco_growth and eco_size filled: neither is written twice. */
 #pragma once
 
 #include "client-min/view_select.h"
@@ -58,8 +58,8 @@ uint32_t view_impostor_surface(const struct eco_list *list);
 
 /* ---- Instances ---- */
 
-/* Four texels: the rows of object -> view, then the instance's scale, half the width of its plant, rounded to the
- * upper half of a word, over its salt, its width and its tint; plant: NULL for a summary's. */
+/* Four texels: the rows of object -> view, then the instance's scale, half the width of its plant, rounded to
+ * the upper half of a word, over its salt, its width and its tint; plant: NULL for a summary's. */
 #define VIEW_INSTANCE_TEXELS 4
 void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struct view_instance *instance,
 	const struct view_plant *plant);

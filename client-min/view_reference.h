@@ -11,8 +11,8 @@
 /* Fills the picture, lit (view_light.h); vertices are those of the selection: hidden ones count as drawn. */
 enum eco_code view_reference_draw(const struct view_draw_job *job, struct view_picture *picture,
 	struct eco_error *error);
-/* The same, but colours are the mean light of samples x samples, evenly spread in each pixel and drawn in parts:
- * samples is at most 15, and costs less than as many pictures. */
+/* The same, but colours are the mean light of samples x samples, evenly spread in each pixel and drawn in
+ * parts: samples is at most 15, and costs less than as many pictures. */
 enum eco_code view_reference_fine(const struct view_draw_job *job, uint32_t samples, struct view_picture *picture,
 	struct eco_error *error);
 

@@ -147,8 +147,8 @@ static enum eco_code add_pair(struct walk *w, uint32_t cut)
 	return ECO_OK;
 }
 
-/* The band nearest to the anchor's that some cut is for, of those from `from` on: out of sight a plant may be in a
- * band that no cut is for. */
+/* The band nearest to the anchor's that some cut is for, of those from `from` on: out of sight a plant may be
+ * in a band that no cut is for. */
 static uint8_t caster_band(const struct walk *w, const struct lod_anchor_band *seen, uint32_t from)
 {
 	const struct eco_cut *cuts = w->plan->cuts;
@@ -180,8 +180,8 @@ static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *seen
 	return ECO_OK;
 }
 
-/* The cuts of a plant that casts a shadow. Cells out of sight are seldom held. If one is not, the whole plant casts
- * too, as it is drawn beyond its gate. */
+/* The cuts of a plant that casts a shadow. Cells out of sight are seldom held. If one is not, the whole plant
+ * casts too, as it is drawn beyond its gate. */
 static enum eco_code add_caster(struct walk *w, uint32_t count, uint32_t hash, uint32_t gate)
 {
 	struct lod_anchor_band whole = w->seen[0];

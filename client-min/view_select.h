@@ -103,8 +103,8 @@ const struct view_instance *view_owners_find(const struct view_table *owners,
 /* Owner of summary point `index` (an element of a list with ECO_ATTR_PLANT) in a placement. */
 uint64_t view_summary_owner(const struct view_list *list, uint32_t index, uint32_t path);
 
-/* Two hashes that say whether two clients hold and draw the same: all lists of the store, in any order of arrival, and
- * the instances of each cut of the selection. The work of a graphics driver is not in them. */
+/* Two hashes that say whether two clients hold and draw the same: all lists of the store, in any order of
+ * arrival, and the instances of each cut of the selection. The work of a graphics driver is not in them. */
 #define VIEW_DIGEST_BYTES 34             /* elements-cuts, 16 hexadecimal digits each, and 0 */
 enum eco_code view_digest_write(char out[VIEW_DIGEST_BYTES], const struct view_store *store,
 	const struct view_selection *selection, struct eco_error *error);

@@ -93,8 +93,8 @@ void view_store_begin(struct view_store *store)
 	forget_plan(store);
 	store->repeats = 0;
 	store->stats.decode_ms = 0;
-	/* memory is short: room is made for as much as came the last time, else the server counts on chunks that
-	 * go while the stream comes, and it is asked again */
+	/* memory is short: room is made for as much as came the last time, else the server counts on chunks
+	 * that go while the stream comes, and it is asked again */
 	if (cache->evicted_bytes > store->evicted_before)
 		view_cache_make_room(cache, store->came_bytes, false);
 	store->evicted_before = cache->evicted_bytes;

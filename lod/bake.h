@@ -1,7 +1,7 @@
-/* A list's primitives as plain triangles, for programs that know neither wide lines nor points nor ellipsoids: a
- * line is a prism (6 triangles), a point or ellipsoid an octahedron (8; an icosahedron, 20, where there are few),
- * an impostor an icosahedron about the plant in its mean colour. The mean area of their outlines over all
- * directions is that of what they stand for; of a splat its opacity's share. */
+/* A list's primitives as plain triangles, for programs that know neither wide lines nor points nor
+ * ellipsoids: a line is a prism (6 triangles), a point or ellipsoid an octahedron (8; an icosahedron, 20,
+ * where there are few), an impostor an icosahedron about the plant in its mean colour. The mean area of their
+ * outlines over all directions is that of what they stand for; of a splat its opacity's share. */
 #ifndef LOD_BAKE_H
 #define LOD_BAKE_H
 

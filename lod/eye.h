@@ -36,8 +36,8 @@ struct lod_eye {
 	double pixel_rad;                        /* height of a pixel on the image plane at distance 1 */
 };
 void lod_eye_make(struct lod_eye *eye, const struct eco_view *view);   /* view must pass eco_view_check */
-/* The eye of a part of its picture: of width x height pixels, the part of size[0] x size[1] from column at[0] and
- * row at[1] on. So a picture of any size is drawn in parts. */
+/* The eye of a part of its picture: of width x height pixels, the part of size[0] x size[1] from column at[0]
+ * and row at[1] on. So a picture of any size is drawn in parts. */
 void lod_eye_part(struct lod_eye *eye, uint32_t width, uint32_t height, const uint32_t at[2],
 	const uint32_t size[2]);
 /* The eye that takes sample `number` of each pixel. Sample 0 is the pixel's middle; the first 4, 8 and 16 are

@@ -1,16 +1,17 @@
-/* Ladders of forms: the elements of one list as points, lines, simple triangles or the triangles themselves, each
- * cheaper than the next. A state is (stage, e, f): elements [0, f) are drawn in one form, [f, e) in the one before.
+/* Ladders of forms: the elements of one list as points, lines, simple triangles or the triangles themselves,
+ * each cheaper than the next. A state is (stage, e, f): elements [0, f) are drawn in one form, [f, e) in the
+ * one before.
  *
- * The curve's samples say which states are best (`reach` gives e, the vertices stage and f). A leg leads from one
- * to the next: e and f grow in proportion. States on legs ascend in vertices, so a larger number never drops an
- * element nor coarsens it.
+ * The curve's samples say which states are best (`reach` gives e, the vertices stage and f). A leg leads from
+ * one to the next: e and f grow in proportion. States on legs ascend in vertices, so a larger number never
+ * drops an element nor coarsens it.
  *
  *   lod_forms_find(&forms, scene, ladder)       false: the ladder has levels
  *   lod_forms_floor(&forms, vertices) ...       walks from the curve's first sample to the leg
  *   lod_forms_keep(&forms, legs)                from then on legs are found by bisection
  *
- * Ladders of cells share the curve of the whole: a state counts a cell's region, of which the whole-plant list
- * holds the first `before` elements. */
+ * Ladders of cells share the curve of the whole: a state counts a cell's region, of which the whole-plant
+ * list holds the first `before` elements. */
 #ifndef LOD_FORMS_H
 #define LOD_FORMS_H
 

@@ -6,8 +6,8 @@
  *   lod_ground_corner(&c, &r, seam, &x, &y);                          the sample that a corner is drawn at
  *
  * A tile's error is the largest vertical distance of its triangles from full detail. It is replaced by its
- * children while that may show as more than the tolerance. Beside a coarser tile a border is drawn at the samples
- * that both have, so there are neither gaps nor skirts. */
+ * children while that may show as more than the tolerance. Beside a coarser tile a border is drawn at the
+ * samples that both have, so there are neither gaps nor skirts. */
 #ifndef LOD_GROUND_CHOICE_H
 #define LOD_GROUND_CHOICE_H
 

@@ -4,10 +4,10 @@
  *   lod_impostor_look(&look, &impostor, eye);                    once a picture and plant
  *   if (lod_impostor_hit(&impostor, &look, ray, &hit)) ...       each pixel
  *
- * A ray is looked up in four tiles: the two nearest on each of the rings above and below the eye. It meets the
- * plane through the plant's middle; the depth there moves it to the plant; the texels there are mixed by the
- * nearness of directions, and what exceeds LOD_IMPOSTOR_LEAST is covered. All in single floats, + - * / and
- * square roots in a fixed order. */
+ * A ray is looked up in four tiles: the two nearest on each of the rings above and below the eye. It meets
+ * the plane through the plant's middle; the depth there moves it to the plant; the texels there are mixed by
+ * the nearness of directions, and what exceeds LOD_IMPOSTOR_LEAST is covered. All in single floats, + - * /
+ * and square roots in a fixed order. */
 #ifndef LOD_IMPOSTOR_H
 #define LOD_IMPOSTOR_H
 
@@ -23,11 +23,12 @@
 #define LOD_IMPOSTOR_LOOKED 4u           /* tiles that a ray is looked up in */
 /* Across, in pixels: plants that are larger in the picture are not drawn as impostors. */
 #define LOD_IMPOSTOR_PIXELS 192u
-/* Radii: what the shadow map leaves to a crown's own shade, as a plant casts from its middle. With less, a closed wood
- * from the air is too light (by 4 L* at 0), with more single trees are too dark. */
+/* Radii: what the shadow map leaves to a crown's own shade, as a plant casts from its middle. With less, a
+ * closed wood from the air is too light (by 4 L* at 0), with more single trees are too dark. */
 #define LOD_IMPOSTOR_REACH 0.3f
-/* How deep in a plant a ray ends, as a part of its way through: near the front where nothing is seen through it,
- * anywhere where nearly all is. Beer's law with u / (1 - u) in place of logarithms; need is even in [0, opacity). */
+/* How deep in a plant a ray ends, as a part of its way through: near the front where nothing is seen through
+ * it, anywhere where nearly all is. Beer's law with u / (1 - u) in place of logarithms; need is even in [0,
+ * opacity). */
 #define LOD_IMPOSTOR_DEEP(need, opacity) ((need) * (1.0f - (opacity)) / ((opacity) * (1.0f - (need))))
 
 /* (x, y, z) of a tile = axis . point from the centre: x and y in [-1, 1], z in radii. */

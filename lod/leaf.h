@@ -1,6 +1,7 @@
-/* Leaves on splats and points (lod/leaf.glsl): object-space cells as wide as a leaf, on three shells around the
- * ellipsoid. A hash of the cell says on which shell its leaf lies, so outlines are ragged and some leaves lie
- * deeper; and how it is turned and toned. Mean coverage, light and colour are those of the smooth ellipsoid. */
+/* Leaves on splats and points (lod/leaf.glsl): object-space cells as wide as a leaf, on three shells around
+ * the ellipsoid. A hash of the cell says on which shell its leaf lies, so outlines are ragged and some leaves
+ * lie deeper; and how it is turned and toned. Mean coverage, light and colour are those of the smooth
+ * ellipsoid. */
 #ifndef LOD_LEAF_H
 #define LOD_LEAF_H
 
@@ -43,9 +44,9 @@ static inline float lod_leaf_side(float leaf, float pixel)
 	return leaf;
 }
 
-/* The leaves of a splat that lod_ellipse_make was given, of half axes `half` in its plant's space. leaf: the width of
- * a leaf, radius: of the disc of the ellipse's area, pixel: width of a pixel at the splat's distance, all there.
- * nth: another number in each of a pixel's samples, splats and plants. */
+/* The leaves of a splat that lod_ellipse_make was given, of half axes `half` in its plant's space. leaf: the
+ * width of a leaf, radius: of the disc of the ellipse's area, pixel: width of a pixel at the splat's
+ * distance, all there. nth: another number in each of a pixel's samples, splats and plants. */
 static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ellipse, const float across[3],
 	const float down[3], const float farther[3], float w, const float center[3], const float half[9], float leaf,
 	float radius, float pixel, uint32_t nth)

@@ -36,8 +36,8 @@ static inline float smoothstep(float low, float high, float v)
 static const struct sunlight lod_usual_light = { { 0.459f, -0.353f, 0.816f }, { 1.70f, 1.57f, 1.34f },
 	{ 0.36f, 0.42f, 0.52f }, { 0.20f, 0.19f, 0.11f }, 1, 0 };
 
-/* A plant of which the sphere around it and the height are known, in its own space: an ellipsoid that stands on the
- * ground. */
+/* A plant of which the sphere around it and the height are known, in its own space: an ellipsoid that stands
+ * on the ground. */
 static inline struct plant lod_plant_shape(double radius, double height_m)
 {
 	double half = 0.5 * height_m, square = radius * radius - half * half, least = 0.12 * radius;

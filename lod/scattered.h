@@ -1,6 +1,6 @@
-/* Scattered points of summaries: each in 2^n smaller ones around it, with its owner and colour, as far as its ball
- * would reach. Their places follow from the point's number, so they take no bytes; more of them are the same ones
- * and others (ecofiles/format/plan.h; lod/EXPERIMENTS.md, Scattered points). */
+/* Scattered points of summaries: each in 2^n smaller ones around it, with its owner and colour, as far as its
+ * ball would reach. Their places follow from the point's number, so they take no bytes; more of them are the
+ * same ones and others (ecofiles/format/plan.h; lod/EXPERIMENTS.md, Scattered points). */
 #ifndef LOD_SCATTERED_H
 #define LOD_SCATTERED_H
 

@@ -1,8 +1,9 @@
-/* Tints: colours that rows of an inventory give to plants. A tint takes LOD_TINT_SHARE of a plant's own colour and
- * keeps its shades, so that leaves differ as before, dark plants stay darker than light ones, and two species of one
- * class are told apart (Neubert 2011, section 5: variation within and between plants). Wood keeps its colour where the
- * plant has leaves; splats and impostors mix both, and their colour says how much of it is wood. Colours are
- * sRGB / 255, whose squares are nearly light. The text is shared with shaders (client-min/draw/view_shader.c). */
+/* Tints: colours that rows of an inventory give to plants. A tint takes LOD_TINT_SHARE of a plant's own
+ * colour and keeps its shades, so that leaves differ as before, dark plants stay darker than light ones, and
+ * two species of one class are told apart (Neubert 2011, section 5: variation within and between plants).
+ * Wood keeps its colour where the plant has leaves; splats and impostors mix both, and their colour says how
+ * much of it is wood. Colours are sRGB / 255, whose squares are nearly light. The text is shared with shaders
+ * (client-min/draw/view_shader.c). */
 #ifndef LOD_TINT_H
 #define LOD_TINT_H
 
@@ -10,8 +11,8 @@
 #include <stdint.h>
 
 #define LOD_TINT_SHARE 0.8 /* by eye: with .6 classes of dark and light plants mix, with 1 all leaves have one hue */
-/* How light leaves are beside usual ones, 95, 127, 79; dark ones less dark, so that their tint is still seen. r, g, b:
- * their light, without wood's. Linear: the mean of leaves, a splat, has the mean of their shades. */
+/* How light leaves are beside usual ones, 95, 127, 79; dark ones less dark, so that their tint is still seen.
+ * r, g, b: their light, without wood's. Linear: the mean of leaves, a splat, has the mean of their shades. */
 #define LOD_TINT_SHADE(wood, r, g, b) (0.4 * (1.0 - wood) + 0.6 * (0.96 * r + 3.23 * g + 0.33 * b))
 #define LOD_TINT_MIX(root, least, light, leaves, tint, shade) \
 	root(least(light - LOD_TINT_SHARE * leaves + LOD_TINT_SHARE * shade * tint * tint, 1.0))

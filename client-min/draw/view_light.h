@@ -1,6 +1,6 @@
 /* Light: from what is seen in each pixel (its own colour, its surface, its depth, its owner) to the colours
- * of a picture. All that draws, OpenGL and software, ends here, so that a plan looks the same in every program that draws
- * it.
+ * of a picture. All that draws, OpenGL and software, ends here, so that a plan looks the same in every
+ * program that draws it.
  *
  * A sun and a sky. A leaf reflects on its lit side and lets light through on the other, always seen from the
  * visible side; a crown shades itself towards its dark side and its inside. A point or line stands for leaves

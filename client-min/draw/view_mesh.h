@@ -29,8 +29,8 @@ float view_mesh_reach(const struct view_mesh *mesh, uint32_t primitive);
 
 /* The eye, and rays through a pixel's centre, one pixel to the right and one down: object space. */
 struct view_rays { double eye[3], ray[3][3]; };
-/* Own colour and surface (view_light.h) of a primitive. `rays` is read only if the mesh has an image, splats or
- * leaves; leaf: lod_raster.leaf. */
+/* Own colour and surface (view_light.h) of a primitive. `rays` is read only if the mesh has an image, splats
+ * or leaves; leaf: lod_raster.leaf. */
 void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
 	uint8_t rgb[3], uint32_t *surface);
 /* Gives its own colour an instance's tint (lod/tint.h), which wood does not take. */

@@ -291,8 +291,8 @@ static void meet_plane(const struct object *o, const struct corner *m, const vec
 	share[1] = (d[0][0] * left[1] - left[0] * d[1][0]) * part;
 }
 
-/* The middle casts: from the eye and from the sun near sides differ by more than a shadow map forgives, and plants would
- * shade themselves. */
+/* The middle casts: from the eye and from the sun near sides differ by more than a shadow map forgives, and
+ * plants would shade themselves. */
 static void draw_impostor(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
 {
 	vec3 center = vec_of(mesh->center), eye = scale(o->sun, FAR_RADII * mesh->radius), half[2];

@@ -155,8 +155,8 @@ static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t compo
 			}
 }
 
-/* The lines through each piece p of a slab: line[first[p] .. first[p + 1]). `spanned`, per line from `own` on: 1 +
- * the last triangle that has a span of it. */
+/* The lines through each piece p of a slab: line[first[p] .. first[p + 1]). `spanned`, per line from `own`
+ * on: 1 + the last triangle that has a span of it. */
 struct through { uint32_t *first, *line, *spanned, own; };
 
 static struct through find_lines(struct lod_tube *tube, const struct lod_bones *bones, uint32_t own,

@@ -1,10 +1,10 @@
 /* Lines for wood (Deussen 2002, 4.2): the skeleton of a tubular surface.
  *
  * The surface is cut at equal steps of the distance along it from a component's lower end. A ring between two
- * slabs has a joint at its centre, and a line leads through each slab from joint to joint (the Reeb graph of that
- * function). Lines that run on straight at similar width become one. A line is as wide as its area demands: a
- * tube of surface a and length l has diameter a / (pi l), an open strip width a / l. Wood that is no tube gets
- * one line, fitted to its surface. */
+ * slabs has a joint at its centre, and a line leads through each slab from joint to joint (the Reeb graph of
+ * that function). Lines that run on straight at similar width become one. A line is as wide as its area
+ * demands: a tube of surface a and length l has diameter a / (pi l), an open strip width a / l. Wood that is
+ * no tube gets one line, fitted to its surface. */
 #ifndef LOD_BONE_H
 #define LOD_BONE_H
 

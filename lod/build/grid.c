@@ -1,6 +1,6 @@
-/* The choice of a plant's grid. The error of rounding corners is proportional to the step, and so, to first order,
- * are the wrong pixels along edges: one measurement predicts the bits, a second confirms them. One grid serves all
- * of a plant, also where cells divide it (lod/EXPERIMENTS.md, A grid for each cell). */
+/* The choice of a plant's grid. The error of rounding corners is proportional to the step, and so, to first
+ * order, are the wrong pixels along edges: one measurement predicts the bits, a second confirms them. One
+ * grid serves all of a plant, also where cells divide it (lod/EXPERIMENTS.md, A grid for each cell). */
 #include "lod/build/grid.h"
 
 #include <math.h>

@@ -14,9 +14,8 @@
 struct lod_ground_tree { struct eco_ground_tile *tiles; uint8_t *shifts; uint32_t count; };
 void lod_ground_tree_free(struct lod_ground_tree *tree);
 
-/* Heights are whole steps of step_m. A tile with an error of at most `least_m` gets no children, unless its level
- * is above ECO_GROUND_APART_MAX. At most
- * ECO_GROUND_SIDE_MAX samples a side. */
+/* Heights are whole steps of step_m. A tile with an error of at most `least_m` gets no children, unless its
+ * level is above ECO_GROUND_APART_MAX. At most ECO_GROUND_SIDE_MAX samples a side. */
 enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double step_m,
 	double least_m, struct eco_error *error);
 

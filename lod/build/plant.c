@@ -87,9 +87,9 @@ static void number_images(struct lod_build *b)
 /* ---- Importance ---- */
 
 /* Importance from colours that stand out (Deussen 2002, 4.3): petals and fruit in a rare colour keep more of
- * their vertices. A group's importance follows from the share of the plant's leaf area that clearly differs from
- * the group's mean colour: 1 up to half, rising to SALIENT_MOST at all of it. Hue and saturation count more than
- * brightness, which light changes. */
+ * their vertices. A group's importance follows from the share of the plant's leaf area that clearly differs
+ * from the group's mean colour: 1 up to half, rising to SALIENT_MOST at all of it. Hue and saturation count
+ * more than brightness, which light changes. */
 #define SALIENT_MOST 2.0             /* as much as users usually ask for */
 #define BINS 4096                    /* of colours of all leaves */
 /* Distances of colours in bytes: below ALIKE they are shades of one colour, beyond DIFFERENT they are clearly

@@ -5,9 +5,9 @@
  *   ... the caller packs plant.lists (eco_pack_add_list) and the tables ...
  *   lod_plant_free(&plant);
  *
- * An object (model.h) is wood in levels and nothing else: no lines, points, splats, impostor or cells, so that whatever is
- * drawn of it is a whole mesh. Its levels have a bound on their error in place of a number of triangles, so that no part
- * of it goes.
+ * An object (model.h) is wood in levels and nothing else: no lines, points, splats, impostor or cells, so
+ * that whatever is drawn of it is a whole mesh. Its levels have a bound on their error in place of a number
+ * of triangles, so that no part of it goes.
  *
  * Pure and deterministic: the same model and options give the same lists, byte for byte. References between
  * drafts are indices into this plant's own arrays; the caller shifts them when packing. */
@@ -20,9 +20,9 @@
 #include "ecofiles/format/pack.h"
 #include "lod/build/order/order.h"
 
-/* Searches and how they end: within a tolerance of the optimum, or at a bound on tries. A result at the bound is
- * valid, but counted as not converged (`ecopack info --json`, `searches`; lod_planner_stats; ECO_TRACE=plan). Work
- * with a fixed number of passes is not counted. */
+/* Searches and how they end: within a tolerance of the optimum, or at a bound on tries. A result at the bound
+ * is valid, but counted as not converged (`ecopack info --json`, `searches`; lod_planner_stats;
+ * ECO_TRACE=plan). Work with a fixed number of passes is not counted. */
 enum lod_solver {
 	LOD_SOLVER_GRID,             /* bits of a plant's grid: within LOD_GRID_LOSS of the model, or more
 	                              * bits do not help; bound: 18 */
@@ -133,8 +133,9 @@ enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model 
 	const struct lod_plant_options *options, struct eco_error *error);
 void lod_plant_free(struct lod_plant *plant);
 
-/* A finished plant as bytes, and back, equal in every field but its name; after a failure *plant is empty. Only
- * the program that wrote the bytes may read them: they are its memory, with differences of lists in varints. */
+/* A finished plant as bytes, and back, equal in every field but its name; after a failure *plant is empty.
+ * Only the program that wrote the bytes may read them: they are its memory, with differences of lists in
+ * varints. */
 void lod_plant_write(struct eco_writer *writer, const struct lod_plant *plant);
 enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size,
 	struct eco_error *error);

@@ -1,8 +1,8 @@
-/* Leaves and flowers: one order, and several forms of each element: a point at the middle of its opaque part, with
- * that part's area; in a group of blades also a line; one triangle, for elements of more; and the fan itself.
- * Coarse forms are replaced by finer ones from the front of the order on (struct eco_ladder). One point a leaf
- * with a size of its own shows eight times as many leaves as Deussen's two points a triangle. Blades have points
- * as well as lines (lod/EXPERIMENTS.md, Points and lines for blades). */
+/* Leaves and flowers: one order, and several forms of each element: a point at the middle of its opaque part,
+ * with that part's area; in a group of blades also a line; one triangle, for elements of more; and the fan
+ * itself. Coarse forms are replaced by finer ones from the front of the order on (struct eco_ladder). One
+ * point a leaf with a size of its own shows eight times as many leaves as Deussen's two points a triangle.
+ * Blades have points as well as lines (lod/EXPERIMENTS.md, Points and lines for blades). */
 #include <string.h>
 
 #include "lod/light.h"
@@ -190,12 +190,12 @@ static uint8_t size_code(double ratio)
 	return code;
 }
 
-/* A triangle's part of the point of its leaf: middle, area (grid steps^2) and colour of what is opaque. Without
- * an opaque texel it has its own middle, no area, and the image's mean colour. */
+/* A triangle's part of the point of its leaf: middle, area (grid steps^2) and colour of what is opaque.
+ * Without an opaque texel it has its own middle, no area, and the image's mean colour. */
 struct sample { double at[3], square[3][3], area; uint8_t rgb[3]; };    /* square: mean products of coordinates */
 
-/* Mean barycentric coordinates of opaque points on an even lattice, and their mean products; returns their share, and their
- * last texel in *seen. */
+/* Mean barycentric coordinates of opaque points on an even lattice, and their mean products; returns their
+ * share, and their last texel in *seen. */
 static double opaque_middle(const struct eco_image *image, const int32_t *uv, double middle[3], double products[3][3],
 	const uint8_t **seen)
 {

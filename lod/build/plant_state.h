@@ -7,8 +7,9 @@
 #include "lod/build/draft.h"
 #include "lod/build/foliage.h"
 
-/* Cells of a complex plant (cell.c): an octree of at most two levels over its triangles (Deussen 2002, 6.1), so a
- * leaf of it is a set of the 64 octants of octants. A leaf with next to nothing in it joins the nearest one. */
+/* Cells of a complex plant (cell.c): an octree of at most two levels over its triangles (Deussen 2002, 6.1),
+ * so a leaf of it is a set of the 64 octants of octants. A leaf with next to nothing in it joins the nearest
+ * one. */
 #define LOD_CELLS_MAX 64u
 
 struct lod_cells {
@@ -88,8 +89,8 @@ void lod_leaves_measure(struct lod_build *build);
 void lod_leaves_order(struct lod_build *build);
 void lod_leaves_represent(struct lod_build *build);
 
-/* Lines of cells: each is the part of a bone that a cell's triangles lie along, so that a cell's lines, levels
- * and triangles show the same wood, whatever its neighbours draw. */
+/* Lines of cells: each is the part of a bone that a cell's triangles lie along, so that a cell's lines,
+ * levels and triangles show the same wood, whatever its neighbours draw. */
 void lod_wood_split(struct lod_build *build);
 
 /* Whole-plant ladders, then those of cells. */

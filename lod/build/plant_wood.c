@@ -1,5 +1,5 @@
-/* Wood: lines of the skeleton from afar, levels of the mesh nearby, which give way branch by branch. A plant with
- * cells shows its largest lines until its cells take over, and each cell is complete in itself. */
+/* Wood: lines of the skeleton from afar, levels of the mesh nearby, which give way branch by branch. A plant
+ * with cells shows its largest lines until its cells take over, and each cell is complete in itself. */
 #include <string.h>
 
 #include <meshoptimizer.h>
@@ -15,9 +15,9 @@
 
 /* ---- Levels ---- */
 
-/* Simplified levels of wood by meshoptimizer, then all of its triangles. Components of similar width are simplified
- * together, by an error in proportion to it at most; borders at the end of a cell are kept. All of an object is
- * simplified together, seams between colours with it, so that its walls stay closed. */
+/* Simplified levels of wood by meshoptimizer, then all of its triangles. Components of similar width are
+ * simplified together, by an error in proportion to it at most; borders at the end of a cell are kept. All of
+ * an object is simplified together, seams between colours with it, so that its walls stay closed. */
 
 /* Triangles of the mesh that are simplified together, since they belong to components of similar width. */
 struct part {
@@ -69,8 +69,9 @@ static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uin
 	}
 }
 
-/* Simplifies a part to a share of its triangles, or until its surface would move by `reach` radii, beyond which it would
- * lose its form. Appends those with area to `out`, which has room for all. *moved: at least the radii by which it does. */
+/* Simplifies a part to a share of its triangles, or until its surface would move by `reach` radii, beyond
+ * which it would lose its form. Appends those with area to `out`, which has room for all. *moved: at least
+ * the radii by which it does. */
 static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const struct part *part,
 	double share, double reach, double *moved, struct lod_arena *arena)
 {
@@ -103,8 +104,8 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 static const double object_reach[] = { 1.0 / 128, 1.0 / 32 };
 #define OBJECT_LEVELS (sizeof object_reach / sizeof object_reach[0])
 
-/* How many times more triangles the next finer level has. If wood is all there is to draw, a budget between two levels
- * is not used, and small levels are few bytes. */
+/* How many times more triangles the next finer level has. If wood is all there is to draw, a budget between
+ * two levels is not used, and small levels are few bytes. */
 static double step_of(double triangles)
 {
 	return triangles > 512 ? 2 : 1.5;
@@ -142,9 +143,9 @@ static void make_levels(struct lod_levels *levels, const struct lod_mesh *mesh,
 
 /* ---- Limbs ---- */
 
-/* The triangles of all levels and the lines have an order in common: by limbs, which are bones that follow each other in
- * their order, the largest first. So a ladder may stand between two levels: limbs [0, k) are drawn by the finer one, the
- * others by the coarser one. */
+/* The triangles of all levels and the lines have an order in common: by limbs, which are bones that follow
+ * each other in their order, the largest first. So a ladder may stand between two levels: limbs [0, k) are
+ * drawn by the finer one, the others by the coarser one. */
 #define LIMBS 32u                /* at most about so many; each has so large a share of the triangles at least */
 
 /* Bones along the triangles around each vertex: bone[first[v] .. first[v + 1]), some more than once. */
@@ -244,8 +245,8 @@ static void order_levels(struct lod_build *b, struct lod_levels *levels, uint32_
 
 struct region { struct lod_line *lines; uint32_t count; double length, area, error; };
 
-/* Triangles of one part are simplified together: components whose widths are in one octave, and those that are whole
- * apart from those that are cut. An object has no branches. */
+/* Triangles of one part are simplified together: components whose widths are in one octave, and those that
+ * are whole apart from those that are cut. An object has no branches. */
 static uint64_t part_of(const struct lod_build *b, uint32_t component)
 {
 	int octave = 0;
@@ -303,8 +304,8 @@ void lod_wood_split(struct lod_build *b)
 	lod_bones_sort(parts, b->options->seed, &b->arena);
 }
 
-/* Lines of the group in `cell` (ECO_NONE: of the whole plant), in order, at most `most`; length, area and error
- * are of all of them. */
+/* Lines of the group in `cell` (ECO_NONE: of the whole plant), in order, at most `most`; length, area and
+ * error are of all of them. */
 static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most,
 	struct region *region)
 {

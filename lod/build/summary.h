@@ -6,9 +6,9 @@
  *   lod_summary_make(&summary, &input);                             once per tile
  *   lod_summary_list(&summary, &scene, tile, &list, &elements, ...) as a list to be packed
  *
- * Every leaf tile has an endless seeded sequence of points, and its summary is the beginning of it; a parent's is
- * made of beginnings, each as long as the child's share of the area. From a nested eco file a parent takes the
- * beginning of its stored summary. */
+ * Every leaf tile has an endless seeded sequence of points, and its summary is the beginning of it; a
+ * parent's is made of beginnings, each as long as the child's share of the area. From a nested eco file a
+ * parent takes the beginning of its stored summary. */
 #ifndef LOD_SUMMARY_H
 #define LOD_SUMMARY_H
 
@@ -34,8 +34,8 @@ struct lod_summary_input {
 	uint64_t seed;
 	/* Per tile, NULL for a tile to descend into; may itself be NULL. */
 	const struct lod_summary_root *const *roots;
-	/* Per colour of the scene, as pools and roots name it, without a tint, then with each of the lists' tints: that
-	 * of a point (lod_summary_palette). NULL: the same, of at most 65536. */
+	/* Per colour of the scene, as pools and roots name it, without a tint, then with each of the lists'
+	 * tints: that of a point (lod_summary_palette). NULL: the same, of at most 65536. */
 	const uint16_t *color_of;
 	uint32_t color_count;                /* of the scene, when color_of was made */
 };
@@ -45,9 +45,9 @@ uint32_t lod_summary_count(const struct eco_tile *tile);
  * The caller frees points. */
 void lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input);
 
-/* The colours of the summaries of one eco file: exactly those of the points if they are few, else a palette in
- * which a plant counts with its area, rounded down to a power of two of the file's. So colours stay while a few
- * plants come, go or move. Nested files give the colours of their stored summaries.
+/* The colours of the summaries of one eco file: exactly those of the points if they are few, else a palette
+ * in which a plant counts with its area, rounded down to a power of two of the file's. So colours stay while
+ * a few plants come, go or move. Nested files give the colours of their stored summaries.
  *
  *   lod_summary_palette_make(&palette, &input, tile_first, tile_count);
  *   input.color_of = palette.color_of; input.color_count = palette.color_count;    lod_summary_make(&summary, &input)

@@ -4,11 +4,11 @@
  *   ... texture.colors[0 .. count) and, where texels are clear, texture.outlines: levels, as strips ...
  *   lod_texture_free(&texture);
  *
- * Levels halve until TEXTURE_SMALLEST. Each is as opaque as the finest, everywhere, by error diffusion (Floyd and
- * Steinberg 1976). Colours are means of light over opaque texels; clear texels take those around them (pull-push:
- * Gortler et al. 1996, 3.4.1). The finest level is the coarsest whose texels are no larger than a pixel of a
- * picture 1080 pixels high, of 45 degrees, taken 1 m from the plant. Outlines are coded without loss, colours as
- * lossy WebP. */
+ * Levels halve until TEXTURE_SMALLEST. Each is as opaque as the finest, everywhere, by error diffusion (Floyd
+ * and Steinberg 1976). Colours are means of light over opaque texels; clear texels take those around them
+ * (pull-push: Gortler et al. 1996, 3.4.1). The finest level is the coarsest whose texels are no larger than a
+ * pixel of a picture 1080 pixels high, of 45 degrees, taken 1 m from the plant. Outlines are coded without
+ * loss, colours as lossy WebP. */
 #ifndef LOD_TEXTURE_H
 #define LOD_TEXTURE_H
 

@@ -1,6 +1,6 @@
-/* Tones: a far plant is drawn by the first few of its leaves, enlarged, and orders ignore colours. So the points
- * that stand for leaves get colours whose means, octave by octave of the order, are the mean of the visible
- * surface. Pure and deterministic.
+/* Tones: a far plant is drawn by the first few of its leaves, enlarged, and orders ignore colours. So the
+ * points that stand for leaves get colours whose means, octave by octave of the order, are the mean of the
+ * visible surface. Pure and deterministic.
  *
  *   lod_tone_seen(seen, &input, &arena);               pixels of each element, by views from all around
  *   lod_tone_level(rgb, area, seen, count);            colours of one list, in its order */
@@ -18,8 +18,8 @@ struct lod_tone_input {
 /* seen[i]: the number of pixels in which element i is nearest, cut-outs taken as whole. */
 void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lod_arena *arena);
 
-/* Counts for each item the pixels in which it is nearest, in pictures of a sphere from all around. `draw` draws
- * everything; names: per item, 1 + the number that it counts for, or 0; NULL: its own. */
+/* Counts for each item the pixels in which it is nearest, in pictures of a sphere from all around. `draw`
+ * draws everything; names: per item, 1 + the number that it counts for, or 0; NULL: its own. */
 struct lod_tone_views {
 	double center[3], radius;
 	void (*draw)(const void *ctx, struct lod_raster *raster);

@@ -1,7 +1,7 @@
-/* The error that people see between two pictures when they flip from one to the other (Andersson and others, "FLIP:
- * A Difference Evaluator for Alternating Images", 2020), for low dynamic range, at 67.02 pixels per degree: a
- * screen 3840 pixels and 0.7 m wide, seen from 0.7 m. Nothing that is stored or sent depends on it: two C
- * libraries may differ in the last bits of exp, pow and cbrt. */
+/* The error that people see between two pictures when they flip from one to the other (Andersson and others,
+ * "FLIP: A Difference Evaluator for Alternating Images", 2020), for low dynamic range, at 67.02 pixels per
+ * degree: a screen 3840 pixels and 0.7 m wide, seen from 0.7 m. Nothing that is stored or sent depends on it:
+ * two C libraries may differ in the last bits of exp, pow and cbrt. */
 #ifndef LOD_FLIP_H
 #define LOD_FLIP_H
 

@@ -1,5 +1,5 @@
-/* A deterministic software rasteriser: coverage with depth, cut-outs and owners, for curves, scores, and pictures
- * of full detail.
+/* A deterministic software rasteriser: coverage with depth, cut-outs and owners, for curves, scores, and
+ * pictures of full detail.
  *
  *   lod_raster_init(&r, &options);                   once; then lod_raster_clear for each picture
  *   lod_raster_camera(&r, &eye, near_m);             world -> pixels
@@ -7,9 +7,9 @@
  *   lod_raster_triangles / _lines / _splats          filled by GL's rules
  *
  * It agrees with OpenGL: corners snapped to 1/256 pixel, centre sampling, top-left rule, clipping at the near
- * plane, both sides drawn. The nearer sample wins; at equal depths the smaller owner (ground where owners are not
- * kept), and within one owner the first. Coverage after the snapping is integer, but for splats. No picture
- * depends on the order of drawing. An object is not thread-safe.
+ * plane, both sides drawn. The nearer sample wins; at equal depths the smaller owner (ground where owners are
+ * not kept), and within one owner the first. Coverage after the snapping is integer, but for splats. No
+ * picture depends on the order of drawing. An object is not thread-safe.
  *
  * Another program draws the same by these rules. v(p) is an object point in metres along right, up and forward
  * from the eye; the picture has W x H pixels; w = forward, clipped below near_m; `scale` is the place's.
@@ -23,8 +23,8 @@
  *   impostor  the rays through pixel centres that meet it (lod/impostor.h)
  *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the top left;
  *             opaque from alpha 128 on; u, v perspective-correct
- * Samples are compared by 1/w, linear on the screen for triangles and lines; none lies nearer than the nearest
- * corner, or than the ellipsoid. */
+ * Samples are compared by 1/w, linear on the screen for triangles and lines; none lies nearer than the
+ * nearest corner, or than the ellipsoid. */
 #ifndef LOD_RASTER_H
 #define LOD_RASTER_H
 
@@ -94,8 +94,8 @@ void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,
  * splat's longest half axis, times the place's scale. Objects may be up to a thousand radii across. */
 bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius);
 
-/* Merges one finished picture into another of the same size and options by the rule of drawing, so that threads
- * may share a scene. If one owner has items at equal depth, those of `into` stay. */
+/* Merges one finished picture into another of the same size and options by the rule of drawing, so that
+ * threads may share a scene. If one owner has items at equal depth, those of `into` stay. */
 void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from);
 
 /* Precision and Recall of covered pixels (Neubert 2011, eq. 1 and 4). Owners may be NULL: then owner_q = q.

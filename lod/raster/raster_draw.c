@@ -1,7 +1,7 @@
-/* Drawing batches: from object space to corners on the grid of 1/256 pixel, four triangles at a time; those whose
- * snapped bounding box holds no pixel centre end there. Triangles that cross the near plane or leave the guard
- * band are clipped in doubles. Both paths do the same float operations in the same order on a corner, and clip an
- * edge from its inner end, so neighbours have the same snapped corners. */
+/* Drawing batches: from object space to corners on the grid of 1/256 pixel, four triangles at a time; those
+ * whose snapped bounding box holds no pixel centre end there. Triangles that cross the near plane or leave
+ * the guard band are clipped in doubles. Both paths do the same float operations in the same order on a
+ * corner, and clip an edge from its inner end, so neighbours have the same snapped corners. */
 #include <assert.h>
 #include <math.h>
 

@@ -1,9 +1,10 @@
 /* Filling: from corners on the grid of 1/256 pixel to pixels, in integers.
  *
- * A pixel is inside if its centre lies on the inner side of all three edges; a centre on an edge belongs to the
- * triangle whose top or left edge it is. Each row of a triangle is one span: found by stepping in narrow boxes and
- * by exact division in wide ones. Depth and uv are floats, computed in one fixed order for each triangle. Depth is
- * 1/w, clamped to the range of the corners, on which the coarse depth behind lod_raster_hides relies. */
+ * A pixel is inside if its centre lies on the inner side of all three edges; a centre on an edge belongs to
+ * the triangle whose top or left edge it is. Each row of a triangle is one span: found by stepping in narrow
+ * boxes and by exact division in wide ones. Depth and uv are floats, computed in one fixed order for each
+ * triangle. Depth is 1/w, clamped to the range of the corners, on which the coarse depth behind
+ * lod_raster_hides relies. */
 #include "lod/lanes.h"
 #include "lod/raster/texel.h"
 #include "lod/raster/raster_state.h"
@@ -117,8 +118,8 @@ static uint32_t wrap_texel(double at, uint32_t size)
 	return (uint32_t)(texel < 0 ? texel + size : texel);
 }
 
-/* The texels of four coordinates, of which `lanes` count: at once where none wraps, as a call for each costs 40 % of the
- * time of a draft of cards. */
+/* The texels of four coordinates, of which `lanes` count: at once where none wraps, as a call for each costs
+ * 40 % of the time of a draft of cards. */
 static inline __attribute__((always_inline)) lod_i4 texels_of(const lod_d4 *at, uint32_t size, unsigned lanes)
 {
 	lod_d4 scaled = *at * (double)size;
@@ -332,9 +333,9 @@ void lod_fill_row(const struct lod_paint *paint, uint32_t row, uint32_t from, ui
 
 /* ---- Small triangles ---- */
 
-/* In a box of at most 8 x 8 pixels every product and sum of an edge function is an integer below 2^24 (|dx| |y -
- * y_a| + |dy| |x - x_a| <= 2 (9 * 256)^2), so single floats hold it exactly. Edges and depth are set up for four
- * triangles in lanes; then a row of four pixels takes three additions and a sign mask. */
+/* In a box of at most 8 x 8 pixels every product and sum of an edge function is an integer below 2^24 (|dx|
+ * |y - y_a| + |dy| |x - x_a| <= 2 (9 * 256)^2), so single floats hold it exactly. Edges and depth are set up
+ * for four triangles in lanes; then a row of four pixels takes three additions and a sign mask. */
 struct setup {                       /* one triangle a lane; float arrays, so that single lanes can be read */
 	float edge[3][4], step_x[3][4], step_y[3][4];
 	float z[4], z_step_x[4], z_step_y[4], low[4], high[4];

@@ -1,5 +1,5 @@
-/* Drawing splats and impostors: see lod/splat.h and lod/impostor.h. Unlike the edges of triangles those of ellipses are decided in single
- * floats, by + - * / and square roots in a fixed order. */
+/* Drawing splats and impostors: see lod/splat.h and lod/impostor.h. Unlike the edges of triangles those of
+ * ellipses are decided in single floats, by + - * / and square roots in a fixed order. */
 #include "lod/impostor.h"
 #include "lod/lanes.h"
 #include "lod/leaf.h"
@@ -267,8 +267,8 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 /* Rays of pixels in plant space: middle + x across + y down, for pixels from the picture's middle; a metre of
  * depth long. */
 struct rays { float middle[3], across[3], down[3]; };
-/* Leaves on it: cells a metre and their amount, 0: none; how much of it they cover, and the salt of gaps without
- * leaves. */
+/* Leaves on it: cells a metre and their amount, 0: none; how much of it they cover, and the salt of gaps
+ * without leaves. */
 struct leaves { float cells, amount, opacity; uint32_t nth, salt; };
 
 /* A direction of the world in plant space, `scale` times as long. */

@@ -1,5 +1,5 @@
-/* The frame that sections run in: units kept on disk, records of results, progress, the command line. A record
- * holds all results of a section, as CACHE/sections/NAME.json:
+/* The frame that sections run in: units kept on disk, records of results, progress, the command line. A
+ * record holds all results of a section, as CACHE/sections/NAME.json:
  *
  *   {"name", "title", "program": hash, "full", "state": "done" | "missing" | "failed", "why", "seconds",
  *    "keys": [{"key", "value", "bar"}], "items": [item]}

@@ -39,8 +39,8 @@ struct bench_section {
 /* The whole program: reads the command line, runs sections (NULL ends), returns the exit status. */
 int bench_main(int argc, char **argv, const struct bench_section *const *sections);
 
-/* Ends the section, which has failed, unless `code` is ECO_OK; must_error, to which the call fails, says why. Functions
- * of this header that return no code end it likewise. */
+/* Ends the section, which has failed, unless `code` is ECO_OK; must_error, to which the call fails, says why.
+ * Functions of this header that return no code end it likewise. */
 extern struct eco_error *const must_error;
 void must(enum eco_code code);
 void bench_progress(double share, const char *what);
@@ -118,8 +118,8 @@ void bench_model_read(const struct bench_model *model, struct eco_model *out);
 struct eco_model bench_crown_make(void);
 enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error);
 
-/* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park,
- * grove, forest, city, scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
+/* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, grove,
+ * forest, city, scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. */
 void bench_scene(struct bench *bench, const char *name, const char *order, char path[512]);
 /* False where the quick bench leaves the scene out: the report says so. */
@@ -171,8 +171,8 @@ void bench_client_untimed(struct bench_client *client);
 void bench_client_reference(struct bench_client *client, const struct eco_request *request);
 /* The last reference. */
 const struct view_picture *bench_client_full(const struct bench_client *client);
-/* Scores a picture of the last reference's view that was drawn elsewhere: fills measures, truth and colour_rms. A
- * client that sees wants BENCH_SAMPLES and soft counts. */
+/* Scores a picture of the last reference's view that was drawn elsewhere: fills measures, truth and
+ * colour_rms. A client that sees wants BENCH_SAMPLES and soft counts. */
 void bench_client_score(const struct bench_client *client, struct bench_frame *frame,
 	const struct view_picture *picture);
 /* Plants and tiles that are coarse even in the last reference; 0: it is full detail. */

@@ -1,8 +1,8 @@
 /* A client with little memory (Deussen 2002, section 6.3): bytes fetched along a path, chunks given up
  * (client-min/view_cache.h) and requests repeated, by the memory that the client may hold.
  *
- * Paths go there and back, which needs everything twice. The whole need is the memory of a client without a limit
- * at the end. Nothing is drawn: tests/client/test_view_cache.c compares the pictures. */
+ * Paths go there and back, which needs everything twice. The whole need is the memory of a client without a
+ * limit at the end. Nothing is drawn: tests/client/test_view_cache.c compares the pictures. */
 #include <stdlib.h>
 
 #include "ecofiles/base/memory.h"

@@ -1,10 +1,10 @@
 /* One picture, each step timed, and scored. The same rasteriser draws both pictures that are compared, the
- * one within its budget and full detail, so that no difference between renderers counts as error. A client that
- * sees compares a picture of BENCH_SAMPLES samples a pixel with the truth (view_truth.h).
+ * one within its budget and full detail, so that no difference between renderers counts as error. A client
+ * that sees compares a picture of BENCH_SAMPLES samples a pixel with the truth (view_truth.h).
  *
- * The time of drawing is OpenGL's where there is one, for one sample: of the second time that the same picture is
- * drawn, when its shaders are compiled and its data is on the card, as in all but the first frame of a viewer;
- * else the rasteriser's. */
+ * The time of drawing is OpenGL's where there is one, for one sample: of the second time that the same
+ * picture is drawn, when its shaders are compiled and its data is on the card, as in all but the first frame
+ * of a viewer; else the rasteriser's. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -25,9 +25,9 @@ struct bench_leaves {
 enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model,
 	struct lod_arena *arena, struct eco_error *error);
 
-/* Figures of a model's leaves: a unit "PREFIX-NAME" (bench_unit) that `study` makes as a JSON array of reals; it may
- * take from the leaves' arena. model NULL: the tree of 6,143 leaves. Anew for another file or a full bench. A plant
- * without leaves ends the section. */
+/* Figures of a model's leaves: a unit "PREFIX-NAME" (bench_unit) that `study` makes as a JSON array of reals;
+ * it may take from the leaves' arena. model NULL: the tree of 6,143 leaves. Anew for another file or a full
+ * bench. A plant without leaves ends the section. */
 typedef json_t *bench_leaves_study(void *ctx, struct bench_leaves *leaves);
 void bench_leaves_unit(struct bench *bench, const char *prefix, const struct bench_model *model,
 	bench_leaves_study *study, void *ctx, double *values, uint32_t count);

@@ -1,7 +1,7 @@
 /* Plants one by one: every model of the data folder that reads as a plant, and the generated kinds.
  *
- * Files are chosen by the endings that ecopack reads; those that fail to read are named and left out. Models of
- * the data folder are read from a copy in the cache, where packed ones (.xz) are unpacked. */
+ * Files are chosen by the endings that ecopack reads; those that fail to read are named and left out. Models
+ * of the data folder are read from a copy in the cache, where packed ones (.xz) are unpacked. */
 #include <ftw.h>
 #include <stdlib.h>
 #include <string.h>

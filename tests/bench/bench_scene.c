@@ -1,9 +1,9 @@
 /* The scenes that methods are compared on, made when they are first asked for and kept in the cache.
  *
- * Most come from `ecopack generate`, in the sizes of the literature: 640 trees of 10 M triangles, 1,500 palms of
- * 12 M, an outdoor scene of 120 M, 13,000 sunflowers and a maple of 70 M (Deussen 2002, table 1); 1,276 trees
- * of 63 M vertices and 5,000 of 1.3 G (Neubert 2011). `detail` multiplies the leaves until the sum fits. A
- * forest inventory comes from the data folder.
+ * Most come from `ecopack generate`, in the sizes of the literature: 640 trees of 10 M triangles, 1,500 palms
+ * of 12 M, an outdoor scene of 120 M, 13,000 sunflowers and a maple of 70 M (Deussen 2002, table 1); 1,276
+ * trees of 63 M vertices and 5,000 of 1.3 G (Neubert 2011). `detail` multiplies the leaves until the sum
+ * fits. A forest inventory comes from the data folder.
  *
  * A scene is a folder with scene.json and camera.json, a pack one file per order. Each has a stamp beside it
  * of its sources: ecopack itself, its options, and the folder of data. */

@@ -28,8 +28,9 @@ uint32_t bench_shot_views(struct bench *bench, const char *scene,
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX]);
 double bench_shot_number(const json_t *row, const char *key);        /* NaN where there is none */
 
-/* All budgets of one view, in the order of bench_budgets: an array of objects with vertices, bytes, q, p, r, wrong (pixels),
- * skill, owner_q, colour, soft_q, picture_error (S8), m16, s16, s16_abs, floor_error (F8), one_floor (F1), ceiling,
- * truth_cpu_ms, predicted_q, plan_ms, decode_ms, draw_ms; null where there is no such figure. Borrowed. */
+/* All budgets of one view, in the order of bench_budgets: an array of objects with vertices, bytes, q, p, r,
+ * wrong (pixels), skill, owner_q, colour, soft_q, picture_error (S8), m16, s16, s16_abs, floor_error (F8),
+ * one_floor (F1), ceiling, truth_cpu_ms, predicted_q, plan_ms, decode_ms, draw_ms; null where there is no
+ * such figure. Borrowed. */
 json_t *bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view);
 

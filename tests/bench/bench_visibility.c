@@ -1,6 +1,6 @@
 /* Pixels that plants show, by their distance: what the planner expects before it spends a budget
- * (lod/seen/visibility.h) beside what full detail shows, by the owners of its pixels. At eye level, and in the
- * crown of the plant that shows most of there. */
+ * (lod/seen/visibility.h) beside what full detail shows, by the owners of its pixels. At eye level, and in
+ * the crown of the plant that shows most of there. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
-/* Stiff budgets and curves: where one vertex more or less, or one plant among many, decides. At any budget the search
- * converges, within the budget; what is left over is less than any step; more budget never predicts more error. Scenes
- * are tables only: the planner looks at no payload. */
+/* Stiff budgets and curves: where one vertex more or less, or one plant among many, decides. At any budget
+ * the search converges, within the budget; what is left over is less than any step; more budget never
+ * predicts more error. Scenes are tables only: the planner looks at no payload. */
 #include <math.h>
 
 #include "tests/bench/extreme/extreme_scene.h"

@@ -1,7 +1,7 @@
-/* Broken, tiny, huge and odd plants: each is built, packed, planned and drawn, or refused with a reason; triangles in are
- * those stored and dropped; all numbers are finite. And corners, which are integers: for each list it is stated from which
- * distance on rounding them moves nothing by more than half a pixel (lod/build/grid.h); here every stored corner is
- * looked up among those of the source. */
+/* Broken, tiny, huge and odd plants: each is built, packed, planned and drawn, or refused with a reason;
+ * triangles in are those stored and dropped; all numbers are finite. And corners, which are integers: for
+ * each list it is stated from which distance on rounding them moves nothing by more than half a pixel
+ * (lod/build/grid.h); here every stored corner is looked up among those of the source. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -306,8 +306,8 @@ UNIT_TEST(area_factors_are_bounded_down_to_one_vertex)
 
 /* ---- Stored corners ---- */
 
-/* The square of the distance from a place to the nearest corner of the plant's triangle lists. `cells` holds these
- * corners by their place on the grid of all lists. */
+/* The square of the distance from a place to the nearest corner of the plant's triangle lists. `cells` holds
+ * these corners by their place on the grid of all lists. */
 struct corners { const struct eco_list *grid; struct lod_keyed *cells; uint32_t count; };
 
 static uint64_t key_of(const int64_t p[3])
@@ -360,8 +360,8 @@ static double nearest_m(const struct corners *c, const float *at)
 	return least;
 }
 
-/* Scaled and shifted; `bits` 0: the grid is found; `lost`: share of corners that may be nowhere: floats hold no more far
- * from a model's own origin. */
+/* Scaled and shifted; `bits` 0: the grid is found; `lost`: share of corners that may be nowhere: floats hold
+ * no more far from a model's own origin. */
 static const struct tree { const char *name; double factor, shift_m; uint32_t leaves, flowers, bits; double lost; } trees[] = {
 	{ "moss", 1e-3, 0, 200, 0, 0, 0 }, { "herb", 0.03, 0, 200, 0, 0, 0 }, { "tree", 1, 0, 1500, 0, 0, 0 },
 	{ "giant", 18, 0, 3000, 0, 0, 0 }, { "600 m", 100, 0, 2500, 0, 0, 0 }, { "12 bits", 1, 0, 400, 20, 12, 0 },

@@ -88,8 +88,8 @@ UNIT_TEST(curves_fall_from_one_vertex_to_all_and_wood_keeps_its_size)
 	finish();
 }
 
-/* Adds what a ladder draws at a share, larger by a factor; cells beside a whole-plant list show as many of its
- * elements as `density` says. */
+/* Adds what a ladder draws at a share, larger by a factor; cells beside a whole-plant list show as many of
+ * its elements as `density` says. */
 static void add_share(struct lod_probe *probe, const struct eco_ladder *ladder, double share, double density,
 	double larger)
 {

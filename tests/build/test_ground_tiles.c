@@ -125,8 +125,8 @@ static double place_y(const struct world *w, double sample)
 
 /* ---- The tree ---- */
 
-/* It passes the checks of a pack. A sea larger than the tiles that fine ones may touch has children, so that beside a
- * coast they can be chosen. */
+/* It passes the checks of a pack. A sea larger than the tiles that fine ones may touch has children, so that
+ * beside a coast they can be chosen. */
 static void check_tree(struct world *w, const char *name)
 {
 	static const struct eco_tile tile = { .summary = ECO_NONE };

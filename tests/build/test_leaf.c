@@ -61,8 +61,8 @@ static int tear_down(void **state)
 	return 0;
 }
 
-/* Many splats, far and near, of few leaves and of many, opaque or not: covered pixels, depths and tones are in the mean
- * those of smooth ones; leaves are turned as those that are seen of all directions (2/3). */
+/* Many splats, far and near, of few leaves and of many, opaque or not: covered pixels, depths and tones are
+ * in the mean those of smooth ones; leaves are turned as those that are seen of all directions (2/3). */
 UNIT_TEST(leaves_keep_what_splats_show)
 {
 	struct sums smooth = { 0 }, leafy = { 0 };
@@ -103,8 +103,8 @@ UNIT_TEST(contrast_fades_where_leaves_are_finer_than_pixels)
 	}
 }
 
-/* From afar a plant's leaves are a few cells, which cover all of its splat or nothing: plants of one kind differ
- * in them, and so do splats of one plant. */
+/* From afar a plant's leaves are a few cells, which cover all of its splat or nothing: plants of one kind
+ * differ in them, and so do splats of one plant. */
 UNIT_TEST(far_plants_of_a_kind_lack_different_leaves)
 {
 	const float origin[3] = { 0, 0, 0 }, at[6] = { 0, 0, 0, 0.01f, 0, 0 },

@@ -1,5 +1,5 @@
-/* Lists of plants: greedy orders with growth codes and simpler forms; splats with their colours, chunks by level
- * and curves with the impostor's; and all of a plant as bytes. */
+/* Lists of plants: greedy orders with growth codes and simpler forms; splats with their colours, chunks by
+ * level and curves with the impostor's; and all of a plant as bytes. */
 #include <stdlib.h>
 
 #include "lod/build/impostor/impostor_make.h"
@@ -145,8 +145,8 @@ static const struct lod_plant_options draft = { .name = "p", .seed = 1, .order =
 static const struct lod_plant_options quick = { .name = "tree", .grid_bits = 14, .cell_triangles = 400,
 	.order = LOD_ORDER_STOCHASTIC, .views = 6, .pixels = 96 };
 
-/* The list of splats, which comes last; its colours lie behind those of the other lists, and the color of wood behind
- * these. */
+/* The list of splats, which comes last; its colours lie behind those of the other lists, and the color of
+ * wood behind these. */
 static const struct lod_list_draft *splats_of_plant(void)
 {
 	const struct lod_list_draft *last = &plant.lists[plant.list_count - 1];
@@ -257,8 +257,8 @@ static void check_error(const struct eco_curve *sample, const struct lod_plant_o
 		fail_msg("%s: an error of %g, not %g", cut ? "splats" : "impostor", measured, drawn);
 }
 
-/* The first samples are levels of the impostor, those after them splats. Errors are of the whole plant, in one
- * with cells, too, whose whole-plant lists do not stand for what the cells hold. */
+/* The first samples are levels of the impostor, those after them splats. Errors are of the whole plant, in
+ * one with cells, too, whose whole-plant lists do not stand for what the cells hold. */
 static void check_samples(const struct lod_plant_options *options)
 {
 	const struct eco_ladder *whole = whole_of_plant();
@@ -323,8 +323,8 @@ UNIT_TEST(a_body_of_one_piece_has_no_leaves)
 	}
 }
 
-/* A draft has two levels of the impostor, a plant all; those larger than the plant are left out, unless it has a
- * picture, which is larger still. */
+/* A draft has two levels of the impostor, a plant all; those larger than the plant are left out, unless it
+ * has a picture, which is larger still. */
 UNIT_TEST(curves_of_whole_plants_have_the_levels_of_the_impostor_and_of_splats)
 {
 	enum { TREE, CARDS, TEXTURED };

@@ -276,8 +276,8 @@ static void make_cards(struct soup *soup, uint32_t count, uint32_t leaves, doubl
 	}
 }
 
-/* A level of at most 12 splats draws so much more or less than the plant covers, mean over views: what the area's
- * part of the loss says. */
+/* A level of at most 12 splats draws so much more or less than the plant covers, mean over views: what the
+ * area's part of the loss says. */
 static double too_much(const struct lod_splats *splats, uint32_t level, const struct eco_model *model)
 {
 	uint32_t count = size_of(splats, level);

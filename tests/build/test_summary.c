@@ -1,6 +1,6 @@
-/* Summaries: their points lie on the plants, in proportion to area, under the keys by which owners match; through
- * placements too. Their colours are few, near those of the plants, the same while little changes. Points in
- * parts lie around their point, and the first parts stay where there are more. */
+/* Summaries: their points lie on the plants, in proportion to area, under the keys by which owners match;
+ * through placements too. Their colours are few, near those of the plants, the same while little changes.
+ * Points in parts lie around their point, and the first parts stay where there are more. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -458,8 +458,7 @@ UNIT_TEST(an_answer_that_breaks_off_goes_on_with_what_came)
 }
 
 /* It says that it is back in a second, in another's name; and a server that never was there is not waited
- * for.
- */
+ * for. */
 UNIT_TEST(a_lost_server_is_asked_again_when_it_says)
 {
 	start_server((struct server){ .head = "HTTP/1.1 502 Bad Gateway\r\nRetry-After: 1\r\n", .again = 2,

@@ -130,8 +130,8 @@ UNIT_TEST(leaves_change_no_cover_and_no_mean)
 	assert_true(plants > 1000 && changed > 0.5 * plants && fabs(light[0] / light[1] - 1) < 0.05);
 }
 
-/* Seen along the sun's beams from where the sun is, a plant is where its shadow is, and shades little of itself; gaps of
- * both lie anywhere. */
+/* Seen along the sun's beams from where the sun is, a plant is where its shadow is, and shades little of
+ * itself; gaps of both lie anywhere. */
 UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 {
 	struct eco_view view = { { -400, -300, 400 }, { 0, 0, 3 }, { 0, 0, 1 }, 3, 512, 512 };

@@ -132,8 +132,8 @@ static vec3 even_direction(int i, int dimension)
 	return vec3(r * cosf(turn), r * sinf(turn), z);
 }
 
-/* Leaves of all directions, `level` of them level, fill the crown; each shows the area that it turns to the eye, and
- * others hide it. */
+/* Leaves of all directions, `level` of them level, fill the crown; each shows the area that it turns to the
+ * eye, and others hide it. */
 static float mean_of_leaves(const struct sunlight *s, float level, vec3 eye)
 {
 	vec3 back = unstretched(tree, eye);

@@ -103,8 +103,8 @@ static void differ(const struct view_picture *a, const struct view_picture *b, d
 	}
 }
 
-/* Colours are nearer to those of many samples the more there are; all else is the first sample's. Engines agree,
- * and threads and parts leave no trace. */
+/* Colours are nearer to those of many samples the more there are; all else is the first sample's. Engines
+ * agree, and threads and parts leave no trace. */
 UNIT_TEST(samples_are_averaged)
 {
 	static const uint32_t counts[] = { 1, 4, 8, 16 };
@@ -220,8 +220,8 @@ static const struct view_instance *instance_at(const struct view_selection *s, u
 	return NULL;
 }
 
-/* Pixels of each class have the tint's mix with what they are without it, or, if wood, stay; in all forms of the
- * trees, and by both engines. The last class keeps its colours, and so do bushes and summaries. */
+/* Pixels of each class have the tint's mix with what they are without it, or, if wood, stay; in all forms of
+ * the trees, and by both engines. The last class keeps its colours, and so do bushes and summaries. */
 UNIT_TEST(tints_mix_with_the_colour_of_what_is_no_wood)
 {
 	struct scene_builder b, plain;

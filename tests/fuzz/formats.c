@@ -88,8 +88,8 @@ void fuzz_chunk(const uint8_t *bytes, size_t size)
 	eco_elements_free(&elements);
 }
 
-/* Holdings that a stranger posts. If they are accepted they are sorted, and have exactly these bytes. A scene accepts
- * only those that it has. */
+/* Holdings that a stranger posts. If they are accepted they are sorted, and have exactly these bytes. A scene
+ * accepts only those that it has. */
 void fuzz_holdings(const uint8_t *bytes, size_t size)
 {
 	static const struct eco_list lists[4] = { { .chunk_count = 1 }, { .chunk_count = 300 },

@@ -1,6 +1,6 @@
-/* All targets in one program, whose name says which of them it runs: fuzz_NAME. In place of libFuzzer's there is a
- * main that runs the target on each file and folder named on the command line, so that the corpora are part of
- * the ordinary tests. It skips hidden files and prints how many inputs were run. */
+/* All targets in one program, whose name says which of them it runs: fuzz_NAME. In place of libFuzzer's there
+ * is a main that runs the target on each file and folder named on the command line, so that the corpora are
+ * part of the ordinary tests. It skips hidden files and prints how many inputs were run. */
 #include <errno.h>
 #include <fts.h>
 #include <stdio.h>

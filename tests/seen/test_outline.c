@@ -36,8 +36,8 @@ static void draw(struct drawn *d)
 	lod_outline_make(&d->outline, &d->eye, d->from_eye, d->size[0], d->size[2]);
 }
 
-/* The squared distance of the ray from the ellipsoid's middle, as a ball of radius 1; 0 where the eye is in it,
- * INFINITY where it lies behind. */
+/* The squared distance of the ray from the ellipsoid's middle, as a ball of radius 1; 0 where the eye is in
+ * it, INFINITY where it lies behind. */
 static double apart(const struct drawn *d, double x, double y)
 {
 	long double m[3], v[3], vv = 0, mm = 0, mv = 0, n = 0;
@@ -141,8 +141,8 @@ UNIT_TEST(an_area_is_that_of_counted_pixels)
 	}
 }
 
-/* From afar past the eye and away behind it, and along a tangent: a row changes little by little, as far as the
- * picture reaches, but where the eye leaves the ellipsoid. */
+/* From afar past the eye and away behind it, and along a tangent: a row changes little by little, as far as
+ * the picture reaches, but where the eye leaves the ellipsoid. */
 UNIT_TEST(an_outline_passes_the_eye_little_by_little)
 {
 	static const double aside[] = { 0, 1, 1.999, 2, 2.001, 3 };

@@ -97,8 +97,8 @@ static double pixels_of(const struct lod_visibility *visibility)
 	return (double)visibility->share * (double)visibility->pixels;
 }
 
-/* Those that the eye is in hide each other and what stands behind them: together they show no more than the picture
- * has. */
+/* Those that the eye is in hide each other and what stands behind them: together they show no more than the
+ * picture has. */
 UNIT_TEST(plants_around_the_eye_hide_each_other)
 {
 	static const double feet[6][3] = { { 0, 25, -5 }, { 0, -0.5, -5 }, { 0.6, -0.3, -5 },
@@ -154,8 +154,8 @@ UNIT_TEST(plants_show_no_more_pixels_than_the_picture_has)
 	}
 }
 
-/* Past the eye, one and two radii aside, or through it. Plants beside the eye are not in the picture; a plant around
- * the eye is. */
+/* Past the eye, one and two radii aside, or through it. Plants beside the eye are not in the picture; a plant
+ * around the eye is. */
 UNIT_TEST(what_passes_the_eye_goes_little_by_little)
 {
 	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .fov_y_deg = 50,
@@ -177,8 +177,8 @@ UNIT_TEST(what_passes_the_eye_goes_little_by_little)
 	assert_true(before[0] < 0.005 * 800 * 600 && before[1] < 0.005 * 800 * 600);   /* their shadows */
 }
 
-/* A crown overhead covers the top of the picture, as far as it hangs into it: what stands behind, lower, shows all of
- * itself. */
+/* A crown overhead covers the top of the picture, as far as it hangs into it: what stands behind, lower,
+ * shows all of itself. */
 UNIT_TEST(a_crown_overhead_hides_nothing_below_it)
 {
 	static const double middles[2][3] = { { 0, 40, 5 }, { 0, 4, 9 } };

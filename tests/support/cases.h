@@ -1,5 +1,6 @@
-/* Cases of a test as a table, tests/ROOM/cases/NAME.tsv. Its first row names the columns; a line that begins with # is a
- * comment. In a field \n, \t, \r, \\ and \xHH are bytes, \N is NULL, and ${NAME} is the text of a line "%NAME<tab>text" above.
+/* Cases of a test as a table, tests/ROOM/cases/NAME.tsv. Its first row names the columns; a line that begins
+ * with # is a comment. In a field \n, \t, \r, \\ and \xHH are bytes, \N is NULL, and ${NAME} is the text of a
+ * line "%NAME<tab>text" above.
  *
  *   struct row { const char *text, *wanted; };           texts only, one for each column
  *   uint32_t count;

@@ -1,5 +1,5 @@
-/* Writes small glTF files for tests: views and accessors one by one into a buffer, the rest as JSON text, in which
- * ' stands for ". */
+/* Writes small glTF files for tests: views and accessors one by one into a buffer, the rest as JSON text, in
+ * which ' stands for ". */
 #pragma once
 
 #include <stdarg.h>

@@ -54,8 +54,8 @@ uint32_t scene_add_ladder(struct scene_builder *b, struct eco_ladder row);
 #define SCENE_CURVE(share_, scale_, reach_, fp_, fn_) \
 	{ .share = (share_), .scale = (scale_), .reach = (reach_), .fp = (fp_), .fn = (fn_) }
 extern const struct eco_curve scene_falling[5];
-/* Errors of colour as of wrong pixels (LOD_SEEN_COLOR): before like plants of those that are missed, before ground and sky of all.
- * Rows get them from fp and fn; where nothing of a ladder is drawn it counts twice. */
+/* Errors of colour as of wrong pixels (LOD_SEEN_COLOR): before like plants of those that are missed, before
+ * ground and sky of all. Rows get them from fp and fn; where nothing of a ladder is drawn it counts twice. */
 struct eco_seen scene_seen(double fp, double fn);
 uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row);
 uint32_t scene_add_tile(struct scene_builder *b, struct eco_tile row);

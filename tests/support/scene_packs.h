@@ -19,8 +19,8 @@ enum eco_code sample_pack_write_textured(const char *path, const uint32_t *sizes
 	struct eco_error *error);
 
 /* Every table and every kind of list in 8 KB: one plant with a cell, leaves in three forms, wood in two
- * levels, a texture, ground, a summary, instances in a tile of a nested eco file, their rows. `keep`: see scene_write; without rows.
- * Free *b with scene_free in any case. */
+ * levels, a texture, ground, a summary, instances in a tile of a nested eco file, their rows. `keep`: see
+ * scene_write; without rows. Free *b with scene_free in any case. */
 #define SMALL_PACK_PLANTS 7u
 /* The small pack's places. */
 extern const struct eco_inventory_row small_pack_rows[SMALL_PACK_PLANTS];

@@ -26,8 +26,8 @@ void random_scene_splats(struct scene_builder *b, uint64_t seed, uint32_t nested
 uint32_t random_fans(struct scene_builder *b, uint32_t elements, uint32_t owner);
 uint32_t random_form(struct scene_builder *b, uint8_t kind, uint32_t of, uint32_t corners);
 
-/* A scene of one plant: leaves with a curve, and if there are `splats` so many in a ladder for the whole plant,
- * with fp and fn of the first of them and of all. */
+/* A scene of one plant: leaves with a curve, and if there are `splats` so many in a ladder for the whole
+ * plant, with fp and fn of the first of them and of all. */
 struct random_stand {
 	float height_m, area, shares[4], errors[4], splat_errors[2][2];
 	uint32_t leaves, splats;

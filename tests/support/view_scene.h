@@ -70,8 +70,8 @@ void scene_select(struct scene_held *h);
 void scene_release(struct scene_held *h);
 /* A picture of the selection, lit by its sky: by OpenGL (scene_gl), or in software. The caller frees it. */
 struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view_tint tint);
-/* Shares of all pixels: covered by `a`; of another mask; of another owner or mask; of one owner, but of another depth
- * or colour. Mean differences of bytes, and as people see them (lod_flip). */
+/* Shares of all pixels: covered by `a`; of another mask; of another owner or mask; of one owner, but of
+ * another depth or colour. Mean differences of bytes, and as people see them (lod_flip). */
 struct picture_difference { double covered, masks, owners, depths, colors, bytes, seen; };
 struct picture_difference picture_compare(const struct view_picture *a, const struct view_picture *b);
 /* As build/tmp/NAME.png, for people. */
@@ -87,6 +87,6 @@ int scene_open(void **state);
 int scene_open_gl(void **state);                 /* with OpenGL for pictures of scene_view */
 int scene_close(void **state);
 
-/* Shadow maps by OpenGL and in software. Both maps of a job must have the same heights, but for one texel of 200: OpenGL rounds corners. Returns how
- * many texels are below something. */
+/* Shadow maps by OpenGL and in software. Both maps of a job must have the same heights, but for one texel of
+ * 200: OpenGL rounds corners. Returns how many texels are below something. */
 size_t shadow_gl_compare(struct view_gl *gl, const struct view_shadow_job *job, const char *name);

@@ -1,6 +1,6 @@
-/* Impostors: pictures of the model from the directions of tiles, then levels of them, then bytes of a plant. Each
- * picture is taken from both sides: the middle between the nearest and the farthest surface serves opposite
- * directions alike. */
+/* Impostors: pictures of the model from the directions of tiles, then levels of them, then bytes of a plant.
+ * Each picture is taken from both sides: the middle between the nearest and the farthest surface serves
+ * opposite directions alike. */
 #include "lod/build/impostor/impostor_make.h"
 
 #include <math.h>
@@ -172,8 +172,9 @@ static uint32_t count_around(const uint32_t *count, uint32_t side, uint32_t x, u
 	return sum;
 }
 
-/* Samples of a texel that is covered, `full` or fewer: two values stand for what texels hold, nothing and this one.
- * With each, the fullest texels are covered, as many as hold all of the plant together; least squares choose it. */
+/* Samples of a texel that is covered, `full` or fewer: two values stand for what texels hold, nothing and
+ * this one. With each, the fullest texels are covered, as many as hold all of the plant together; least
+ * squares choose it. */
 static uint32_t choose_held(const struct making *m, const struct eco_impostor_size *size, uint32_t full)
 {
 	uint32_t texels = size->texels * size->texels, count[VIEW_TEXELS * VIEW_TEXELS], *number, held = full;
@@ -198,8 +199,8 @@ static uint32_t choose_held(const struct making *m, const struct eco_impostor_si
 	return held;
 }
 
-/* As many texels as hold the plant, if each holds so many samples: the fullest; of equal ones those with more around
- * them. *rest: samples that the tiles before left over, and this one does. */
+/* As many texels as hold the plant, if each holds so many samples: the fullest; of equal ones those with more
+ * around them. *rest: samples that the tiles before left over, and this one does. */
 static void choose_texels(struct making *m, const struct impostor_view *view, uint32_t side, uint32_t held,
 	int64_t *rest, uint8_t *texel)
 {
@@ -382,8 +383,8 @@ void lod_impostors_free(struct lod_impostors *impostors)
 
 #define DRAFT_PIXELS 160u        /* of curves: below, a build is a draft */
 #define DRAFT_LEVELS 2u
-/* A triangle takes about 6 bytes in a pack, a texel of an image 0.4 to 0.7. Beyond the first, levels that need
- * about twice the bytes of all of them are left out: the plant itself is sooner there. */
+/* A triangle takes about 6 bytes in a pack, a texel of an image 0.4 to 0.7. Beyond the first, levels that
+ * need about twice the bytes of all of them are left out: the plant itself is sooner there. */
 #define BYTES_OF_TRIANGLE 12u
 #define BYTES_OF_TEXEL 1u
 

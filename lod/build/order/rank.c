@@ -1,9 +1,9 @@
 /* See rank.h.
  *
- * The list is made in steps. Picks of earlier steps are drawn anew at the step's scale; then elements are added
- * greedily, each time the one whose pixels raise Q most per triangle, by Q's gradient. A trial on a few of the
- * views tells the step's best scale. The list begins with points, all at one scale: the first third, or 6 % if as
- * many vertices show more as leaves. Variants: lod/EXPERIMENTS.md, The greedy order. */
+ * The list is made in steps. Picks of earlier steps are drawn anew at the step's scale; then elements are
+ * added greedily, each time the one whose pixels raise Q most per triangle, by Q's gradient. A trial on a few
+ * of the views tells the step's best scale. The list begins with points, all at one scale: the first third,
+ * or 6 % if as many vertices show more as leaves. Variants: lod/EXPERIMENTS.md, The greedy order. */
 #include "lod/build/order/rank.h"
 
 #include <assert.h>

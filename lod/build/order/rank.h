@@ -1,7 +1,7 @@
-/* The greedy order on Precision and Recall: each time the element whose footprint adds most, right minus wrong
- * pixels over many views, at the scale that serves the octave of the list best; then the list is refined as a
- * whole (rank_refine.c). Growth codes (eco_growth) and simple triangles come with it. Deterministic: counts of
- * pixels decide, ties go to the smaller element. */
+/* The greedy order on Precision and Recall: each time the element whose footprint adds most, right minus
+ * wrong pixels over many views, at the scale that serves the octave of the list best; then the list is
+ * refined as a whole (rank_refine.c). Growth codes (eco_growth) and simple triangles come with it.
+ * Deterministic: counts of pixels decide, ties go to the smaller element. */
 #ifndef LOD_RANK_H
 #define LOD_RANK_H
 

@@ -1,10 +1,11 @@
 /* See rank_state.h.
  *
  * The list is cut at several keys, each with its own pictures, scale and values of pixels (Q's gradient). In
- * several sweeps an element takes those of the neighbouring codes and keys with the greatest sum of gains over
- * all keys that draw it, less a price per triangle (at keys of points: per point), which keeps a key's number of
- * triangles. Pictures count how often a pixel is covered, so that an element can be subtracted. Variants:
- * lod/EXPERIMENTS.md, Refining the greedy order. Longer than 600 lines: one search over one set of pictures. */
+ * several sweeps an element takes those of the neighbouring codes and keys with the greatest sum of gains
+ * over all keys that draw it, less a price per triangle (at keys of points: per point), which keeps a key's
+ * number of triangles. Pictures count how often a pixel is covered, so that an element can be subtracted.
+ * Variants: lod/EXPERIMENTS.md, Refining the greedy order. Longer than 600 lines: one search over one set of
+ * pictures. */
 #include "lod/build/order/rank_state.h"
 
 #include <math.h>

@@ -30,8 +30,8 @@ struct lod_crown {
 	struct lod_crown_level *level;           /* the one in use */
 };
 
-/* Views, pixels and the seed of their directions are of the options; pixels 0: leaves of the usual size are two
- * pixels wide. */
+/* Views, pixels and the seed of their directions are of the options; pixels 0: leaves of the usual size are
+ * two pixels wide. */
 void lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
 	const struct lod_rank_options *options, struct lod_arena *arena);
 

@@ -1,17 +1,18 @@
 /* Organs: which triangles are wood, which foliage, which flowers. Rules of the scene file decide first, for
  * exactly the triangles that they name; then shape, place, colour and names.
  *
- * Wood is tube-like. For a tube of radius r and length L, however bent, the integral of mean curvature M and the
- * area A are M = pi L and A = 2 pi r L, so sums over edges give r = A / (2 M) and L = M / pi (Steiner's formula:
- * M is half the sum of length times angle, concave edges negative). Wood is thin against its diagonal, as long as
- * it is large, and round: its volume V is near the maximum (4 V M / A^2 is 1 for tubes, 4/3 for balls, little for
- * blades), its edge angles are moderate.
+ * Wood is tube-like. For a tube of radius r and length L, however bent, the integral of mean curvature M and
+ * the area A are M = pi L and A = 2 pi r L, so sums over edges give r = A / (2 M) and L = M / pi (Steiner's
+ * formula: M is half the sum of length times angle, concave edges negative). Wood is thin against its
+ * diagonal, as long as it is large, and round: its volume V is near the maximum (4 V M / A^2 is 1 for tubes,
+ * 4/3 for balls, little for blades), its edge angles are moderate.
  *
- * A component in doubt follows the clear ones of its material, green ones and others apart; then names break the
- * tie (organ_name.c), then colours. A thick component is a crown or fruit modelled as a hull, or a thing (stump,
- * pot, rock): a thing stands on the ground with most of the plant above it, or is brown in a plant of solids.
- * Soil is a level sheet, not green, not one of many. Things count as wood. A plant of green tubes alone is all
- * foliage. Wrong names on clear components change nothing (lod/EXPERIMENTS.md, Organs). All of an object is wood. */
+ * A component in doubt follows the clear ones of its material, green ones and others apart; then names break
+ * the tie (organ_name.c), then colours. A thick component is a crown or fruit modelled as a hull, or a thing
+ * (stump, pot, rock): a thing stands on the ground with most of the plant above it, or is brown in a plant of
+ * solids. Soil is a level sheet, not green, not one of many. Things count as wood. A plant of green tubes
+ * alone is all foliage. Wrong names on clear components change nothing (lod/EXPERIMENTS.md, Organs). All of
+ * an object is wood. */
 #ifndef LOD_ORGAN_H
 #define LOD_ORGAN_H
 

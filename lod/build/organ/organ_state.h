@@ -10,8 +10,8 @@
  *
  * - Components of materials that differ only in a colour (a scan's vertex colours) are joined where they continue
  *   each other across edges, unless just one is green.
- * - A trunk and crown in one mesh are parted where green meets other colours, if that seam is a clear line.
- * - Leaves welded to a twig by corners, or by edges of more than two triangles, are parted from it if they are
+ * - A trunk and crown in one mesh are parted where green meets other colours, if that seam is a clear line. -
+ * Leaves welded to a twig by corners, or by edges of more than two triangles, are parted from it if they are
  *   small flat sheets on a tube.
  *
  * Triangles of different rules stay apart. `rgb` is per triangle. */
@@ -54,9 +54,9 @@ enum lod_hint lod_name_hint(const char *name);
 
 /* ---- Flowers (organ_flower.c) ---- */
 
-/* Flowers among the foliage, by colour (Deussen 2002, 4.3): pink, violet, blue; pale and warm colours that stand
- * out against green, unless warm ones are the majority and alike (autumn). Large components are none. A name
- * breaks the tie.
+/* Flowers among the foliage, by colour (Deussen 2002, 4.3): pink, violet, blue; pale and warm colours that
+ * stand out against green, unless warm ones are the majority and alike (autumn). Large components are none. A
+ * name breaks the tie.
  *
  * Turns foliage into flowers in `organ`; arrays are per component, `fixed` ones stay. `extent`: the plant's
  * largest. */

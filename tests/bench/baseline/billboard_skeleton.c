@@ -53,10 +53,10 @@ static struct lod_v3 corner_at(const struct skeleton *s, uint32_t corner)
 
 /* ---- The tree of components ----
  *
- * Each component hangs on the nearest that is larger. One corner of a component stands for all its corners in a
- * cell; what finds no larger one in the cells around its own looks in cells twice as wide, and so on. Nearness
- * counts in half cells, and among the equally near the largest bears: a leaf hangs on its twig and not on the
- * leaf beside it. */
+ * Each component hangs on the nearest that is larger. One corner of a component stands for all its corners in
+ * a cell; what finds no larger one in the cells around its own looks in cells twice as wide, and so on.
+ * Nearness counts in half cells, and among the equally near the largest bears: a leaf hangs on its twig and
+ * not on the leaf beside it. */
 
 struct rep { uint32_t corner, component; };
 struct cells {

@@ -88,9 +88,9 @@ void paper_frame_free(struct paper_frame *frame);
 
 /* A rule at one value of its only parameter makes cuts; false as paper_open. */
 typedef bool paper_rule(struct paper *p, double x, void *ctx);
-/* Draws the plan of a rule with so many samples a pixel and soft counts; 0: one, and no counts. *x is its parameter; 0: the value with most
- * vertices within the budget, which *x becomes. It is searched in proportion; nothing is drawn if all are too
- * many. */
+/* Draws the plan of a rule with so many samples a pixel and soft counts; 0: one, and no counts. *x is its
+ * parameter; 0: the value with most vertices within the budget, which *x becomes. It is searched in
+ * proportion; nothing is drawn if all are too many. */
 void paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule, void *ctx,
 	double *x, uint32_t samples, struct paper_frame *frame);
 
@@ -218,8 +218,8 @@ uint32_t lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct l
 	const struct lod_lee_view *view, uint32_t budget, struct lod_arena *arena);
 
 /* On whole scenes the three orders choose among the cells of each plant, for a budget of leaves that Cook's
- * lambda gives each plant. A cell keeps the first leaves of its list, scaled as Cook's are. A plant with a budget
- * of so few leaves that most cells would be empty draws the first leaves of the whole. */
+ * lambda gives each plant. A cell keeps the first leaves of its list, scaled as Cook's are. A plant with a
+ * budget of so few leaves that most cells would be empty draws the first leaves of the whole. */
 extern const char *const paper_lee_names[LOD_LEE_COUNT];
 
 struct paper_lee_plant;

@@ -7,8 +7,8 @@
  * as all other methods here are, without textures, and by sectors that each have a level by how they face the
  * eye. Wood is drawn whole.
  *
- * The leaves of a crown and behind them the quads of all sectors are one foliage: a level is drawn as any other
- * choice of elements is (lod/build/foliage.h). */
+ * The leaves of a crown and behind them the quads of all sectors are one foliage: a level is drawn as any
+ * other choice of elements is (lod/build/foliage.h). */
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* Scenes for cases at the edge of what numbers can say: real plants, built once, packed into a scene that stands anywhere,
- * served and drawn in this process.
+/* Scenes for cases at the edge of what numbers can say: real plants, built once, packed into a scene that
+ * stands anywhere, served and drawn in this process.
  *
  *   stand = extreme_stand()                          a tree, a bush and grass, 60 of them in four tiles with
  *                                                    a summary above

@@ -1,7 +1,7 @@
-/* Ours at the quality of Cook's rule, in drawn frames (Neubert 2011): 5,000 trees (figure 12) and the path through
- * 1,276 trees (section 5, table 2). Cook's rule, with the correction for depth complexity, on a pack of the
- * stochastic order draws a frame; ours is planned for fewer and fewer vertices until its Q would fall below that.
- * All of a frame counts, wood and splats alike, and what plants hide of each other. */
+/* Ours at the quality of Cook's rule, in drawn frames (Neubert 2011): 5,000 trees (figure 12) and the path
+ * through 1,276 trees (section 5, table 2). Cook's rule, with the correction for depth complexity, on a pack
+ * of the stochastic order draws a frame; ours is planned for fewer and fewer vertices until its Q would fall
+ * below that. All of a frame counts, wood and splats alike, and what plants hide of each other. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

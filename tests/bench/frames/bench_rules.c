@@ -1,6 +1,6 @@
-/* The papers' rules on whole scenes, drawn, beside ours at as many vertices: Deussen 2002 as printed, with his lists
- * and with ours; Cook's 1 / lambda plain and corrected; Neubert's lambda_opt, with and without occlusion; Lee's orders
- * of cells. */
+/* The papers' rules on whole scenes, drawn, beside ours at as many vertices: Deussen 2002 as printed, with
+ * his lists and with ours; Cook's 1 / lambda plain and corrected; Neubert's lambda_opt, with and without
+ * occlusion; Lee's orders of cells. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

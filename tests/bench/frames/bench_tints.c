@@ -1,6 +1,7 @@
-/* Colour variation (Neubert 2011, section 5). Figure 9: an oak in three cases of colour, large regions, a gradation
- * and few red leaves, drawn with ever fewer vertices. Figure 10: as many trees as the paper's path has, each with one of
- * ten tints; the measure is the share of trees whose mean colour is nearest to that of their class in full detail. */
+/* Colour variation (Neubert 2011, section 5). Figure 9: an oak in three cases of colour, large regions, a
+ * gradation and few red leaves, drawn with ever fewer vertices. Figure 10: as many trees as the paper's path
+ * has, each with one of ten tints; the measure is the share of trees whose mean colour is nearest to that of
+ * their class in full detail. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,9 +6,9 @@
  *   each method: the least lambda whose Q, at the scale that its table has, is no less
  *
  * lambda counts vertices of the foliage as the client draws them, 3 a triangle; wood is drawn whole by all
- * orders and not counted. Packs draw as much wood as their planner chooses; vertices of splats and impostors, which
- * show wood too, all count. A method's table has the scale that is best on one set of views and the Q of that on
- * another; between lambdas both are interpolated, as a client does. */
+ * orders and not counted. Packs draw as much wood as their planner chooses; vertices of splats and impostors,
+ * which show wood too, all count. A method's table has the scale that is best on one set of views and the Q
+ * of that on another; between lambdas both are interpolated, as a client does. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -9,8 +9,8 @@
 #define BENCH_SHARES 6u
 extern const double bench_shares[BENCH_SHARES];          /* of all vertices: .02 to .5 */
 
-/* PLAIN: our order, made for leaves, without its growth codes; GREEDY: with them; PACK: a pack of the plant as
- * the planner draws it, with its forms, splats and impostor. */
+/* PLAIN: our order, made for leaves, without its growth codes; GREEDY: with them; PACK: a pack of the plant
+ * as the planner draws it, with its forms, splats and impostor. */
 enum bench_order { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION_SMALL, BENCH_ORIENTATION_NOISY,
 	BENCH_COMBINED_SMALL, BENCH_COMBINED_NOISY, BENCH_PLAIN, BENCH_GREEDY, BENCH_PACK,
 	BENCH_ORDERS };

@@ -63,8 +63,8 @@ static void draw_cloud(const void *cloud, const struct lod_eye *eye, struct lod_
 
 /* ---- Clouds by cap ---- */
 
-/* One view of a cloud in its mean colours. The panel after the last cloud compares (figure 3): light grey where
- * both are, grey where the cloud is missing, black where only that is. */
+/* One view of a cloud in its mean colours. The panel after the last cloud compares (figure 3): light grey
+ * where both are, grey where the cloud is missing, black where only that is. */
 static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint8_t *picture, uint32_t panel)
 {
 	struct lod_raster ids;
