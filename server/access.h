@@ -51,8 +51,8 @@ struct srv_sources;
 enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
 	const struct srv_sources *sources, const struct srv_store *before, struct eco_error *error);
 
-/* `scene` "": the operator's resources. `authorization`: the header's value, or NULL. The operator's token opens
- * every scene. True if there is no token to have. */
+/* `scene` "": the operator's resources. `authorization`: the header's value, or NULL. The operator's token
+ * opens every scene. True if there is no token to have. */
 bool srv_access_scene(const struct srv_access *access, const char *scene, const char *authorization);
 bool srv_access_is_private(const struct srv_access *access, const char *scene);
 bool srv_access_has_private(const struct srv_access *access);    /* any scene */

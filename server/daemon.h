@@ -21,8 +21,8 @@
 #include "server/request/address.h"
 #include "server/store.h"
 
-/* The socket that takes connections: opened here, or handed over by systemd, which keeps it while the server is
- * started again; before the server gives up its privileges, as ports below 1024 need some. */
+/* The socket that takes connections: opened here, or handed over by systemd, which keeps it while the server
+ * is started again; before the server gives up its privileges, as ports below 1024 need some. */
 #define SRV_LISTEN_DEFAULT "127.0.0.1:8080"
 
 struct srv_endpoint {

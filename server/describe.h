@@ -21,10 +21,10 @@ uint32_t srv_plants_list(const struct srv_scene *scene, const char *text);
  * query->first; ECO_DAMAGED: a block is. */
 enum eco_code srv_describe_plants(struct srv_json *json, const struct srv_scene *scene, uint32_t list,
 	const struct srv_plants_query *query, struct eco_error *error);
-/* Plants whose species, name in the pack or cells have the text, or whose row it is, of places [query->first, ...) in their
- * order; reads at most SRV_FIND_BLOCKS blocks, and says where to go on. Those of nested files once. `known`: enum lod_places
- * per group, NULL: all are known; ECO_INTERRUPTED: others are marked, and it is to be asked for again once they are.
- * ECO_BAD_INPUT: the scene ends before query->first. */
+/* Plants whose species, name in the pack or cells have the text, or whose row it is, of places [query->first,
+ * ...) in their order; reads at most SRV_FIND_BLOCKS blocks, and says where to go on. Those of nested files
+ * once. `known`: enum lod_places per group, NULL: all are known; ECO_INTERRUPTED: others are marked, and it
+ * is to be asked for again once they are. ECO_BAD_INPUT: the scene ends before query->first. */
 enum eco_code srv_describe_found(struct srv_json *json, const struct srv_scene *scene, uint8_t *known,
 	const struct srv_find_query *query, struct eco_error *error);
 /* Species that each plant stands for, by the pack's META; a plant without any stands for the species of its name. */

@@ -303,8 +303,8 @@ static bool is_octets(const char *type)
 		&& strchr(" \t;", type[sizeof octets - 1]);
 }
 
-/* Answers the worst problem of the head alone: target first, then route and method. Without a body the latter two
- * wait for answer_request, which keeps the connection. False: there is none. */
+/* Answers the worst problem of the head alone: target first, then route and method. Without a body the latter
+ * two wait for answer_request, which keeps the connection. False: there is none. */
 static bool refuse_head(struct srv_exchange *exchange, bool takes_body)
 {
 	unsigned long long length = exchange->length, most = exchange->daemon->config.body_max;
@@ -353,8 +353,8 @@ static bool grow_body(struct srv_exchange *exchange, size_t size)
 	return true;
 }
 
-/* The head is complete: either the request goes on, or it is refused, and the connection closes, since a body may
- * follow. */
+/* The head is complete: either the request goes on, or it is refused, and the connection closes, since a body
+ * may follow. */
 static bool handle_head(struct srv_exchange *exchange, const char *method)
 {
 	struct srv_daemon *daemon = exchange->daemon;

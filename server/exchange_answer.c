@@ -285,8 +285,8 @@ static enum eco_code describe(struct srv_exchange *exchange, const struct srv_st
 		: eco_fail(error, code, "the plan could not be written; ask again in a moment");
 }
 
-/* A small body is kept in one piece, and sent from there. Answers that follow from other requests than GET and
- * HEAD have no tag, and are not kept. */
+/* A small body is kept in one piece, and sent from there. Answers that follow from other requests than GET
+ * and HEAD have no tag, and are not kept. */
 static void answer_body(struct srv_exchange *exchange, struct srv_body *body)
 {
 	struct srv_kept_body *kept = exchange->etag[0] ? srv_kept_body_make(body->size_bytes) : NULL;

@@ -55,9 +55,8 @@ void srv_trace_capture(struct eco_writer *to);
 bool srv_trace_on(enum srv_trace_bit bit);
 void srv_trace(enum srv_trace_bit bit, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* ---- Metrics ----
- * Counters for Prometheus: a table of counters with a sentence each, requests by route and status, and how long
- * plans took. Adding is one atomic addition; any thread. */
+/* ---- Metrics ---- Counters for Prometheus: a table of counters with a sentence each, requests by route and
+ * status, and how long plans took. Adding is one atomic addition; any thread. */
 
 #define SRV_COUNTERS(X) \
 	X(PLANS, "plans_total", "Plans that were made.") \

@@ -1,5 +1,5 @@
-/* A tree by tag, and a ring from the latest asked for to the one to go first. The mutex guards both; no body is
- * copied under it. */
+/* A tree by tag, and a ring from the latest asked for to the one to go first. The mutex guards both; no body
+ * is copied under it. */
 #include "server/exchange.h"
 
 #include <pthread.h>

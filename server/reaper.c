@@ -292,8 +292,8 @@ static bool goes_before(const struct srv_lease *lease, const struct srv_lease *o
 		: lease->since_us < other->since_us);
 }
 
-/* The connection that goes first: one that holds some of this, of a holder (NULL: of any), at most in phase `last`
- * of those in which they give way, and there since before `since_us`. */
+/* The connection that goes first: one that holds some of this, of a holder (NULL: of any), at most in phase
+ * `last` of those in which they give way, and there since before `since_us`. */
 static struct srv_lease *first_to_go(struct srv_reaper *reaper, enum srv_held what, const struct srv_holder *holder,
 	enum srv_wait last, uint64_t since_us)
 {

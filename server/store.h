@@ -35,9 +35,9 @@
 /* The identity of a file. */
 struct srv_file { char *path; uint64_t device, number, size_bytes; int64_t modified_s, modified_ns; };
 
-/* The first view of a scene: a box in metres, in the scene's coordinates. A picture of all trees of a city is a
- * haze of dots, and its middle may be a river; therefore the first view of a wide scene is a place with many
- * plants. */
+/* The first view of a scene: a box in metres, in the scene's coordinates. A picture of all trees of a city is
+ * a haze of dots, and its middle may be a river; therefore the first view of a wide scene is a place with
+ * many plants. */
 struct srv_outlook { double low[3], high[3]; };
 
 struct srv_scene {

@@ -11,14 +11,14 @@
  * about the best picture for its bytes. Their ground takes at most a quarter of their bytes, and goes first,
  * coarse to fine.
  *
- * First picture. Bytes leave no room for what coarser answers send and the answer does not use. So a client that
- * holds nothing gets a picture within SRV_FIRST_BYTES, one window of TCP, and the answer is planned for one that
- * holds this picture's chunks.
+ * First picture. Bytes leave no room for what coarser answers send and the answer does not use. So a client
+ * that holds nothing gets a picture within SRV_FIRST_BYTES, one window of TCP, and the answer is planned for
+ * one that holds this picture's chunks.
  *
- * Byte budget. It bounds the whole body, END included. The planner spends it, ground included, and knows what a body
- * takes (ecofiles/format/wire_body.h). If not even a plan that draws nothing on the coarsest ground fits, `fits` is
- * false: 204. Bytes that are left go to chunks that the answer would need without the budget, of those lists first
- * that lack least, if it draws anything.
+ * Byte budget. It bounds the whole body, END included. The planner spends it, ground included, and knows what
+ * a body takes (ecofiles/format/wire_body.h). If not even a plan that draws nothing on the coarsest ground
+ * fits, `fits` is false: 204. Bytes that are left go to chunks that the answer would need without the budget,
+ * of those lists first that lack least, if it draws anything.
  *
  * Next view. Chunks that its plan lacks follow the answer within the same bytes.
  *
@@ -105,8 +105,8 @@ enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco
 
 /* ---- Between stream.c and stream_after.c ---- */
 
-/* Plans a first picture and the answer behind it. No steps, and `stream` is as it was but for its work: they do not
- * fit together. */
+/* Plans a first picture and the answer behind it. No steps, and `stream` is as it was but for its work: they
+ * do not fit together. */
 enum eco_code srv_plan_first(struct srv_stream *stream, struct eco_error *error);
 /* Plans the next view as an answer of its own to a client that holds all of this one; within its bytes. */
 enum eco_code srv_plan_next(struct srv_stream *stream, struct eco_error *error);

@@ -1,5 +1,5 @@
-/* Parts of an answer that are answers of their own: the first picture, and chunks that the next view lacks. And more
- * lists for bytes that are left. */
+/* Parts of an answer that are answers of their own: the first picture, and chunks that the next view lacks.
+ * And more lists for bytes that are left. */
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/order.h"
 #include "ecofiles/format/wire.h"

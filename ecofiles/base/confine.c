@@ -189,8 +189,8 @@ static const struct { int call; unsigned argument; uint64_t mask, value; } rules
 	{ CALL(ioctl), 1, UINT32_MAX, TIOCSTI },
 };
 
-/* Signals go only to oneself; limits may be read but not changed. Calls with arguments behind a pointer, which the
- * filter cannot see, do not exist: the C library falls back on older ones. */
+/* Signals go only to oneself; limits may be read but not changed. Calls with arguments behind a pointer,
+ * which the filter cannot see, do not exist: the C library falls back on older ones. */
 static int refuse_others(scmp_filter_ctx filter)
 {
 	const uint32_t refuse = SCMP_ACT_ERRNO(EPERM), absent = SCMP_ACT_ERRNO(ENOSYS);

@@ -9,8 +9,8 @@
 #include "ecofiles/base/status.h"
 
 /* Outputs are written beside their place, as PATH.tmp-PID, and renamed when they are whole. A process that is
- * killed leaves one; the next that writes the same file removes it, unless a process still writes it: the writer
- * holds the lock of its file, which the system lets go of however the process dies. */
+ * killed leaves one; the next that writes the same file removes it, unless a process still writes it: the
+ * writer holds the lock of its file, which the system lets go of however the process dies. */
 
 /* Whether `name` is that of an unfinished file of `of`: "OF.tmp-4711". */
 bool eco_unfinished_is(const char *name, const char *of);
@@ -29,8 +29,8 @@ void eco_folder_remove(const char *path);
 /* Writes path.tmp-PID, then renames it: a file that appears complete or not at all. */
 enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error);
 
-/* Reads a whole file, or a pipe, of at most `most` bytes, followed by a 0 that *size does not count. *bytes is
- * malloc'ed; NULL on failure. */
+/* Reads a whole file, or a pipe, of at most `most` bytes, followed by a 0 that *size does not count. *bytes
+ * is malloc'ed; NULL on failure. */
 enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
 	struct eco_error *error);
 

@@ -305,8 +305,8 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 
 /* ---- The parent ---- */
 
-/* Waits until there is something to read or the other end is closed; ends the child when it is interrupted, or
- * at the clock's limit. */
+/* Waits until there is something to read or the other end is closed; ends the child when it is interrupted,
+ * or at the clock's limit. */
 static void await(struct eco_guard *g, int descriptor)
 {
 	struct pollfd poll_for = { .fd = descriptor, .events = POLLIN };

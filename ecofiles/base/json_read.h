@@ -77,8 +77,7 @@ bool eco_json_is_text(const struct eco_json *at, size_t bytes_max);
  *
  *   eco_json_watch();                                    first of all in main
  *   ... json_object_set_new(...) ... text = json_dumps(...);
- *   if (!text || eco_json_lost()) fail: no memory
- */
+ *   if (!text || eco_json_lost()) fail: no memory */
 
 /* Before any other thread is there. For programs, not for libraries: there is one allocator for all of a
  * process. */

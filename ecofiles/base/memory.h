@@ -14,8 +14,9 @@ _Noreturn void eco_end(const char *why);
 /* Removes unfinished outputs: called by eco_end with `ctx`. One at a time; NULL: nothing is to be removed. */
 void eco_at_end(void (*undo)(void *ctx), void *ctx);
 
-/* Calls steps(ctx) up to the first eco_stop, or eco_check that is not of ECO_OK, in this thread; returns its code.
- * Memory that functions hold then is lost, as the program ends soon. Calls may nest; each stops the innermost. */
+/* Calls steps(ctx) up to the first eco_stop, or eco_check that is not of ECO_OK, in this thread; returns its
+ * code. Memory that functions hold then is lost, as the program ends soon. Calls may nest; each stops the
+ * innermost. */
 enum eco_code eco_try(void (*steps)(void *ctx), void *ctx, struct eco_error *error);
 /* As eco_fail, with the error of eco_try. */
 _Noreturn void eco_stop(enum eco_code code, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -1,5 +1,5 @@
-/* Progress of a long run on standard error, shared by all threads: on a terminal a bar, redrawn at most ten times a
- * second; elsewhere lines at least four seconds apart, none equal to the one before.
+/* Progress of a long run on standard error, shared by all threads: on a terminal a bar, redrawn at most ten
+ * times a second; elsewhere lines at least four seconds apart, none equal to the one before.
  *
  *   eco_progress_begin("ecopack");
  *   eco_progress("reading models", path, 0.3);

@@ -56,12 +56,12 @@ uint32_t eco_range_tree(struct eco_range *range, struct eco_bit *models, unsigne
 /* The first `modelled` of `bits` (0..32) bits as eco_range_tree, the others raw. */
 uint32_t eco_range_field(struct eco_range *range, struct eco_bit *models, unsigned modelled, unsigned bits,
 	uint32_t value);
-/* Writing that is counted: the value as that function, with 0, `step`, 2 `step`, ... (count - 1) `step` bits modelled, in
- * `count` coders, whose models are the same. */
+/* Writing that is counted: the value as that function, with 0, `step`, 2 `step`, ... (count - 1) `step` bits
+ * modelled, in `count` coders, whose models are the same. */
 void eco_range_fields(struct eco_range *ranges, uint32_t count, unsigned step, struct eco_bit *models, unsigned bits,
 	uint32_t value);
-/* A count of at most `most` in unary, each step with a model of its own, those from the last of `steps` models on
- * with that one. */
+/* A count of at most `most` in unary, each step with a model of its own, those from the last of `steps`
+ * models on with that one. */
 uint32_t eco_range_unary(struct eco_range *range, struct eco_bit *models, uint32_t steps, uint32_t most,
 	uint32_t value);
 /* Any number: how many bits it has, as a tree of `tree_bits`, then those below the highest, raw. */

@@ -32,8 +32,8 @@ size_t eco_utf8_cut(const char *text, size_t size, size_t most);
 
 /* ---- Parts of sentences for messages, in bounded texts ---- */
 
-/* Appends a name to a list, after ", " if it is not the first. Names that do not fit are counted at its end: "oak, ash
- * and 12 more". `list` has `size` bytes, at least 32, and begins as "". */
+/* Appends a name to a list, after ", " if it is not the first. Names that do not fit are counted at its end:
+ * "oak, ash and 12 more". `list` has `size` bytes, at least 32, and begins as "". */
 void eco_phrase_add(char *list, size_t size, const char *name);
 
 /* Ends a text of `size` bytes after a whole word, with " ...", if it lost bytes: `wanted` is what vsnprintf returned. */

@@ -1,5 +1,5 @@
-/* Inside ecocairo.so, which draws the map of `ecopack map`: the picture and its legend (cairo_map.c); the ground
- * and plants, and shapes and texts on a canvas of cairo (cairo_land.c).
+/* Inside ecocairo.so, which draws the map of `ecopack map`: the picture and its legend (cairo_map.c); the
+ * ground and plants, and shapes and texts on a canvas of cairo (cairo_land.c).
  *
  * Texts are the same everywhere: DejaVu Sans, without hinting, smoothed in gray. */
 #pragma once

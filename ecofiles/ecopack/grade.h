@@ -1,6 +1,6 @@
-/* Foliage in colors that no leaf has. Leaves reflect 5 to 15 % of visible light, and let half as much through;
- * light takes a model's color for both (client-min/draw/view_light.glsl). Models for pictures of single plants
- * are often pastel, or of twice or four times that light, and then glare beside others. */
+/* Foliage in colors that no leaf has. Leaves reflect 5 to 15 % of visible light, and let half as much
+ * through; light takes a model's color for both (client-min/draw/view_light.glsl). Models for pictures of
+ * single plants are often pastel, or of twice or four times that light, and then glare beside others. */
 #pragma once
 
 #include "ecofiles/format/model.h"

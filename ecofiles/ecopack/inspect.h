@@ -23,7 +23,7 @@ enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts 
 
 /* A line for each of these facts that there is; `keys` are separated by spaces. */
 void inspect_lines(FILE *out, const json_t *facts, const char *keys);
-/* A table of at most INSPECT_ROWS records: of an array, or of an object, whose keys come first under `title`. No
- * records, no table. */
+/* A table of at most INSPECT_ROWS records: of an array, or of an object, whose keys come first under `title`.
+ * No records, no table. */
 #define INSPECT_ROWS 40u
 void inspect_table(FILE *out, const char *title, const json_t *records, const char *keys);

@@ -81,8 +81,8 @@ struct make_plant {              /* a model on its way into the pack */
 	double foot[3], scale;       /* as the model was re-based (struct eco_model) */
 };
 
-/* species: of m->species; file: of the source's inventories, from 1 on, 0: of none; row, line: positions.h; cells:
- * of m->cells, from 1 on, 0: none */
+/* species: of m->species; file: of the source's inventories, from 1 on, 0: of none; row, line: positions.h;
+ * cells: of m->cells, from 1 on, 0: none */
 struct make_place {
 	double at[3], scale;
 	uint32_t plant, species, file, row, line, cells;
@@ -242,8 +242,8 @@ void make_inventory_free(struct make *m);
 void make_species_say(const struct make *m, json_t *plants);
 /* Names META's "columns", if there are any: those of the rows' cells. */
 void make_columns_say(const struct make *m, json_t *meta);
-/* Adds a class of plants to META's "tints": [{"column", "classes": [{"name", "color": "#rrggbb" or null, "plants"}]}].
- * A nested file counts once. */
+/* Adds a class of plants to META's "tints": [{"column", "classes": [{"name", "color": "#rrggbb" or null,
+ * "plants"}]}]. A nested file counts once. */
 void make_tint_say(json_t *meta, const char *column, const char *name, json_t *color, uint64_t plants);
 /* META's "ground": where it comes from. */
 #define MAKE_GROUND_THROUGH "plants"
@@ -252,8 +252,8 @@ json_t *make_meta(const struct make *m);
 /* Names the scene, finds its near plane and commits the pack. Frees meta. */
 void make_commit(struct make *m, json_t *meta);
 
-/* Textures of a pack belong to no plant: models that show one image, at whatever size, share its lists, and
- * a stream sends them once. Levels halve from the image (lod/build/texture.h): fewer levels are the first ones
+/* Textures of a pack belong to no plant: models that show one image, at whatever size, share its lists, and a
+ * stream sends them once. Levels halve from the image (lod/build/texture.h): fewer levels are the first ones
  * of more, and the most that a plant needs serve all. */
 struct make_texture {
 	uint32_t count;              /* of levels */

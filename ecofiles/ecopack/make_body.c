@@ -1,5 +1,5 @@
-/* The sizes of a built plant: its bounds, how wide its crown is, and where that begins. Splats stand around the bounds, and
- * may lie a little beyond. */
+/* The sizes of a built plant: its bounds, how wide its crown is, and where that begins. Splats stand around
+ * the bounds, and may lie a little beyond. */
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>

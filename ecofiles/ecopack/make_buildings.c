@@ -1,6 +1,6 @@
-/* Footprints of the scene files, put on the ground and gathered in blocks: leaves of a quadtree over their corners. A block
- * is a plant of the pack with one instance. One for each building would be as many curves and ladders as buildings; one for
- * a quarter would hide all behind it or nothing. */
+/* Footprints of the scene files, put on the ground and gathered in blocks: leaves of a quadtree over their
+ * corners. A block is a plant of the pack with one instance. One for each building would be as many curves
+ * and ladders as buildings; one for a quarter would hide all behind it or nothing. */
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>

@@ -14,8 +14,8 @@
 #include "lod/build/texture.h"
 #include "lod/ground_choice.h"
 
-/* Steps of heights that are not whole are a centimetre, or a part of the relief where that is less; but no finer
- * than light can show: a step of 1/256 of a cell changes a slope by 1/256, and colours have 255 values
+/* Steps of heights that are not whole are a centimetre, or a part of the relief where that is less; but no
+ * finer than light can show: a step of 1/256 of a cell changes a slope by 1/256, and colours have 255 values
  * (lod/EXPERIMENTS.md, Smaller tiles of ground). */
 #define HEIGHT_STEP_M 0.01
 #define RELIEF_STEPS 1024

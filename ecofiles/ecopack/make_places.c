@@ -65,8 +65,8 @@ static double scale_for(const struct make *m, uint32_t plant, double scale, doub
 	return isnan(height_m) ? scale : scale * height_m / m->plants[plant].built.plant.height_m;
 }
 
-/* A place's species: as its row states it, else (NULL: no row, or no column for it) as the scene file names the
- * plant. */
+/* A place's species: as its row states it, else (NULL: no row, or no column for it) as the scene file names
+ * the plant. */
 static uint32_t species_of(struct make *m, uint32_t source, uint32_t plant, const char *stated)
 {
 	return eco_string_number(&m->species, !stated || m->options->no_rows ? m->sources.items[source].plants[plant].name
@@ -80,8 +80,8 @@ static bool is_of_library(const struct make *m, uint32_t source, uint32_t plant)
 
 static double times(double a, double b) { return fmax(a / b, b / a); }
 
-/* The size of a library's plant with the nearest height and, where radius_m is known, proportions, in the individual that
- * the hash took. */
+/* The size of a library's plant with the nearest height and, where radius_m is known, proportions, in the
+ * individual that the hash took. */
 static uint32_t fitting_size(const struct make *m, uint32_t source, uint32_t plant, double height_m, double radius_m)
 {
 	const struct eco_source_plant *plants = m->sources.items[source].plants;
@@ -132,8 +132,8 @@ static uint32_t count_base(struct make *m, uint32_t source, const struct eco_pos
 	return plant;
 }
 
-/* The variant with the nearest proportions: width by height where both are measured, and where the crown begins. A base
- * that is off by half of the height counts as a width that is off by a factor of 2. */
+/* The variant with the nearest proportions: width by height where both are measured, and where the crown
+ * begins. A base that is off by half of the height counts as a width that is off by a factor of 2. */
 static uint32_t fitting_variant(struct make *m, uint32_t source, const struct eco_position *row)
 {
 	uint32_t best = row->plant;

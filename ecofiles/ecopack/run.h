@@ -13,8 +13,8 @@
 
 /* As progress.h, for the program ecopack. */
 
-/* After this Ctrl-C and SIGTERM end the program at the next call of main_progress, and a file beyond the user's
- * size limit is a failed write: so nothing half written stays. */
+/* After this Ctrl-C and SIGTERM end the program at the next call of main_progress, and a file beyond the
+ * user's size limit is a failed write: so nothing half written stays. */
 void main_catch_interrupts(void);
 
 void main_progress(const char *stage, const char *detail, double share);
@@ -65,8 +65,8 @@ void main_times_total(double *elapsed_s, double *most_mb);
 
 #define MAIN_THREADS_MAX 64u
 
-/* Does pieces 0 to count - 1 in so many threads (0: one), the caller's among them, each of which draws `run` of
- * them at once. The others are in the caller's stage. */
+/* Does pieces 0 to count - 1 in so many threads (0: one), the caller's among them, each of which draws `run`
+ * of them at once. The others are in the caller's stage. */
 struct main_each { uint32_t threads, count, run; void (*piece)(void *ctx, uint32_t i); void *ctx; };
 void main_each(const struct main_each *what);
 

@@ -50,8 +50,8 @@ enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_
  *
  * A tile is a square of ECO_GROUND_IMAGE_SIDE texels a side, rows from the north, and a list of kind
  * GROUND_IMAGE: its levels are those of a texture (texture.h), smallest first, each half as wide as the next.
- * A coarse prefix is therefore a mip level, and what came for a distant view is filtered with in a near one. A
- * tile's children are its quarters, each with as many texels, half as wide.
+ * A coarse prefix is therefore a mip level, and what came for a distant view is filtered with in a near one.
+ * A tile's children are its quarters, each with as many texels, half as wide.
  *
  * The list's grid says where it lies: grid_origin is the south-west corner of the tile (scene space, z 0),
  * grid_step the width of a texel of the last level. A cut says how many levels of a tile are shown. The tiles

@@ -1,5 +1,6 @@
-/* Chooses a picture's reader by its first bytes. libpng and libjpeg report errors by a function that must not return: it
- * leaves by longjmp, and everything that must be freed lives in one struct, outside the frame that is left. */
+/* Chooses a picture's reader by its first bytes. libpng and libjpeg report errors by a function that must not
+ * return: it leaves by longjmp, and everything that must be freed lives in one struct, outside the frame that
+ * is left. */
 #include "ecofiles/format/image.h"
 
 #include <assert.h>
@@ -109,8 +110,8 @@ static void read_pixels(struct coding *c)
 	c->rgba = NULL;
 }
 
-/* As eco_image_read_memory: palettes and gray are converted, 16 bits are rounded, interlacing is allowed; gamma and
- * profiles are ignored. A file that is cut off or damaged anywhere is refused. */
+/* As eco_image_read_memory: palettes and gray are converted, 16 bits are rounded, interlacing is allowed;
+ * gamma and profiles are ignored. A file that is cut off or damaged anywhere is refused. */
 static enum eco_code png_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes,
 	const char *name, struct eco_error *error)
 {

@@ -43,7 +43,7 @@ enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, s
  * each child process that reads a model.
  *
  * A gray or a colour JPEG as RGBA. False, and an empty image: the bytes end before the picture (*cut_off), or
- * another reader must try, or say what is wrong, as the file has inks (CMYK) or samples of 12 bits, is damaged
- * anywhere, or has more than ECO_PIXELS_MAX pixels. A file that lacks only the mark of its end is
+ * another reader must try, or say what is wrong, as the file has inks (CMYK) or samples of 12 bits, is
+ * damaged anywhere, or has more than ECO_PIXELS_MAX pixels. A file that lacks only the mark of its end is
  * whole, and so is a progressive one without its last scans. */
 bool eco_jpeg_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes, bool *cut_off);

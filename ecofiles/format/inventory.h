@@ -7,10 +7,10 @@
  *   eco_inventory_at(&block, pack, place, &row, &error);     of a place of section PLACES; of the next, ...
  *   eco_inventory_free(&block);
  *
- * Nothing that is drawn needs it, so no stream has it: a server reads a block where somebody asks for a plant.
- * A pack keeps it as a list of kind INVENTORY, the last of all, its chunks too, so that the numbers of the others stay;
- * where nothing is to be said of any plant there is none. Chunk k is block k: places [4096 k, 4096 (k + 1)).
- * Each has names of its own and its own hash, so that damage ends where its block does.
+ * Nothing that is drawn needs it, so no stream has it: a server reads a block where somebody asks for a
+ * plant. A pack keeps it as a list of kind INVENTORY, the last of all, its chunks too, so that the numbers of
+ * the others stay; where nothing is to be said of any plant there is none. Chunk k is block k: places [4096
+ * k, 4096 (k + 1)). Each has names of its own and its own hash, so that damage ends where its block does.
  *
  *   varint  number of names, and 65536 more for each cell of a row
  *   names   u8 size, from 1 on, and as many bytes of UTF-8
@@ -18,8 +18,8 @@
  *   columns as chunk_columns.h says, of one row a place: species, file (0: NULL; i: name i - 1), row and line
  *           less row (0 and 0 where there is no file), then the cells (0: NULL; i: name i - 1)
  *
- * Cells are the row's values of the columns that META names, in their order; a pack has none unless somebody named
- * columns (`ecopack make --columns`). */
+ * Cells are the row's values of the columns that META names, in their order; a pack has none unless somebody
+ * named columns (`ecopack make --columns`). */
 #pragma once
 
 #include "ecofiles/format/pack.h"

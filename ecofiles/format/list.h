@@ -141,8 +141,8 @@ struct eco_elements {
 	                              * keeps the order of parts, not that within one. Decoders leave it NULL */
 };
 void eco_elements_free(struct eco_elements *elements);
-/* NULL, or what is wrong with decoded elements of a list: other attributes than its own, colours beyond its palette,
- * plants from plant_count on, codes that do not exist, an impossible turn, width or scale. */
+/* NULL, or what is wrong with decoded elements of a list: other attributes than its own, colours beyond its
+ * palette, plants from plant_count on, codes that do not exist, an impossible turn, width or scale. */
 const char *eco_elements_fault(const struct eco_elements *elements, const struct eco_list *list,
 	uint32_t plant_count);
 uint32_t eco_list_extra_count(const struct eco_list *list);

@@ -77,9 +77,10 @@ enum eco_ladder_flag {
 	ECO_LADDER_WHOLE = 8
 };
 
-/* Errors that are seen where a plant is so many pixels across as ECO_SEEN_PX says, in ECO_SEEN_UNIT of CIELAB a pixel
- * that the reference covers: distance of mean colours of blocks of 16 x 16 pixels, and of deviations of lightness within
- * them (lod/build/measure/seen.h). [0]: before plants that look alike; [1]: before ground and sky. */
+/* Errors that are seen where a plant is so many pixels across as ECO_SEEN_PX says, in ECO_SEEN_UNIT of CIELAB
+ * a pixel that the reference covers: distance of mean colours of blocks of 16 x 16 pixels, and of deviations
+ * of lightness within them (lod/build/measure/seen.h). [0]: before plants that look alike; [1]: before ground
+ * and sky. */
 #define ECO_SEEN_SIZES 3u
 #define ECO_SEEN_PX(size) (192u >> 2 * (size))
 #define ECO_SEEN_UNIT (1.0 / 256)
@@ -153,9 +154,9 @@ struct eco_plant {
 	uint32_t ladder_first, ladder_count;   /* whole-plant ladders before those of cells */
 	float area;                            /* m^2, all organs, a leaf counted once */
 	uint32_t triangles;                    /* full detail */
-	/* for leaves that are drawn on its splats and points (lod/leaf.h): their width as far as they are seen,
-	 * ECO_LEAF_UNIT_M, 0: none are drawn; and the deviation, over the mean, of the luminance of what a splat
-	 * stands for, 1/ECO_TONE_ONE */
+	/* for leaves that are drawn on its splats and points (lod/leaf.h): their width as far as they are
+	 * seen, ECO_LEAF_UNIT_M, 0: none are drawn; and the deviation, over the mean, of the luminance of
+	 * what a splat stands for, 1/ECO_TONE_ONE */
 	uint16_t leaf_width;
 	uint8_t leaf_tone;
 };
@@ -195,8 +196,8 @@ struct eco_place {
 	uint16_t turn;               /* yaw, 1/65536 turns */
 	uint32_t scale;              /* 1/65536 */
 	uint8_t width;               /* across: a code for eco_place_width; 0: as high */
-	/* 0: none, else a colour of its list's palette, and 1 more, which colours what does not keep its own (lod/tint.h);
-	 * 0, 0, 0 there is a class that stays as it is */
+	/* 0: none, else a colour of its list's palette, and 1 more, which colours what does not keep its own
+	 * (lod/tint.h); 0, 0, 0 there is a class that stays as it is */
 	uint8_t tint;
 };
 #define ECO_PLACE_BYTES 20u      /* i32 x 3, u16 turn, u8 width, u8 tint, u32 scale */
@@ -360,8 +361,8 @@ void eco_encoded_free(struct eco_encoded *encoded);
 struct eco_bytes { uint8_t *at; size_t size; };
 uint32_t eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
 	const struct eco_bytes *files, uint32_t file_count);
-/* Adds a list of another pack, with its payloads, after checking them: the code says what is wrong with these.
- * In `list` the references to other lists, tiles, plants and colours are those of the new pack. */
+/* Adds a list of another pack, with its payloads, after checking them: the code says what is wrong with
+ * these. In `list` the references to other lists, tiles, plants and colours are those of the new pack. */
 enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list,
 	const struct eco_pack *from, uint32_t from_list, uint32_t *list_id, struct eco_error *error);
 /* All elements of a list of points added before, decoded from the payloads written. */

@@ -1,9 +1,9 @@
-/* Writing a pack, all or nothing. Payloads are made first but lie last in the file, behind tables whose
- * size is known only at the end. So they are spooled to an unlinked file in the target's folder (memory
- * stays small, and a full disk is noticed early), and eco_pack_commit copies them behind
- * the tables. The target's name appears only by renaming a complete, synced file. A process that is killed
- * leaves its unfinished file; the next one that writes the same pack removes it. Programs that write packs run
- * once: without memory they end, and what cannot be written stops them (memory.h). */
+/* Writing a pack, all or nothing. Payloads are made first but lie last in the file, behind tables whose size
+ * is known only at the end. So they are spooled to an unlinked file in the target's folder (memory stays
+ * small, and a full disk is noticed early), and eco_pack_commit copies them behind the tables. The target's
+ * name appears only by renaming a complete, synced file. A process that is killed leaves its unfinished file;
+ * the next one that writes the same pack removes it. Programs that write packs run once: without memory they
+ * end, and what cannot be written stops them (memory.h). */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>

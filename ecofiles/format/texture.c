@@ -142,8 +142,8 @@ enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_te
 		return eco_fail(error, ECO_UNSUPPORTED, "libwebp has another version than its headers");
 	WebPMemoryWriterInit(&memory);
 	config.method = part->channels == 4 ? EFFORT_ALPHA : EFFORT;
-	/* Noise moved to where texels are rough is error in pictures of plants, and a colour for four texels is fitted
-	 * to how they look (lod/EXPERIMENTS.md, Textures). */
+	/* Noise moved to where texels are rough is error in pictures of plants, and a colour for four texels
+	 * is fitted to how they look (lod/EXPERIMENTS.md, Textures). */
 	config.sns_strength = 0;
 	config.use_sharp_yuv = picture.use_argb = 1;
 	picture.width = (int)part->width;

@@ -33,8 +33,8 @@
  * alpha, once they are read), rows from the top. */
 struct eco_texture_part { uint32_t width, height, channels; uint8_t *texels; };
 void eco_texture_part_free(struct eco_texture_part *part);
-/* Adds the rows of a strip below those of `part`, which may be empty. ECO_DAMAGED: it is not as wide, has other
- * channels, or there are too many texels; *part is as it was. */
+/* Adds the rows of a strip below those of `part`, which may be empty. ECO_DAMAGED: it is not as wide, has
+ * other channels, or there are too many texels; *part is as it was. */
 enum eco_code eco_texture_part_add(struct eco_texture_part *part, const struct eco_texture_part *strip,
 	struct eco_error *error);
 
@@ -48,8 +48,8 @@ enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_te
 enum eco_code eco_texture_write_strips(struct eco_writer *w, const struct eco_texture_part *level,
 	struct eco_error *error);
 
-/* Decodes the payload of a chunk of a list of kind OUTLINE, IMAGE or GROUND_IMAGE, which alone may have alpha;
- * part->texels is malloc'ed. ECO_DAMAGED: *part is empty. */
+/* Decodes the payload of a chunk of a list of kind OUTLINE, IMAGE or GROUND_IMAGE, which alone may have
+ * alpha; part->texels is malloc'ed. ECO_DAMAGED: *part is empty. */
 enum eco_code eco_texture_read(struct eco_texture_part *part, enum eco_list_kind kind, const uint8_t *bytes,
 	size_t size, struct eco_error *error);
 

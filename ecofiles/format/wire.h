@@ -99,9 +99,9 @@ uint64_t eco_wire_plan_bytes(const struct eco_plan *plan);
 void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes);
 
 /* The nearest scale with 6 bits behind the leading one: a relative error of at most 1/128, which is 1/256 of
- * a length; other scales travel exactly. Pixels in sixteenths, from 0 to 1e14, and m16 in thousandths, from 0 to
- * 1000: no plan with others is written. All take few bits; a planner rounds them, so that client and planner use
- * the same. */
+ * a length; other scales travel exactly. Pixels in sixteenths, from 0 to 1e14, and m16 in thousandths, from 0
+ * to 1000: no plan with others is written. All take few bits; a planner rounds them, so that client and
+ * planner use the same. */
 float eco_wire_scale_round(float scale);
 double eco_wire_pixels_round(double pixels);
 double eco_wire_m16_round(double m16);

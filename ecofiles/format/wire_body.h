@@ -9,8 +9,8 @@
  *   ... body.bytes is exact; frames and payloads are the body ...
  *   eco_wire_body_free(&body);
  *
- * Without a pack the run is dry: it keeps no frame and looks at no payload. A payload that is sent is a reference into
- * the mapped pack, whose hash the caller has checked. */
+ * Without a pack the run is dry: it keeps no frame and looks at no payload. A payload that is sent is a
+ * reference into the mapped pack, whose hash the caller has checked. */
 #pragma once
 
 #include <stdatomic.h>

@@ -405,8 +405,8 @@ static enum eco_code read_frame(struct eco_wire_parser *p, struct eco_error *e)
 	return ECO_OK;
 }
 
-/* Takes bytes for the current frame's header or payload and reads the frame once it is whole. Memory grows with
- * the bytes that came: a header's length is not believed. */
+/* Takes bytes for the current frame's header or payload and reads the frame once it is whole. Memory grows
+ * with the bytes that came: a header's length is not believed. */
 static enum eco_code feed_some(struct eco_wire_parser *p, const uint8_t *bytes, size_t size, size_t *used,
 	struct eco_error *e)
 {

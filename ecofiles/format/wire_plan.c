@@ -1,8 +1,8 @@
 /* Plans on the wire: the layout stands in wire.h. One function a field writes and reads it, so that both ways
  * agree. A sorted plan repeats itself, so an item is told by what is expected of it: mostly the item before.
  *
- * A plan has one encoding: numbers are canonical, a field that is said differs from what is expected, and what
- * says nothing is constant. The rest is checked by eco_plan_check. */
+ * A plan has one encoding: numbers are canonical, a field that is said differs from what is expected, and
+ * what says nothing is constant. The rest is checked by eco_plan_check. */
 #include "ecofiles/format/wire.h"
 
 #include <math.h>

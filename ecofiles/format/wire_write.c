@@ -1,5 +1,5 @@
-/* The server's messages about a scene, except plans (wire_plan.c), and the client's holdings, which the server reads.
- * The scene has passed eco_scene_check. */
+/* The server's messages about a scene, except plans (wire_plan.c), and the client's holdings, which the
+ * server reads. The scene has passed eco_scene_check. */
 #define XXH_STATIC_LINKING_ONLY
 #include <xxhash.h>
 

@@ -31,10 +31,10 @@
 #define ECO_SOURCES_MAX 4096u
 #define ECO_TILE_INSTANCES 128u          /* default of "tile": {"instances": N} */
 
-/* A plant with several variants is several of these in a row, with one name: files, or sizes of a plant of the library,
- * each in all its individuals. An instance takes one of them, by a hash of its position in the file, and of the library
- * the size that is nearest to its own. References name the first variant; the records and
- * instances handed out name the one taken. */
+/* A plant with several variants is several of these in a row, with one name: files, or sizes of a plant of
+ * the library, each in all its individuals. An instance takes one of them, by a hash of its position in the
+ * file, and of the library the size that is nearest to its own. References name the first variant; the
+ * records and instances handed out name the one taken. */
 struct eco_source_plant {
 	char name[64];
 	/* paths of the files that make up one plant, resolved against the file that names them */
@@ -99,8 +99,8 @@ struct eco_sources {
 enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, struct eco_error *error);
 void eco_sources_free(struct eco_sources *sources);
 
-/* Parses one document from memory; `path` is its name in messages and the base of its relative paths. Looks for
- * the files that it names if it is `on_disk`; else touches no file. */
+/* Parses one document from memory; `path` is its name in messages and the base of its relative paths. Looks
+ * for the files that it names if it is `on_disk`; else touches no file. */
 enum eco_code eco_source_parse(struct eco_source *source, const char *json, size_t size, const char *path,
 	bool on_disk, struct eco_error *error);
 void eco_source_free(struct eco_source *source);

@@ -1,5 +1,5 @@
-/* "ground" of a scene file: the rasters, statements that the rasters lack or that replace theirs, its image: pictures, or
- * classes and their colours, and what is drawn on it. */
+/* "ground" of a scene file: the rasters, statements that the rasters lack or that replace theirs, its image:
+ * pictures, or classes and their colours, and what is drawn on it. */
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/order.h"
 #include "ecofiles/base/text.h"

@@ -47,8 +47,8 @@ void eco_scene_fields(const struct eco_source *source, const struct eco_json *at
 	void *to);
 void eco_scene_fields_free(const struct eco_field *fields, void *of);
 
-/* Reads one path, or an array of up to `most`; errors name `what`. When it stops, *paths holds the *count paths
- * read so far. */
+/* Reads one path, or an array of up to `most`; errors name `what`. When it stops, *paths holds the *count
+ * paths read so far. */
 void eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
 	size_t most, char ***paths, uint32_t *count);
 void eco_scene_paths_free(char **paths, uint32_t count);

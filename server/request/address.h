@@ -28,8 +28,8 @@ bool srv_address_same(const struct srv_address *a, const struct srv_address *b);
 struct srv_network { struct srv_address address; uint32_t bits; };       /* bits of 128 */
 struct srv_networks { struct srv_network items[SRV_NETWORKS_MAX]; uint32_t count; };
 
-/* A reader of options (struct eco_option) for a struct srv_networks: "ADDRESS[/BITS],..."; ECO_BAD_USAGE names
- * what is none. */
+/* A reader of options (struct eco_option) for a struct srv_networks: "ADDRESS[/BITS],..."; ECO_BAD_USAGE
+ * names what is none. */
 enum eco_code srv_networks_parse(const char *text, void *networks, struct eco_error *error);
 bool srv_networks_contain(const struct srv_networks *networks, const struct srv_address *address);
 /* The client behind `peer`. `forwarded`: the values of all X-Forwarded-For lines, in order, with commas

@@ -1,6 +1,6 @@
 /* The cache of finished plants: the pack is the same with and without it, damage is noticed and repaired, its
- * size is bounded, and a folder that cannot be used fails nothing. Drafts leave no trace in the pack that a later
- * make makes; what an interrupted make has finished is not made again. */
+ * size is bounded, and a folder that cannot be used fails nothing. Drafts leave no trace in the pack that a
+ * later make makes; what an interrupted make has finished is not made again. */
 #include <dirent.h>
 #include <signal.h>
 #include <stdio.h>

@@ -145,8 +145,8 @@ static void write_tree(const char *name, double reach, double base)
 #define SIXTEEN_SIDES 0.97450    /* of a disc's area */
 #define STAND 300
 
-/* A stand from the air: each crown covers as much as its diameter in the table says, whatever model it has; the rows that say
- * where crowns begin have the model where they do. */
+/* A stand from the air: each crown covers as much as its diameter in the table says, whatever model it has;
+ * the rows that say where crowns begin have the model where they do. */
 /* 120 boxes of 8 x 6 m on ground that rises by .1 to the east. */
 static void write_quarter(void)
 {

@@ -1,5 +1,5 @@
-/* More vertices look no worse, each plant alone with 1, 2, 4, ... vertices: a generated tree of cards and fields of
- * blades. */
+/* More vertices look no worse, each plant alone with 1, 2, 4, ... vertices: a generated tree of cards and
+ * fields of blades. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -159,8 +159,8 @@ UNIT_TEST(a_tree_of_cards_never_falls)
 	walk(ROOT "/cards.json", 1 + 3 + 12 + 48 + 192);
 }
 
-/* Blades that are thinner than a pixel: a picture that is off by a quarter of a pixel has a Q of .4 or .5, an impostor
- * with gaps by chance 0, though both look right. */
+/* Blades that are thinner than a pixel: a picture that is off by a quarter of a pixel has a Q of .4 or .5, an
+ * impostor with gaps by chance 0, though both look right. */
 UNIT_TEST(fields_of_blades_hold)
 {
 	static const struct field fields[] = { { "turf", 220, 1, 0.26, 0.75, 0.012, { 0.7, 0.2, 0.1 } },

@@ -168,8 +168,8 @@ UNIT_TEST(all_payloads_decode)
 	free(bytes);
 }
 
-/* The format: the committed file, which is also a seed of fuzz_pack, is what this version writes. WRITE_SEEDS=1
- * build/tests/test_pack writes it anew, once the format has changed. */
+/* The format: the committed file, which is also a seed of fuzz_pack, is what this version writes.
+ * WRITE_SEEDS=1 build/tests/test_pack writes it anew, once the format has changed. */
 UNIT_TEST(the_small_pack_is_the_golden_one)
 {
 	size_t size, golden_size;

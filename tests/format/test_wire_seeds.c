@@ -1,5 +1,5 @@
-/* The seeds of fuzz_stream are streams and plans of this version of the wire, not of one that is refused at its
- * first frame. WRITE_SEEDS=1 build/tests/test_wire_seeds writes them anew, once the wire has changed. */
+/* The seeds of fuzz_stream are streams and plans of this version of the wire, not of one that is refused at
+ * its first frame. WRITE_SEEDS=1 build/tests/test_wire_seeds writes them anew, once the wire has changed. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
-/* Lines and areas drawn on the ground: classes, what lies above what, squares that need no splitting, water, odd input; and
- * extracts of OpenStreetMap, which have most of it. */
+/* Lines and areas drawn on the ground: classes, what lies above what, squares that need no splitting, water,
+ * odd input; and extracts of OpenStreetMap, which have most of it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* The library of plants: every row of its tables grows into a valid model of the size asked for, the same bytes each
- * time; what is no plant gets an error that says what is one. */
+/* The library of plants: every row of its tables grows into a valid model of the size asked for, the same
+ * bytes each time; what is no plant gets an error that says what is one. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -180,8 +180,9 @@ static struct lengths leaves_of(size_t habit, const struct eco_library_plant *pl
 	return all;
 }
 
-/* Single leaves and those of sprays, of habits whose leaves are as long as their genera's, at five sizes: each within .7
- * to 1.4 of its true length, in plants that are five times as large as a leaf. A needle's or scale's is its shoot's. */
+/* Single leaves and those of sprays, of habits whose leaves are as long as their genera's, at five sizes:
+ * each within .7 to 1.4 of its true length, in plants that are five times as large as a leaf. A needle's or
+ * scale's is its shoot's. */
 UNIT_TEST(leaves_have_their_true_size)
 {
 	enum { KINDS = 6 };

@@ -94,8 +94,8 @@ static void check_report(const struct inventory *in, const char *says)
 			fail_msg("%s\n  wanted ... %s", in->report, one);
 }
 
-/* Fields of an entry in single quotes. Each has a plant, if no species, and x and y, if it is of a CSV and does not
- * name its own or begin with "-". */
+/* Fields of an entry in single quotes. Each has a plant, if no species, and x and y, if it is of a CSV and
+ * does not name its own or begin with "-". */
 static const char *entry_of(const char *fields, bool csv)
 {
 	static char entry[1000];

@@ -9,8 +9,8 @@
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
-/* Documents go to the folder that SCENES_KEPT names, with the reader's verdicts: test_scene_schema.sh holds the schema
- * against them. */
+/* Documents go to the folder that SCENES_KEPT names, with the reader's verdicts: test_scene_schema.sh holds
+ * the schema against them. */
 static void keep(const char *verdict, const char *json, const char *says)
 {
 	static unsigned number;

@@ -1,5 +1,5 @@
-/* The index of a published scene: plans made from it are the pack's own, once the places that they ask for are there; what
- * is damaged is refused; nobody's rows are in what is published. */
+/* The index of a published scene: plans made from it are the pack's own, once the places that they ask for
+ * are there; what is damaged is refused; nobody's rows are in what is published. */
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>

@@ -288,8 +288,8 @@ static const char *end_of(const char *from, unsigned indent)
 	return from + strlen(from);
 }
 
-/* server/openapi.yaml, read by its indentation, which is part of its style: whether it describes this status of
- * an operation (0: any); `method` in capitals. */
+/* server/openapi.yaml, read by its indentation, which is part of its style: whether it describes this status
+ * of an operation (0: any); `method` in capitals. */
 static bool openapi_documents(const char *path, const char *method, unsigned status)
 {
 	char key[16] = "";

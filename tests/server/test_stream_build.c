@@ -13,8 +13,8 @@
 #define ROUNDS 24u
 #define OWNED_MAX 64u
 
-/* A scene as the store of a server would hold it; a client that counts what comes, and fails where a chunk comes
- * twice or out of order, or a plan that draws what has not been sent; and what was made for them. */
+/* A scene as the store of a server would hold it; a client that counts what comes, and fails where a chunk
+ * comes twice or out of order, or a plan that draws what has not been sent; and what was made for them. */
 struct bench {
 	struct random_pack *pack;
 	struct srv_scene scene;

@@ -97,8 +97,8 @@ void export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], do
 
 /* sRGB of ground without an image. */
 extern const uint8_t export_grass[3];
-/* Writes the image of that part of the ground, as DIR/NAME, a PNG whose rows come from the north; false: there is
- * none. A leaf's is as fine as the image, but at most 2048 texels a side. */
+/* Writes the image of that part of the ground, as DIR/NAME, a PNG whose rows come from the north; false:
+ * there is none. A leaf's is as fine as the image, but at most 2048 texels a side. */
 bool export_ground_image(struct export *x, const double low[3], const double high[3], bool is_leaf, const char *name);
 
 void export_tilesets(struct export *x);

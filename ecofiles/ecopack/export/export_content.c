@@ -213,8 +213,8 @@ static void middle_of(const struct eco_tile *tile, double middle[3])
 
 /* ---- Instances ---- */
 
-/* Offsets in a tile's file: translations, turns, scales, numbers and, with tints, colours by group, then heights and
- * texts: species and, with tints, classes. */
+/* Offsets in a tile's file: translations, turns, scales, numbers and, with tints, colours by group, then
+ * heights and texts: species and, with tints, classes. */
 struct layout { size_t *group, height, name[2], offset[2], end; char **texts[2]; uint32_t count, kinds; };
 
 static size_t aligned(size_t at) { return (at + 7) & ~(size_t)7; }

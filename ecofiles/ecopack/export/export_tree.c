@@ -171,8 +171,8 @@ static void widen(double low[3], double high[3], const double other_low[3], cons
 	}
 }
 
-/* Contents are boxes of their own samples: a parent's holds its children's, too. NULL: the tile lies beyond the
- * rasters, as do those below it. */
+/* Contents are boxes of their own samples: a parent's holds its children's, too. NULL: the tile lies beyond
+ * the rasters, as do those below it. */
 static json_t *add_ground(struct tree *t, uint32_t id, double low[3], double high[3])
 {
 	const struct eco_ground_tile *ground = &t->x->pack->scene.ground[id];

@@ -1,5 +1,5 @@
-/* A chunk's payload: elements <-> bytes. One coder for each kind of list: rows of columns, leaves as placed shapes,
- * connected wood by Draco's edgebreaker.
+/* A chunk's payload: elements <-> bytes. One coder for each kind of list: rows of columns, leaves as placed
+ * shapes, connected wood by Draco's edgebreaker.
  *
  * Payload (all little-endian). BYTES: the file itself. Everything else:
  *   0   u8   1; 3: rows of one stream, below
@@ -13,8 +13,8 @@
  *   0   u8   3      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
  *   4   u8   flags; then u16 predictors if corners > 2; then the stream
  *
- * A stream is range-coded: its columns (chunk_columns.h), or of ground its samples, with flags 0. Flags: bit 0 is 0,
- * bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`.
+ * A stream is range-coded: its columns (chunk_columns.h), or of ground its samples, with flags 0. Flags: bit
+ * 0 is 0, bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`.
  *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
  *   FORM      as ELEMENTS, but the rows are in the stored order of the partner's chunk
  *   ROWS      corners = 1; predictors 0; split columns
@@ -33,9 +33,9 @@
  *             either a corner that was there before or the miss of a prediction, and texture coordinates.
  *             shape.h and chunk_shapes.h define the values.
  *
- * A chunk of an ELEMENTS list of triangles has coder SHAPES where that is smaller. A chunk of a MESH list
- * has coder ELEMENTS (corners = 3, drawn in stored order, which is that of parts) where edgebreaker would lose
- * or alter a triangle, or is larger.
+ * A chunk of an ELEMENTS list of triangles has coder SHAPES where that is smaller. A chunk of a MESH list has
+ * coder ELEMENTS (corners = 3, drawn in stored order, which is that of parts) where edgebreaker would lose or
+ * alter a triangle, or is larger.
  *
  * A small payload can claim to be huge. So before Draco sees a byte, sizes and counts must match the
  * caller's (from the hashed list and chunk records), each Draco header must have the version, method and
@@ -65,8 +65,8 @@ struct eco_chunk_input {
 enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes,
 	uint32_t *order, struct eco_error *error);
 
-/* Whether elements [first, end) as a chunk of coder ELEMENTS are decoded in the order of the input, if all have
- * the same number of corners. */
+/* Whether elements [first, end) as a chunk of coder ELEMENTS are decoded in the order of the input, if all
+ * have the same number of corners. */
 bool eco_chunk_keeps_order(uint32_t first, uint32_t end);
 
 /* Encodes another form of the partner's elements [first, end). `partner` is the input that the partner's

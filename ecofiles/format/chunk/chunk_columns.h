@@ -1,5 +1,5 @@
-/* Columns of rows in one adaptively coded stream (ecofiles/base/range.h): in chunks of few rows tables of symbols
- * would take more bytes than the rows.
+/* Columns of rows in one adaptively coded stream (ecofiles/base/range.h): in chunks of few rows tables of
+ * symbols would take more bytes than the rows.
  *
  * Component by component, columns in the order of chunk_rows.h (of a kd-tree without positions, which come
  * first, as said below), each with a head:

@@ -125,8 +125,8 @@ static bool has_area(const uint32_t *index)
 	return index[0] != index[1] && index[1] != index[2] && index[2] != index[0];
 }
 
-/* Encodes the positions, decodes them again and matches; vertex: one per decoded corner. NULL: Draco cannot code
- * them, or not everything came back. */
+/* Encodes the positions, decodes them again and matches; vertex: one per decoded corner. NULL: Draco cannot
+ * code them, or not everything came back. */
 static struct match *encode_positions(const int32_t *position, uint32_t triangles, struct eco_stream *stream,
 	uint32_t *vertex)
 {

@@ -1,9 +1,8 @@
-/* Elements as rows of small integers. Columns are coded one by one, so the values of a column should be small and
- * alike. Most of a leaf follows from its first
- * corners: a quad's fourth corner is near the parallelogram of the others, a hexagon continues as its
- * first three corners began. The best rule depends on the model, so each is tried and the cheapest is
- * stored, four bits a corner. The same goes for differences from row to row, which cost nothing where all
- * leaves show the same piece of a texture. */
+/* Elements as rows of small integers. Columns are coded one by one, so the values of a column should be small
+ * and alike. Most of a leaf follows from its first corners: a quad's fourth corner is near the parallelogram
+ * of the others, a hexagon continues as its first three corners began. The best rule depends on the model, so
+ * each is tried and the cheapest is stored, four bits a corner. The same goes for differences from row to
+ * row, which cost nothing where all leaves show the same piece of a texture. */
 #include "ecofiles/format/chunk/chunk_rows.h"
 
 #include <assert.h>

@@ -15,8 +15,7 @@
  *   extra (1 each)
  *
  * Split positions suit rows whose order is given. How columns are coded, and samples of ground, says
- * chunk_columns.h.
- */
+ * chunk_columns.h. */
 #pragma once
 
 #include <stddef.h>

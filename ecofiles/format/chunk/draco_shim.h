@@ -1,8 +1,8 @@
-/* Draco behind a few C functions: meshes of integers to bytes and back; and meshes of glTF files. Nothing else
- * of Draco is visible; exceptions end here.
+/* Draco behind a few C functions: meshes of integers to bytes and back; and meshes of glTF files. Nothing
+ * else of Draco is visible; exceptions end here.
  *
- * Coding is lossless. Decoding refuses a stream whose header is not as Draco 1.5 writes it or has other counts than
- * were asked for, before it allocates anything for it. */
+ * Coding is lossless. Decoding refuses a stream whose header is not as Draco 1.5 writes it or has other
+ * counts than were asked for, before it allocates anything for it. */
 #pragma once
 
 #ifdef __cplusplus

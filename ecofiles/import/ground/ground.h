@@ -4,8 +4,7 @@
  *   eco_ground_through(&ground, &feet);             or, without rasters
  *   eco_ground_extend(&ground);                     beyond its border, to the horizon
  *   eco_ground_height(&ground, x, y, &z);           where a plant stands
- *   eco_ground_free(&ground);
- */
+ *   eco_ground_free(&ground); */
 #pragma once
 
 #include "ecofiles/base/guard.h"

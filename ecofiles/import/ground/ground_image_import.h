@@ -10,11 +10,11 @@
  * than a pixel of a picture 1080 pixels high, of 45 degrees, taken 1 m from the ground among the plants;
  * squares far from all plants have wider texels.
  *
- * Colours are red, green, blue, or grey, with alpha or not. Bytes are taken as they are. For other numbers the
- * scene says which are black and white, or they are guessed from three bands and noted. A raster with a table
- * of colours (palette), or with classes in the scene, holds numbers of classes: their colours are mixed, never
- * the numbers. Texels outside the rasters, NODATA, masks and classes without colour are clear; towards them
- * the image fades within a thirty-second of the root's side. */
+ * Colours are red, green, blue, or grey, with alpha or not. Bytes are taken as they are. For other numbers
+ * the scene says which are black and white, or they are guessed from three bands and noted. A raster with a
+ * table of colours (palette), or with classes in the scene, holds numbers of classes: their colours are
+ * mixed, never the numbers. Texels outside the rasters, NODATA, masks and classes without colour are clear;
+ * towards them the image fades within a thirty-second of the root's side. */
 #pragma once
 
 #include "ecofiles/format/ground_tile.h"
@@ -37,8 +37,8 @@ struct eco_ground_image_source {
 	double texel_m;                          /* the least width of a texel; 0: the rasters' */
 };
 
-/* A drawing on top of the rasters (import/land/drawing.h). A square where no line and no border passes is not split for
- * it. Called in the child that reads the rasters. */
+/* A drawing on top of the rasters (import/land/drawing.h). A square where no line and no border passes is not
+ * split for it. Called in the child that reads the rasters. */
 struct eco_ground_drawing {
 	double low[2], high[2], texel_m;         /* around it; width of the texels that it is worth, scene */
 	bool (*touches)(const void *ctx, const double low[2], const double high[2]);

@@ -1,6 +1,6 @@
 /* Bands of y are the index of both questions: each lists the edges of a surface, the surfaces, or the edges
- * widened by near_m that touch it. Areas come as rows with geometry, through the same child process, columns and
- * filters as inventories. */
+ * widened by near_m that touch it. Areas come as rows with geometry, through the same child process, columns
+ * and filters as inventories. */
 #include "ecofiles/import/land/areas.h"
 
 #include <math.h>

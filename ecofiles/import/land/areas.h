@@ -75,16 +75,16 @@ struct eco_areas_request {
 	const char *path, *layer, *crs;      /* layer, crs: NULL: not stated */
 	const struct eco_filter *filters; uint32_t filter_count;
 	const char *const *columns; uint32_t column_count;   /* up to ECO_AREAS_COLUMNS names; NULL: not asked for */
-	/* Texts of a feature's columns, and the row with all of them, once it is area number `area`. False: it is left out, as
-	 * ECO_AREA_NO_NUMBER, and the next has the same number. May be NULL */
+	/* Texts of a feature's columns, and the row with all of them, once it is area number `area`. False:
+	 * it is left out, as ECO_AREA_NO_NUMBER, and the next has the same number. May be NULL */
 	bool (*take)(void *ctx, uint32_t area, const struct eco_rows *rows, const char *const *texts);
 	void *ctx;
 	bool surfaces;               /* features without a surface are left out, and what is left out is counted */
 	bool lines;                  /* lines and points are kept, too */
 	double near_m;               /* or areas->near_m, which `take` may set */
 };
-/* Reads the features of a file into metres from the frame's origin, in a child process (guard.h), and indexes them. Adds
- * to the report. */
+/* Reads the features of a file into metres from the frame's origin, in a child process (guard.h), and indexes
+ * them. Adds to the report. */
 enum eco_code eco_areas_read(struct eco_areas *areas, const struct eco_areas_request *request,
 	const struct eco_frame *frame, struct eco_areas_report *report, struct eco_error *error);
 /* A line for each reason why features were left out. */

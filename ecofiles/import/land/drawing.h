@@ -6,8 +6,9 @@
  *   eco_drawing_report(drawing, say, ctx);
  *   eco_drawing_close(drawing);
  *
- * A feature's class is a row of words/ground.tsv, found by its attributes; the class says colour, width and what lies above
- * what. Cairo draws (cairo_drawing.c): borders are smooth by a texel, and rings cross and nest by the even-odd rule. */
+ * A feature's class is a row of words/ground.tsv, found by its attributes; the class says colour, width and
+ * what lies above what. Cairo draws (cairo_drawing.c): borders are smooth by a texel, and rings cross and
+ * nest by the even-odd rule. */
 #pragma once
 
 #include "ecofiles/import/ground/ground_image_import.h"
@@ -50,8 +51,8 @@ enum eco_code eco_drawing_open(struct eco_drawing **drawing, const struct eco_dr
 	const struct eco_frame *frame, struct eco_error *error);
 /* NULL where nothing is left to draw. Valid until the drawing is closed. */
 const struct eco_ground_drawing *eco_drawing_ground(const struct eco_drawing *drawing);
-/* Levels the ground, which has no margins yet, below each area of water whose samples differ by at most ECO_STILL_M: at its
- * lowest. Steeper water flows, and stays. */
+/* Levels the ground, which has no margins yet, below each area of water whose samples differ by at most
+ * ECO_STILL_M: at its lowest. Steeper water flows, and stays. */
 #define ECO_STILL_M 3.0
 void eco_drawing_level(const struct eco_drawing *drawing, struct eco_ground *ground, void (*say)(void *ctx, const char *text),
 	void *ctx);

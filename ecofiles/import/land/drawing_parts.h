@@ -12,8 +12,8 @@ struct drawn_file {
 	uint64_t unknown, thin;      /* features of no class that is known; lines without a width */
 	struct { uint64_t count; char example[40]; } odd;        /* texts of widths that are none */
 };
-/* The sea as one area, by the coastlines (features of that class) in files, with which its edges agree: coast.c. No area, and *gap:
- * coastlines have gaps. */
+/* The sea as one area, by the coastlines (features of that class) in files, with which its edges agree:
+ * coast.c. No area, and *gap: coastlines have gaps. */
 enum eco_code drawing_sea(struct drawn_file *sea, const struct drawn_file *files, uint32_t count, uint32_t class, bool *gap,
 	struct eco_error *error);
 

@@ -5,10 +5,11 @@
  *   eco_scatter_report(scatter, say, ctx);
  *   eco_scatter_close(scatter);
  *
- * Places come from one progressive blue-noise set (words/blue_noise.tsv) that repeats over the plane, at a density
- * in steps of four. An area takes the places inside it in the set's order until it has its number.
- * Counts are exact and plants evenly spread, whatever the order of the file and the other areas. If plants would stand
- * too close to those of another area, the larger area comes first, then the one further south-west. */
+ * Places come from one progressive blue-noise set (words/blue_noise.tsv) that repeats over the plane, at a
+ * density in steps of four. An area takes the places inside it in the set's order until it has its number.
+ * Counts are exact and plants evenly spread, whatever the order of the file and the other areas. If plants
+ * would stand too close to those of another area, the larger area comes first, then the one further
+ * south-west. */
 #pragma once
 
 #include <stdbool.h>

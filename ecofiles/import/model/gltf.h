@@ -1,5 +1,5 @@
-/* A glTF 2.0 document, .glb or .gltf with its files: its JSON, numbers and nodes, checked. import_gltf.c gives it
- * meaning.
+/* A glTF 2.0 document, .glb or .gltf with its files: its JSON, numbers and nodes, checked. import_gltf.c
+ * gives it meaning.
  *
  *   eco_gltf_open(&doc, path, &error);
  *   nodes = json_object_get(doc->root, "nodes");

@@ -394,8 +394,8 @@ static void add_vertex(struct gltf_reader *r, const struct gltf_piece *p, uint32
 #define WEIGHT_CHROMA 0.2        /* the mean between its primaries: shades have none */
 #define WEIGHT_DARK 0.5          /* tints are brighter */
 
-/* Whether vertex colours beside a picture are dark, differ, and are no shades of grey: games keep there how far wind moves
- * a leaf. Other colours tint the picture. */
+/* Whether vertex colours beside a picture are dark, differ, and are no shades of grey: games keep there how
+ * far wind moves a leaf. Other colours tint the picture. */
 static bool are_weights(const struct gltf_reader *r, const struct gltf_piece *p)
 {
 	double least[3] = { INFINITY, INFINITY, INFINITY }, most[3] = { 0, 0, 0 }, low = 0, chroma = 0, bright = 0,

@@ -164,8 +164,8 @@ static void merge_opacity(struct eco_image *image, const struct eco_image *opaci
 #define FAINT 13                 /* texels of less alpha are clear */
 #define SHOWN_LEAST 4            /* one of so many that are not clear is to show at 0.5 */
 
-/* The factor of a blended picture's alpha: where 0.5 would cut away most of what is not clear, the largest alpha becomes
- * 1, so that the cut is at half of it. */
+/* The factor of a blended picture's alpha: where 0.5 would cut away most of what is not clear, the largest
+ * alpha becomes 1, so that the cut is at half of it. */
 static double blended_gain(const struct eco_image *image, double gain)
 {
 	uint64_t seen = 0, shown = 0;

@@ -28,8 +28,8 @@ struct eco_model_options {
 	enum eco_up up;
 	bool keep_origin;        /* no foot is looked for: this point stands on the ground, of the file, in its units, Z up */
 	double origin[3];
-	/* No plant (model.h): its file's axes and units, or the format's usual ones, are believed, its zero stays, and all parts
-	 * that no rule leaves out */
+	/* No plant (model.h): its file's axes and units, or the format's usual ones, are believed, its zero
+	 * stays, and all parts that no rule leaves out */
 	bool object;
 	const struct eco_part_rule *rules; uint32_t rule_count;
 	uint32_t triangles_max;  /* of all files; 0: 20,000,000 */

@@ -1,5 +1,6 @@
-/* A small reader of PLY (Turk 1994, "The PLY polygon file format"), text or binary, for what assimp 5.2 drops without a
- * word: colours of faces and strips of triangles. Each corner of a coloured face becomes a vertex of its own. */
+/* A small reader of PLY (Turk 1994, "The PLY polygon file format"), text or binary, for what assimp 5.2 drops
+ * without a word: colours of faces and strips of triangles. Each corner of a coloured face becomes a vertex
+ * of its own. */
 #include "ecofiles/import/model/ply_plain.h"
 
 #include <math.h>

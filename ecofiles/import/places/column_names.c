@@ -26,8 +26,8 @@ static bool means(const char *word, const char *list)
 	return false;
 }
 
-/* Whether a word that a Shapefile cut to ten letters of a name ends with the beginning of one of a list, "heigh",
- * "stammumfan"; or a long one differs from it by a letter, "lattitude". */
+/* Whether a word that a Shapefile cut to ten letters of a name ends with the beginning of one of a list,
+ * "heigh", "stammumfan"; or a long one differs from it by a letter, "lattitude". */
 static bool nearly_means(const char *word, const char *list, bool cut)
 {
 	char own[ECO_WORD_BYTES];

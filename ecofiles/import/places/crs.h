@@ -1,6 +1,6 @@
-/* Coordinate reference systems: what is known of one, which ones plain numbers may be in (by PROJ's register, EPSG,
- * and its areas of use), and the way from an inventory's coordinates to the scene's: easting or longitude always
- * first, heights between vertical datums.
+/* Coordinate reference systems: what is known of one, which ones plain numbers may be in (by PROJ's register,
+ * EPSG, and its areas of use), and the way from an inventory's coordinates to the scene's: easting or
+ * longitude always first, heights between vertical datums.
  *
  *   eco_crs_open(&crs, &request, &error);            checks what can be checked without a coordinate
  *   eco_crs_convert(crs, xyz, &error);               for each place

@@ -1,7 +1,8 @@
-/* From a name to a genus. A Latin name is surest: a genus where a part of the name begins, or one with an epithet
- * of its own behind it. Next come common names, the longest phrase first. In Germanic languages and those of East Asia
- * the noun ends a name ("cedar elm", "Stieleiche"), in others it begins it ("pin noir"). Codes and misspellings are
- * looked for last. Longer than 600 lines: each step of one search, in its order. */
+/* From a name to a genus. A Latin name is surest: a genus where a part of the name begins, or one with an
+ * epithet of its own behind it. Next come common names, the longest phrase first. In Germanic languages and
+ * those of East Asia the noun ends a name ("cedar elm", "Stieleiche"), in others it begins it ("pin noir").
+ * Codes and misspellings are looked for last. Longer than 600 lines: each step of one search, in its
+ * order. */
 #include "ecofiles/import/places/flora.h"
 
 #include <math.h>
@@ -264,8 +265,8 @@ static bool shorten(const char *word, char *shorter)
 	return false;
 }
 
-/* The longest name that a word ends with: "stieleiche", in long words one of four letters, "schwarzerle", and in
- * East Asia's writings one of any length. */
+/* The longest name that a word ends with: "stieleiche", in long words one of four letters, "schwarzerle", and
+ * in East Asia's writings one of any length. */
 static size_t name_at_end(const char *word, enum eco_region region)
 {
 	size_t all = letters(word), left = all;
@@ -290,8 +291,8 @@ static bool is_skipped(const char *word)
 	return eco_words_have("x cf aff sp spp species hybr hybrid", word) || (word[0] >= '0' && word[0] <= '9');
 }
 
-/* The epithet behind the i-th word, if it is written in Latin letters: the next, or the one after the sign of a
- * hybrid. */
+/* The epithet behind the i-th word, if it is written in Latin letters: the next, or the one after the sign of
+ * a hybrid. */
 static const char *epithet_behind(const struct name *n, unsigned i)
 {
 	i++;
@@ -430,8 +431,8 @@ static size_t code_row(const char *words, const char *system)
 	return i;
 }
 
-/* Letters of two halves of a code, "fasy", "QUEROB": of as many capitals as begin the name, "PINNIGnig", else of its
- * small letters. PLANTS numbers symbols that are alike: "QUMA2". 0: it is none. */
+/* Letters of two halves of a code, "fasy", "QUEROB": of as many capitals as begin the name, "PINNIGnig", else
+ * of its small letters. PLANTS numbers symbols that are alike: "QUMA2". 0: it is none. */
 static size_t code_letters(const char *name, const char *words)
 {
 	size_t capitals = strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZ");
@@ -442,8 +443,8 @@ static size_t code_letters(const char *name, const char *words)
 	return ends && (count == 3 || count == 4 || count == 6) ? count : 0;
 }
 
-/* The species whose genus and epithet begin with the two halves of a code, if it need not be sure, else the genus that
- * begins with the first half; of several, the genus with most species. */
+/* The species whose genus and epithet begin with the two halves of a code, if it need not be sure, else the
+ * genus that begins with the first half; of several, the genus with most species. */
 static bool find_coded(const char *name, bool sure, struct eco_flora *flora)
 {
 	char words[ECO_WORDS_BYTES], epithet[ECO_WORD_BYTES];
@@ -674,8 +675,8 @@ bool eco_flora_is_no_plant(const char *text, bool whole)
 	return is && !whole;
 }
 
-/* Takes the form, leaves and height by which a species or a cultivar differs. Returns whether a row says a form: 1 of an
- * epithet, 2 and more of a cultivar; else 0. */
+/* Takes the form, leaves and height by which a species or a cultivar differs. Returns whether a row says a
+ * form: 1 of an epithet, 2 and more of a cultivar; else 0. */
 static int grow(struct eco_flora *flora, const char *words)
 {
 	int best = -1;

@@ -1,10 +1,10 @@
-/* Plants by name, Latin or common, in some twenty languages: the genus, the form of growth, the leaves and the
- * height behind a species' name or a model's. For choosing models, for sizes that a table does not have, and for
- * doubting those that it has. The names stand in words/genera.tsv, names.tsv, species.tsv, growth.tsv, codes.tsv
- * and forms.tsv.
+/* Plants by name, Latin or common, in some twenty languages: the genus, the form of growth, the leaves and
+ * the height behind a species' name or a model's. For choosing models, for sizes that a table does not have,
+ * and for doubting those that it has. The names stand in words/genera.tsv, names.tsv, species.tsv,
+ * growth.tsv, codes.tsv and forms.tsv.
  *
- * The genus decides. An epithet is looked up within its genus alone, and a word that is a genus is never taken for
- * another that is spelt like it. */
+ * The genus decides. An epithet is looked up within its genus alone, and a word that is a genus is never
+ * taken for another that is spelt like it. */
 #pragma once
 
 #include <stdbool.h>
@@ -39,8 +39,8 @@ struct eco_flora {
 
 struct eco_flora_hint {
 	enum eco_region region;
-	/* the system of codes that the column uses: of codes.tsv, or "letters": two or three letters of each word of a
-	 * species, "fasy", "QUEROB"; NULL: none */
+	/* the system of codes that the column uses: of codes.tsv, or "letters": two or three letters of each
+	 * word of a species, "fasy", "QUEROB"; NULL: none */
 	const char *codes;
 	bool spelling;               /* also words of five letters and more that are nearly a genus, epithet or common name */
 };
@@ -49,14 +49,14 @@ struct eco_flora_hint {
 struct eco_flora eco_flora_of(const char *name, const struct eco_flora_hint *hint);
 /* The form that words about a plant say, "evergreen conifer", and its leaves; no names. */
 enum eco_form eco_form_of(const char *text, enum eco_leaf *leaf);
-/* Whether a text about a place says that no plant stands there: "vacant site", "Baumstumpf", "REMPLACE"; whole: and nothing
- * else. */
+/* Whether a text about a place says that no plant stands there: "vacant site", "Baumstumpf", "REMPLACE";
+ * whole: and nothing else. */
 bool eco_flora_is_no_plant(const char *text, bool whole);
 
 /* Whether a genus is known to have a species of that epithet. */
 bool eco_flora_has_epithet(const char *genus, const char *epithet);
-/* The shape of a genus's leaves as genera.tsv names it, "needle", and their length; of a form where the genus is unknown
- * or NULL. */
+/* The shape of a genus's leaves as genera.tsv names it, "needle", and their length; of a form where the genus
+ * is unknown or NULL. */
 const char *eco_flora_leaf(const char *genus, enum eco_form form, double *leaf_cm);
 /* Whether a system has the code. */
 bool eco_flora_has_code(const char *system, const char *code);

@@ -183,8 +183,8 @@ static OGRGeometryH line_of(const struct eco_point_table *table, const struct ec
 	return line;
 }
 
-/* The area that an odd number of polygons cover, halves first, since a step costs what is there; NULL: GEOS does not know, as for
- * rings that cross. */
+/* The area that an odd number of polygons cover, halves first, since a step costs what is there; NULL: GEOS
+ * does not know, as for rings that cross. */
 static OGRGeometryH odd_of(OGRGeometryH polygons, int first, int count)
 {
 	if (count == 1)

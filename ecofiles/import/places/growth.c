@@ -32,8 +32,8 @@ static size_t named(enum curve curve, bool stand, const char *genus, const char 
 		   : COUNT(curves_rows);
 }
 
-/* The row that serves a plant, *rank as eco_growth_rank. A species that grows as trees of its genus do not has the
- * crown of its form. */
+/* The row that serves a plant, *rank as eco_growth_rank. A species that grows as trees of its genus do not
+ * has the crown of its form. */
 static size_t row_of(struct eco_grower plant, enum curve curve, unsigned *rank)
 {
 	const struct eco_flora *flora = plant.flora;

@@ -1,6 +1,6 @@
 /* From rows of texts to plants in the scene: the plant of a row (filters, species), its place (columns or
- * geometry, through crs.c), and its size (positions_species.c). Each step counts the rows it leaves
- * out, with the first line of each reason. Formats are behind rows.h. Longer than 600 lines: all steps share a row. */
+ * geometry, through crs.c), and its size (positions_species.c). Each step counts the rows it leaves out, with
+ * the first line of each reason. Formats are behind rows.h. Longer than 600 lines: all steps share a row. */
 #include "ecofiles/import/places/positions.h"
 
 #include <ctype.h>

@@ -177,8 +177,8 @@ static int take_hemisphere(const char **text)
 	return !letter ? 0 : letter - letters < 2 ? 1 : -1;
 }
 
-/* Minutes, seconds and a hemisphere behind degrees, each if it is there. Their signs may be missing where the degrees
- * have none, "40 24 36 N", and that of minutes, "75\u00b045 38''". */
+/* Minutes, seconds and a hemisphere behind degrees, each if it is there. Their signs may be missing where the
+ * degrees have none, "40 24 36 N", and that of minutes, "75\u00b045 38''". */
 static bool add_sixtieths(const char *text, char decimal, int sign, bool marked, double *number)
 {
 	static const char *const minute[] = { "'", "\u2032", "\u2019", "\u00b4", "`", "\u5206", "min", "m", ":", "-" }, *const second[] = {
@@ -391,9 +391,9 @@ static bool take_parting(const char **text, bool *loose, bool *dated)
 	return true;
 }
 
-/* The diameter of one trunk with the area of several stems: "12;15;9", "20+18", "14-12-9", "3x10". The square root of the
- * sum of squares (Magarik et al. 2020, "How should we measure the DBH of multi-stemmed urban trees?"). *mean: of the
- * numbers alone, as for "6 x 8". */
+/* The diameter of one trunk with the area of several stems: "12;15;9", "20+18", "14-12-9", "3x10". The square
+ * root of the sum of squares (Magarik et al. 2020, "How should we measure the DBH of multi-stemmed urban
+ * trees?"). *mean: of the numbers alone, as for "6 x 8". */
 static enum eco_size_form stems_at(const char *at, char decimal, double *number, double *unit_m, double *mean)
 {
 	double sum = 0, stem, high = 0, low = INFINITY, all = 0;

@@ -14,8 +14,8 @@ bool eco_text_is_missing(const char *text);
 /* A text without the spaces around it, cut to the buffer. */
 const char *eco_text_trim(const char *text, char *buffer, size_t size);
 
-/* Adds a further column of a species to a text: "Acer" and "rubrum" are "Acer rubrum", "Acer" and "Acer rubrum",
- * too. A missing value adds nothing, and a text that is one gives way. */
+/* Adds a further column of a species to a text: "Acer" and "rubrum" are "Acer rubrum", "Acer" and "Acer
+ * rubrum", too. A missing value adds nothing, and a text that is one gives way. */
 void eco_text_join(char *text, size_t size, const char *more);
 
 /* A decimal number, with spaces around it. decimal ',' : "1,5" and "1.234,5"; a lone point counts as a
@@ -43,8 +43,8 @@ enum eco_size_form eco_text_size(const char *text, char decimal, double *number,
 /* A width: as a size, but "6 x 8" and "6/8" are the mean of several. */
 enum eco_size_form eco_text_width(const char *text, char decimal, double *number, double *unit_m);
 
-/* The year of a date, 1500 to 2099: "1987", "1987-04-12", "12.04.1987", "19870412", "19870412123456", milliseconds since
- * 1970, "Heisei 7" in Japanese; NaN: none. */
+/* The year of a date, 1500 to 2099: "1987", "1987-04-12", "12.04.1987", "19870412", "19870412123456",
+ * milliseconds since 1970, "Heisei 7" in Japanese; NaN: none. */
 double eco_text_year(const char *text);
 
 #define ECO_FILTERS_MAX 96u

@@ -521,8 +521,8 @@ static enum eco_code guess_crs(struct eco_place_look *l)
 	return ECO_OK;
 }
 
-/* Woods have more plants in an area than parks. A row of trees is as wide as a quarter of its length. Surveyors' plots and
- * quadrats are in woods. */
+/* Woods have more plants in an area than parks. A row of trees is as wide as a quarter of its length.
+ * Surveyors' plots and quadrats are in woods. */
 static void guess_stand(const struct eco_place_look *l)
 {
 	struct eco_place_guess *g = l->guess;

@@ -20,9 +20,9 @@ const struct eco_flora *eco_species_flora(struct eco_species_table *table, const
 void eco_species_counted(const struct eco_species_table *table, struct eco_positions_counts *counts);
 void eco_species_close(struct eco_species_table *table);
 
-/* ---- Levels (positions_species.c): few heights instead of many. A plant's heights are divided into classes of
- * equal ratio between the least and the greatest, and each becomes the mean of its class: the relative error is
- * bounded, and the few tall trees among many shrubs keep their height ---- */
+/* ---- Levels (positions_species.c): few heights instead of many. A plant's heights are divided into classes
+ * of equal ratio between the least and the greatest, and each becomes the mean of its class: the relative
+ * error is bounded, and the few tall trees among many shrubs keep their height ---- */
 
 struct eco_levels {              /* zero is empty; bin[cm]: first a count, then the class's height in cm */
 	struct eco_plant_levels { uint32_t plant, *bin; } *plants;

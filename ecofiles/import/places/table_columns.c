@@ -146,8 +146,8 @@ static uint32_t filled(const struct eco_table *t, uint32_t column)
 	return count;
 }
 
-/* Maps of volunteers have many columns of species, most of them nearly empty: those that say it in less than a
- * quarter as many rows as another are left aside. */
+/* Maps of volunteers have many columns of species, most of them nearly empty: those that say it in less than
+ * a quarter as many rows as another are left aside. */
 static uint32_t least_filled(const struct eco_table *t, enum eco_role role, char decimal)
 {
 	uint32_t most = 0;
@@ -203,8 +203,8 @@ static bool is_genus_alone(const char *text, char decimal)
 
 #define JOINED_ROWS 256u
 
-/* The share of rows in which a second column's text names the genus's species, or a third's a cultivar that grows
- * otherwise. */
+/* The share of rows in which a second column's text names the genus's species, or a third's a cultivar that
+ * grows otherwise. */
 static double joined_share(const struct eco_table *t, const uint32_t *columns, uint32_t count)
 {
 	uint32_t filled = 0, good = 0;

@@ -84,8 +84,8 @@ struct eco_table_values {        /* owned; most rows first, of equals the earlie
 	uint32_t count;
 };
 
-/* The different texts of a column, or of several joined (eco_text_join). Reads the whole file. Spaces around a text do
- * not count. */
+/* The different texts of a column, or of several joined (eco_text_join). Reads the whole file. Spaces around
+ * a text do not count. */
 enum eco_code eco_table_values_read(struct eco_table_values *values, const struct eco_rows_source *source,
 	const char *const *columns, uint32_t count, struct eco_error *error);
 void eco_table_values_free(struct eco_table_values *values);

@@ -6,9 +6,9 @@
  *   eco_tints_class(tints, number)                    the plant's class: 1 + its place in tints->classes; 0: none
  *   eco_tints_free(tints)
  *
- * Palettes are rows of words/tints.tsv. Values without a class of the palette take its free colours, the commonest
- * first, then the class "other"; missing values and what is no number are "not stated". Texts are compared
- * without capitals, marks and signs. */
+ * Palettes are rows of words/tints.tsv. Values without a class of the palette take its free colours, the
+ * commonest first, then the class "other"; missing values and what is no number are "not stated". Texts are
+ * compared without capitals, marks and signs. */
 #pragma once
 
 #include <stdbool.h>
@@ -46,8 +46,8 @@ void eco_tint_close(struct eco_tint *tint);
 void eco_tint_divide(struct eco_tint *tint);
 void eco_tint_free(struct eco_tint *tint);
 
-/* The palette with classes for the most of these texts, of which each class may be met by several; *share: of texts
- * that are stated. NULL: none has two of them. */
+/* The palette with classes for the most of these texts, of which each class may be met by several; *share: of
+ * texts that are stated. NULL: none has two of them. */
 const char *eco_tint_fitting(const char *const *texts, uint32_t count, double *share);
 
 struct eco_tint_legend {         /* a class that some plant has */

@@ -1,7 +1,7 @@
-/* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs
- * in the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
- * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. Longer than 600 lines: what
- * one reader does for a dozen formats shares its struct. */
+/* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs in
+ * the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
+ * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. Longer than 600
+ * lines: what one reader does for a dozen formats shares its struct. */
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <cpl_conv.h>
@@ -211,8 +211,8 @@ static int are_names(OGRFeatureH row, int count)
 	return names >= NAMES_LEAST && (says & 3) == 3 ? says : 0;
 }
 
-/* The number of rows up to that of the names; 0: the names stand above all. *row: NULL, or gets that row; *says: NULL, or
- * what they say. */
+/* The number of rows up to that of the names; 0: the names stand above all. *row: NULL, or gets that row;
+ * *says: NULL, or what they say. */
 static int find_names(struct ogr_rows *r, OGRFeatureH *row, int *says)
 {
 	int count = OGR_FD_GetFieldCount(OGR_L_GetLayerDefn(r->layer)), found = 0;
@@ -244,8 +244,8 @@ static int says_place(OGRLayerH layer)
 	return (says & 3) == 3 ? says : 0;
 }
 
-/* The only layer whose columns say a place, best one with species, of layers without geometry, such as a workbook's
- * sheets; -1: none, or several. */
+/* The only layer whose columns say a place, best one with species, of layers without geometry, such as a
+ * workbook's sheets; -1: none, or several. */
 static int find_sheet(struct ogr_rows *r)
 {
 	int found = -1, best = 0, alike = 0;
@@ -496,8 +496,8 @@ static void each_attribute(struct ogr_rows *r, OGRFeatureH feature, int field, t
 	}
 }
 
-/* Calls `take`, if it is not NULL, with each name and value of a line: two cells, "height: 12", "height = 12". Returns how
- * many there are. */
+/* Calls `take`, if it is not NULL, with each name and value of a line: two cells, "height: 12", "height =
+ * 12". Returns how many there are. */
 static unsigned each_pair(struct ogr_rows *r, OGRFeatureH feature, int field, take_pair *take)
 {
 	unsigned count = 0;

@@ -332,9 +332,9 @@ static bool sixtieths_pair(const char *text, double at[3])
 	return eco_text_number(first, '.', &at[1]) && eco_text_number(end + strspn(end, " ,;/"), '.', &at[0]);
 }
 
-/* Latitude and longitude in one field, as portals of open data write them: "48.883980, 2.360000", in brackets at the end of
- * an address, in degrees and minutes; "[2.36, 48.88]" as in GeoJSON. Returns the digits behind the two points, -1 if it is
- * no such pair. */
+/* Latitude and longitude in one field, as portals of open data write them: "48.883980, 2.360000", in brackets
+ * at the end of an address, in degrees and minutes; "[2.36, 48.88]" as in GeoJSON. Returns the digits behind
+ * the two points, -1 if it is no such pair. */
 static int degree_pair(const char *text, double at[3])
 {
 	size_t length = strlen(text);

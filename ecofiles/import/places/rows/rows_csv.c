@@ -1,6 +1,6 @@
 /* CSV, one byte at a time through stdio's buffer: a row is collected in one growing block, and fields are
- * offsets into it. A row that is not UTF-8 is taken as a whole for another encoding, by the words that the file has
- * then: many files mix the two. */
+ * offsets into it. A row that is not UTF-8 is taken as a whole for another encoding, by the words that the
+ * file has then: many files mix the two. */
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <errno.h>
@@ -115,8 +115,8 @@ static const char *const encodings[] = { "CP1252", "CP932", "GB18030", "CP949", 
 	"CP1255" };
 #define ENCODINGS (sizeof encodings / sizeof *encodings)
 
-/* Bytes of UTF-8 that a text takes in `to`, which has room for four times its size. Bytes that the encoding lacks become
- * question marks. */
+/* Bytes of UTF-8 that a text takes in `to`, which has room for four times its size. Bytes that the encoding
+ * lacks become question marks. */
 static size_t convert(iconv_t state, const char *text, size_t size, char *to)
 {
 	char *in = (char *)(uintptr_t)text, *out = to;
