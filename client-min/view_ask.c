@@ -180,8 +180,8 @@ static void write_distances(FILE *out, uint32_t frame, const json_t *why, const 
 	if (shown->pixels)
 		view_pixels_by_distance(&shown->selection, shown->pixels, px);
 	for (uint32_t i = 0; i < json_array_size(expected) && i < LOD_DISTANCES; i++) {
-		json_t *row = json_pack("{s:f, s:O, s:s}", "distance_m", lod_distance_from_m(i), "expected_px",
-			json_array_get(expected, i), "why", "distance");
+		json_t *row = json_pack("{s:f, s:O, s:s}", "distance_m", lod_distance_from_m(i),
+			"expected_px", json_array_get(expected, i), "why", "distance");
 		if (shown->pixels)
 			json_object_set_new(row, "seen_px", json_real(px[i]));
 		write_row(out, frame, json_object_get(why, "lambda"), row);

@@ -266,8 +266,8 @@ static enum eco_code stranger(const struct view_fetch *fetch, enum eco_code code
 	struct eco_error *error)
 {
 	return eco_fail(error, code, "%s: the server answered %ld%s%.60s, which is not an answer of "
-		"ecoserve; a scene's URL is http://host:port/v1/scenes/NAME", fetch->options.url, fetch->result->status,
-		type ? " with " : "", type ? type : "");
+		"ecoserve; a scene's URL is http://host:port/v1/scenes/NAME", fetch->options.url,
+		fetch->result->status, type ? " with " : "", type ? type : "");
 }
 
 static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
@@ -526,8 +526,8 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 }
 
 /* Without a request: what the server says of the scene, or of what is `below` it. */
-static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_request *request, const char *below,
-	uint64_t most, char **text, struct eco_error *error)
+static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_request *request,
+	const char *below, uint64_t most, char **text, struct eco_error *error)
 {
 	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
 	struct view_fetch_result result;
@@ -571,7 +571,7 @@ enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk
 	uint32_t first, uint32_t count, char **text, struct eco_error *error)
 {
 	char below[128];
-	snprintf(below, sizeof below, "/plants/%u?first=%u&count=%u%s%s", list, first, count, pack ? "&pack=" : "",
-		pack ? eco_id_text(pack->bytes).hex : "");
+	snprintf(below, sizeof below, "/plants/%u?first=%u&count=%u%s%s", list, first, count,
+		pack ? "&pack=" : "", pack ? eco_id_text(pack->bytes).hex : "");
 	return fetch_text(fetch, NULL, below, TEXT_MAX, text, error);
 }

@@ -59,8 +59,8 @@ static void find_change(uint32_t width, uint32_t height, const uint8_t *const rg
 	free(blocks);
 }
 
-void view_measure_motion(uint32_t width, uint32_t height, const uint8_t *const rgb[2], const uint8_t *const truth[2],
-	struct view_motion *motion)
+void view_measure_motion(uint32_t width, uint32_t height, const uint8_t *const rgb[2],
+	const uint8_t *const truth[2], struct view_motion *motion)
 {
 	double bytes[2], pop[2];
 	find_change(width, height, rgb, &bytes[0], &pop[0]);
@@ -82,8 +82,8 @@ static void compare_blocks(const struct view_picture *picture, const struct view
 
 double view_picture_error(const struct view_picture *picture, const struct view_picture *reference)
 {
-	return lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb, reference->rgb,
-		NULL });
+	return lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
+		reference->rgb, NULL });
 }
 
 void view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
@@ -93,8 +93,8 @@ void view_measure_pair(const struct view_picture *picture, const struct view_pic
 		picture->cover, reference->cover, picture->owner, reference->owner });
 	measures->soft_q = picture->soft && reference->soft ? lod_soft_q(picture->soft, reference->soft,
 		(size_t)picture->width * picture->height) : NAN;
-	measures->picture_error = lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
-		reference->rgb, error_map });
+	measures->picture_error = lod_flip(&(struct lod_flip_input){ picture->width, picture->height,
+		picture->rgb, reference->rgb, error_map });
 	compare_blocks(picture, reference, &measures->blocks);
 }
 

@@ -16,8 +16,8 @@ enum eco_code view_measure_ceiling(const struct view_draw_job *job, const struct
  * bytes; pop, by that of whole blocks (lod_blocks_pop). They mean something for slow cameras only. rgb:
  * before, after. NaN: the truth does not change. */
 struct view_motion { double shimmer, pop; };
-void view_measure_motion(uint32_t width, uint32_t height, const uint8_t *const rgb[2], const uint8_t *const truth[2],
-	struct view_motion *motion);
+void view_measure_motion(uint32_t width, uint32_t height, const uint8_t *const rgb[2],
+	const uint8_t *const truth[2], struct view_motion *motion);
 struct view_measures {
 	struct lod_score score;
 	double soft_q;                           /* lod_soft_q */

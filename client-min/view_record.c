@@ -336,8 +336,8 @@ void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struc
 	double across = place->scale * lod_place_width(place), sine = place->sine * across, cosine = place->cosine * across;
 	for (int i = 0; i < 3; i++) {
 		const double *a = axes[i];
-		put(&words, bits((float)(a[0] * cosine + a[1] * sine)), bits((float)(a[1] * cosine - a[0] * sine)),
-			bits((float)(a[2] * place->scale)),
+		put(&words, bits((float)(a[0] * cosine + a[1] * sine)),
+			bits((float)(a[1] * cosine - a[0] * sine)), bits((float)(a[2] * place->scale)),
 			bits((float)(a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2])));
 	}
 	uint32_t half = (bits(plant ? view_shape_of(plant).half_width : 0) + 0x8000u) & 0xFFFF0000u;

@@ -217,8 +217,8 @@ static void look_plant(const struct worker *w, uint32_t x, uint32_t y, uint32_t 
 		? view_owners_find(&scene->owners, scene->job->selection, picture->owner[i]) : NULL;
 	if (has_rays)
 		rays_of(w, x, y, &instance->place, &rays);
-	view_mesh_look(mesh, item - scene->items[*cut], &rays, w->drawn->leaf[(size_t)y * w->drawn->width + x],
-		picture->rgb + 3 * i, &picture->surface[i]);
+	view_mesh_look(mesh, item - scene->items[*cut], &rays,
+		w->drawn->leaf[(size_t)y * w->drawn->width + x], picture->rgb + 3 * i, &picture->surface[i]);
 	if (tinted)
 		view_mesh_tint(mesh, item - scene->items[*cut], instance->tint, picture->rgb + 3 * i);
 	if (scene->job->tint == VIEW_TINT_KIND)
@@ -457,8 +457,8 @@ static enum eco_code draw_parts(const struct scene *scene, const struct view_lam
 	struct view_picture *whole, struct eco_error *error)
 {
 	const struct parts parts = parts_of(whole->width, whole->height, samples, LIT_MAX);
-	struct lod_raster_options options = { .width = parts.part[0] * samples, .height = parts.part[1] * samples,
-		.owner = true, .item = true };
+	struct lod_raster_options options = { .width = parts.part[0] * samples,
+		.height = parts.part[1] * samples, .owner = true, .item = true };
 	struct worker *workers = workers_make(scene, &options);
 	uint32_t count = workers[0].count;
 	struct view_picture *pictures = eco_alloc(count, sizeof *pictures);
@@ -479,8 +479,8 @@ static enum eco_code draw_parts(const struct scene *scene, const struct view_lam
 	workers_free(workers);
 	return !code && stopped(scene->job) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
 }
-enum eco_code view_reference_fine(const struct view_draw_job *job, uint32_t samples, struct view_picture *picture,
-	struct eco_error *error)
+enum eco_code view_reference_fine(const struct view_draw_job *job, uint32_t samples,
+	struct view_picture *picture, struct eco_error *error)
 {
 	struct lod_raster_options options = { .width = picture->width, .height = picture->height,
 		.owner = true, .item = true };

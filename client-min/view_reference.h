@@ -13,8 +13,8 @@ enum eco_code view_reference_draw(const struct view_draw_job *job, struct view_p
 	struct eco_error *error);
 /* The same, but colours are the mean light of samples x samples, evenly spread in each pixel and drawn in
  * parts: samples is at most 15, and costs less than as many pictures. */
-enum eco_code view_reference_fine(const struct view_draw_job *job, uint32_t samples, struct view_picture *picture,
-	struct eco_error *error);
+enum eco_code view_reference_fine(const struct view_draw_job *job, uint32_t samples,
+	struct view_picture *picture, struct eco_error *error);
 
 /* Cover of each pixel by plants: the number of covered ones among samples x samples, evenly spread in it.
  * Memory is bounded, whatever the picture's size. */

@@ -48,8 +48,8 @@ static inline float lod_leaf_side(float leaf, float pixel)
  * width of a leaf, radius: of the disc of the ellipse's area, pixel: width of a pixel at the splat's
  * distance, all there. nth: another number in each of a pixel's samples, splats and plants. */
 static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ellipse, const float across[3],
-	const float down[3], const float farther[3], float w, const float center[3], const float half[9], float leaf,
-	float radius, float pixel, uint32_t nth)
+	const float down[3], const float farther[3], float w, const float center[3], const float half[9],
+	float leaf, float radius, float pixel, uint32_t nth)
 {
 	float to[3][4], bulge = ellipse->bulge / w, cells = 1 / (LOD_LEAF_LATTICE * lod_leaf_side(leaf, pixel));
 	for (int i = 0; i < 3; i++) {

@@ -686,8 +686,8 @@ enum eco_code view_gl_record_part(struct view_gl *gl, const struct view_draw_job
 	return draw_cuts(&f, most, cut);
 }
 
-enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
-	struct eco_error *error)
+enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job,
+	struct view_picture *picture, struct eco_error *error)
 {
 	uint32_t cut = 0;
 	return view_gl_record_part(gl, job, UINT64_MAX, &cut, picture, error);

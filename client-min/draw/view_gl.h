@@ -45,8 +45,8 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_draw_job *job, 
  * until the next picture or size; reads that, own colours and no light, into `picture`. The first sample of a
  * picture (lod_eye_sample) stays while others are recorded; `sample` 0 is that one, any other number the one
  * that was recorded last. */
-enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job, struct view_picture *picture,
-	struct eco_error *error);
+enum eco_code view_gl_record(struct view_gl *gl, const struct view_draw_job *job,
+	struct view_picture *picture, struct eco_error *error);
 /* Records cuts from *cut on, 0 at first, until there are `most` vertices more; at the selection's cut_count
  * all is there. Nothing else may be recorded meanwhile. */
 enum eco_code view_gl_record_part(struct view_gl *gl, const struct view_draw_job *job, uint64_t most,

@@ -429,8 +429,8 @@ static enum eco_code cast_shadows(struct view_lamp *lamp, struct view_picture *p
 	return code;
 }
 
-enum eco_code view_lamp_make(struct view_lamp **out, const struct view_draw_job *job, struct view_picture *first,
-	struct eco_error *error)
+enum eco_code view_lamp_make(struct view_lamp **out, const struct view_draw_job *job,
+	struct view_picture *first, struct eco_error *error)
 {
 	struct view_lamp *lamp = *out = calloc(1, sizeof *lamp);
 	if (!lamp || !view_owners_make(&lamp->owners, job->selection))
@@ -478,8 +478,8 @@ static enum eco_code add_sample(const struct view_draw_job *job, const struct vi
 }
 
 /* Replaces the colours of the first sample by the mean of all. */
-static enum eco_code all_samples(const struct view_draw_job *job, const struct view_lamp *lamp, view_record *record,
-	void *ctx, struct view_picture *first, struct eco_error *error)
+static enum eco_code all_samples(const struct view_draw_job *job, const struct view_lamp *lamp,
+	view_record *record, void *ctx, struct view_picture *first, struct eco_error *error)
 {
 	size_t channels = 3 * (size_t)first->width * first->height;
 	uint32_t *sums = calloc(channels, sizeof *sums), count = job->samples;

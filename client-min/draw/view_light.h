@@ -56,8 +56,8 @@ struct view_draw_job {                   /* of drawing by OpenGL or in software,
 
 /* Light of the pictures of one view: the sun, and the shadows that `first`, drawn by the job, needs. */
 struct view_lamp;
-enum eco_code view_lamp_make(struct view_lamp **lamp, const struct view_draw_job *job, struct view_picture *first,
-	struct eco_error *error);
+enum eco_code view_lamp_make(struct view_lamp **lamp, const struct view_draw_job *job,
+	struct view_picture *first, struct eco_error *error);
 /* Replaces the own colours in picture->rgb, drawn from `eye`, by what is seen. The ground needs none: it has
  * its own. By several threads (view_thread_count); others may use the lamp. */
 void view_lamp_light(const struct view_lamp *lamp, const struct lod_eye *eye, struct view_picture *picture,

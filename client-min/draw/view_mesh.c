@@ -254,8 +254,8 @@ static uint32_t smooth_of(const struct view_mesh *mesh, uint32_t primitive, cons
 }
 
 /* A leaf on a splat or a point, in place of the mean of leaves. */
-static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
-	uint8_t rgb[3])
+static uint32_t leaf_of(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
+	uint32_t leaf, uint8_t rgb[3])
 {
 	const float *center = mesh->impostor ? mesh->center : mesh->geometry.position + 3 * (size_t)primitive;
 	uint32_t look = leaf_look(leaf), side = leaf_side(look);
@@ -294,8 +294,8 @@ static void color_of(const struct view_mesh *mesh, uint32_t primitive, uint8_t r
 		: list->image != ECO_NONE ? white : plain, 3);
 }
 
-void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
-	uint8_t rgb[3], uint32_t *surface)
+void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
+	uint32_t leaf, uint8_t rgb[3], uint32_t *surface)
 {
 	color_of(mesh, primitive, rgb);
 	if (mesh->impostor) {

@@ -31,7 +31,7 @@ float view_mesh_reach(const struct view_mesh *mesh, uint32_t primitive);
 struct view_rays { double eye[3], ray[3][3]; };
 /* Own colour and surface (view_light.h) of a primitive. `rays` is read only if the mesh has an image, splats
  * or leaves; leaf: lod_raster.leaf. */
-void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays, uint32_t leaf,
-	uint8_t rgb[3], uint32_t *surface);
+void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
+	uint32_t leaf, uint8_t rgb[3], uint32_t *surface);
 /* Gives its own colour an instance's tint (lod/tint.h), which wood does not take. */
 void view_mesh_tint(const struct view_mesh *mesh, uint32_t primitive, uint32_t tint, uint8_t rgb[3]);

@@ -93,8 +93,8 @@ unsigned view_shader_link(const struct view_shader_text *text, const char *what,
 			glGetShaderInfoLog(fragment, sizeof log, NULL, log);
 		if (!log[0])
 			glGetProgramInfoLog(program, sizeof log, NULL, log);
-		eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the program for %s: %s",
-			what, log);
+		eco_fail(error, ECO_UNSUPPORTED,
+			"the graphics driver does not compile the program for %s: %s", what, log);
 		glDeleteProgram(program);
 	}
 	glDeleteShader(vertex);
@@ -102,8 +102,8 @@ unsigned view_shader_link(const struct view_shader_text *text, const char *what,
 	return linked ? program : 0;
 }
 
-enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, enum view_variant variant,
-	const struct view_dialect *dialect, struct eco_error *error)
+enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which,
+	enum view_variant variant, const struct view_dialect *dialect, struct eco_error *error)
 {
 	static const char *const of_variant[VIEW_VARIANTS] = { "", "#define SHADOW\n", "#define TINTED\n" };
 	const char *start = dialect->es ? head_es : head_desktop, *defines = programs[which].defines;

@@ -29,8 +29,8 @@ struct view_dialect { bool es; bool depth_zero_to_one; };
 
 /* SHADOW draws the same into a shadow map (view_gl_cast), TINTED plants with tints; neither is of the ground. */
 enum view_variant { VIEW_VARIANT_PLAIN, VIEW_VARIANT_SHADOW, VIEW_VARIANT_TINTED, VIEW_VARIANTS };
-enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, enum view_variant variant,
-	const struct view_dialect *dialect, struct eco_error *error);
+enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which,
+	enum view_variant variant, const struct view_dialect *dialect, struct eco_error *error);
 
 /* Parts of the texts of a program. */
 struct view_shader_text {

@@ -216,8 +216,8 @@ static void draw_lines(const struct caster *c, const struct object *o, const str
  * (lod/splat.h). */
 struct outline { float x, y, height; struct lod_ellipse ellipse; int across[2], down[2]; };
 
-static bool outline_of(const struct caster *c, const struct object *o, vec3 center, const vec3 *half, int count,
-	struct outline *e)
+static bool outline_of(const struct caster *c, const struct object *o, vec3 center, const vec3 *half,
+	int count, struct outline *e)
 {
 	struct corner m = corner_of(o, center);
 	float across[3] = { 0, 0, 0 }, down[3] = { 0, 0, 0 }, farther[3] = { 0, 0, 0 };

@@ -101,8 +101,8 @@ static void order_greedily(struct lod_build *b)
 	lod_foliage_from(&foliage,
 		&(struct lod_foliage_parts){ b->model, &b->mesh, &b->organs, &b->elements }, &b->arena);
 	b->code = lod_rank_make(&rank, &foliage,
-		&(struct lod_rank_options){ .seed = b->options->seed, .progress = rank_goes_on, .each = rank_each,
-		.ctx = b }, &b->arena, b->error);
+		&(struct lod_rank_options){ .seed = b->options->seed, .progress = rank_goes_on,
+		.each = rank_each, .ctx = b }, &b->arena, b->error);
 	if (b->code)
 		longjmp(b->stopped, 1);
 	memcpy(b->order, rank.order, n * sizeof *b->order);
@@ -196,8 +196,8 @@ struct sample { double at[3], square[3][3], area; uint8_t rgb[3]; };    /* squar
 
 /* Mean barycentric coordinates of opaque points on an even lattice, and their mean products; returns their
  * share, and their last texel in *seen. */
-static double opaque_middle(const struct eco_image *image, const int32_t *uv, double middle[3], double products[3][3],
-	const uint8_t **seen)
+static double opaque_middle(const struct eco_image *image, const int32_t *uv, double middle[3],
+	double products[3][3], const uint8_t **seen)
 {
 	uint32_t hits = 0, all = 0;
 	double sum[3] = { 0, 0, 0 }, pairs[3][3] = { { 0 } };

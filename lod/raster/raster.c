@@ -99,8 +99,8 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
 	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1],
 		place->at[2] - eye->at[2] };
-	double across = place->scale * lod_place_width(place), sine = place->sine * across, cosine = place->cosine * across, scale[3],
-		row[3][4];
+	double across = place->scale * lod_place_width(place), sine = place->sine * across,
+		cosine = place->cosine * across, scale[3], row[3][4];
 	plane_scale(raster, scale);
 	state->place = *place;
 	state->salt = place->salt;

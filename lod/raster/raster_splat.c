@@ -311,8 +311,8 @@ static void look_from(struct lod_impostor_look *look, const struct lod_impostor 
 	lod_impostor_look(look, impostor, eye);
 }
 
-static uint32_t cell_where(const struct leaves *leaves, const struct lod_impostor *impostor, const float eye[3],
-	const float ray[3], float along)
+static uint32_t cell_where(const struct leaves *leaves, const struct lod_impostor *impostor,
+	const float eye[3], const float ray[3], float along)
 {
 	float at[3];
 	for (int k = 0; k < 3; k++)
@@ -321,8 +321,8 @@ static uint32_t cell_where(const struct leaves *leaves, const struct lod_imposto
 }
 
 static void fill_impostor_row(struct lod_paint *paint, uint32_t item, const struct lod_impostor *impostor,
-	const struct lod_impostor_look *look, const struct rays *rays, const struct leaves *leaves, uint32_t row,
-	uint32_t from, uint32_t to)
+	const struct lod_impostor_look *look, const struct rays *rays, const struct leaves *leaves,
+	uint32_t row, uint32_t from, uint32_t to)
 {
 	const struct lod_raster *raster = paint->raster;
 	float near_w = raster->state->near_w, y = (float)row + 0.5f - 0.5f * (float)raster->height;

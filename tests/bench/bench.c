@@ -446,8 +446,8 @@ static enum eco_code run_sections(int *status, struct eco_error *error)
 			"writes programs to", path);
 	if (setjmp(failed))
 		return eco_fail(error, ECO_IO, "%s", section_error.text);
-	bench_command("mkdir -p '%s' '%s/units' '%s/truths' '%s/sections'", bench.out, bench.cache, bench.cache,
-		bench.cache);
+	bench_command("mkdir -p '%s' '%s/units' '%s/truths' '%s/sections'", bench.out, bench.cache,
+		bench.cache, bench.cache);
 	for (uint32_t i = 0; sections[i]; i++) {
 		if (some && !asked[i])
 			continue;

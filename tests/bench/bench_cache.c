@@ -139,8 +139,8 @@ static void try_path(struct bench *bench, size_t which, struct bench_table *tabl
 		const double *now = figure[i];
 		snprintf(part, sizeof part, parts[i] == NO_LIMIT ? "no limit" : parts[i] == LARGEST_VIEW
 			? "largest view" : "1/%u", parts[i]);
-		bench_table_row(table, "%s,%s,%.2f,%.0f of %.0f,%.0f,%.2f,%.0f,%.0f,%.0f", scenes[which], part,
-			now[MEMORY] / (1 << 20), now[FRAMES], all[FRAMES], now[BYTES],
+		bench_table_row(table, "%s,%s,%.2f,%.0f of %.0f,%.0f,%.2f,%.0f,%.0f,%.0f", scenes[which],
+			part, now[MEMORY] / (1 << 20), now[FRAMES], all[FRAMES], now[BYTES],
 			now[BYTES] / all[BYTES], now[EVICTIONS], now[AGAIN], now[ANSWERS] - now[FRAMES]);
 	}
 }

@@ -217,8 +217,8 @@ static void find_truth(struct bench_client *client, const struct view_draw_job *
 
 void bench_client_reference(struct bench_client *client, const struct eco_request *request)
 {
-	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
-		.ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
+	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX,
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	if (client->has_reference && !memcmp(&client->of, &request->view, sizeof client->of))
 		return;

@@ -84,8 +84,8 @@ static void draw_height(struct bench *bench, const struct forest *f, const char 
 	view_picture_free(&picture);
 }
 
-static void draw_heights(struct bench *bench, const struct forest *f, const char *pack, struct bench_table *table,
-	double *worst_q)
+static void draw_heights(struct bench *bench, const struct forest *f, const char *pack,
+	struct bench_table *table, double *worst_q)
 {
 	struct bench_client *client = NULL;
 	client = bench_client_open(pack);

@@ -43,8 +43,8 @@ static json_t *make_unit(void *ctx)
 	else
 		leaves.model = bench_crown_make();
 	must(bench_foliage_make(&leaves.foliage, &leaves.model, &leaves.arena, must_error));
-	lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = BENCH_PIXELS, .height = BENCH_PIXELS,
-		.silhouette = true });
+	lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = BENCH_PIXELS,
+		.height = BENCH_PIXELS, .silhouette = true });
 	leaves.mask = lod_arena_take(&leaves.arena, BENCH_PIXELS * BENCH_PIXELS / 64, sizeof *leaves.mask);
 	json_t *made = o->study(o->ctx, &leaves);
 	lod_raster_free(&leaves.cover);

@@ -159,11 +159,11 @@ static void make_folder(struct bench *bench, const struct scene *s, char folder[
 	if (s->origin == CROWN)
 		make_crown(folder);
 	else if (s->origin == SCBI)
-		bench_command("BUILD='%s' OUT='%s' DATA='%s' sh tests/demo/forest_scene.sh", bench->build, folder,
-			bench->data);
+		bench_command("BUILD='%s' OUT='%s' DATA='%s' sh tests/demo/forest_scene.sh", bench->build,
+			folder, bench->data);
 	else
-		bench_command("'%s/ecopack' generate %s -o '%s' --plants %u --detail %g --quiet", bench->build,
-			s->kind, folder, s->plants, s->detail);
+		bench_command("'%s/ecopack' generate %s -o '%s' --plants %u --detail %g --quiet",
+			bench->build, s->kind, folder, s->plants, s->detail);
 	stamp_write(scene, stamp);
 }
 
@@ -198,8 +198,8 @@ void bench_model_pack(struct bench *bench, const struct bench_model *model, char
 	must(json_dump_file(made, scene, 0) ? eco_fail(must_error, ECO_IO, "%s cannot be written", scene) : ECO_OK);
 	json_decref(made);
 	free(place);
-	bench_command("'%s/ecopack' make '%s' -o '%s' --quiet --cache '%s/plants' --cache-mb 16384", bench->build,
-		scene, pack, bench->cache);
+	bench_command("'%s/ecopack' make '%s' -o '%s' --quiet --cache '%s/plants' --cache-mb 16384",
+		bench->build, scene, pack, bench->cache);
 }
 
 /* ---- Views ---- */

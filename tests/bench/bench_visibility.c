@@ -77,8 +77,8 @@ static void add_bins(struct study *s, const char *scene, const char *camera, con
 	}
 	for (uint32_t i = 0; i < LOD_DISTANCES; i++) {
 		double expected = bins->expected[i], seen = bins->seen[i], from = lod_distance_from_m(i), bin = seen > 0 ? fabs(expected - seen) / seen : NAN;
-		bench_table_values(s->table, (const double[]){ expected, seen, 100 * fabs(expected - seen) / all,
-			100 * bin }, "%s,%s,%g m", scene, camera, from);
+		bench_table_values(s->table, (const double[]){ expected, seen,
+			100 * fabs(expected - seen) / all, 100 * bin }, "%s,%s,%g m", scene, camera, from);
 		if (seen > PART_LEAST * all && bin > s->bin) {
 			s->bin = bin;
 			snprintf(s->bin_row, sizeof s->bin_row, "%s %s from %g m", scene, camera, from);
@@ -130,8 +130,8 @@ static void study_scenes(struct bench *bench, struct study *s)
 			continue;
 		json_array_foreach(json_object_get(item, "cameras"), k, camera)
 			if (!json_unpack(camera, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "camera", &which, "eye", &v.eye[0],
-					&v.eye[1], &v.eye[2], "target", &v.target[0], &v.target[1], &v.target[2],
-					"fov_y_deg", &v.fov_y_deg) && !strcmp(which, "eye"))
+					&v.eye[1], &v.eye[2], "target", &v.target[0], &v.target[1],
+					&v.target[2], "fov_y_deg", &v.fov_y_deg) && !strcmp(which, "eye"))
 				study_view(s, name, pack, v);
 	}
 	json_decref(file);

@@ -46,8 +46,8 @@ UNIT_TEST(places_of_a_scene_change_rounding_only)
 	const struct site_row *rows = cases_read("tests/bench/cases/extreme_sites.tsv", sizeof *rows, &count);
 	for (uint32_t i = 0; i < 2 * count; i++) {
 		const struct site_row *row = &rows[i / 2];
-		struct extreme_site site = { .turn = (uint16_t)cases_number(row->turn), .scale = cases_number(row->scale),
-			.plain = cases_number(row->plain) > 0 };
+		struct extreme_site site = { .turn = (uint16_t)cases_number(row->turn),
+			.scale = cases_number(row->scale), .plain = cases_number(row->plain) > 0 };
 		struct extreme_world moved = { 0 };
 		struct eco_request request = extreme_request(budgets[i % 2]);
 		read_v3(row->at, site.at);

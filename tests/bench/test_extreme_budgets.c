@@ -127,8 +127,8 @@ static struct sum plan_for(const struct scene_builder *t, uint64_t vertices, lod
 	struct eco_plan plan = { 0 };
 	struct eco_request request = request_of(t, vertices);
 	struct sum sum = { .vertices = 0 };
-	assert_good(lod_plan(&plan, &(struct lod_planner_input){ .scene = &t->scene, .request = &request, .rule = rule,
-		.stats = &sum.stats }, &cause));
+	assert_good(lod_plan(&plan, &(struct lod_planner_input){ .scene = &t->scene, .request = &request,
+		.rule = rule, .stats = &sum.stats }, &cause));
 	extreme_sound(&plan, &request);
 	assert_true(sum.stats.converged);
 	sum.vertices = plan.vertices;
@@ -147,8 +147,8 @@ static double hold_at(const char *name, const struct scene_builder *t, uint64_t 
 	return sum.error;
 }
 
-static const uint64_t many[] = { 0, 1, 2, 3, 4, 5, 6, 7, 10, 100, 159, 160, 161, 1000, 4001, 33333, 77777, 99999, 100000,
-	999999, 1000002, 1000003, 3000000, 4000002, 30000000, 1000000000 };
+static const uint64_t many[] = { 0, 1, 2, 3, 4, 5, 6, 7, 10, 100, 159, 160, 161, 1000, 4001, 33333, 77777,
+	99999, 100000, 999999, 1000002, 1000003, 3000000, 4000002, 30000000, 1000000000 };
 #define BUDGETS (sizeof many / sizeof *many)
 
 #define TWICE(kind) { kind, KIND(scene_falling, 300, 1) }

@@ -373,8 +373,8 @@ UNIT_TEST(every_corner_is_stored_within_half_a_pixel)
 	for (const struct tree *t = trees; t < trees + sizeof trees / sizeof *trees; t++) {
 		struct soup s;
 		struct lod_plant plant = { 0 };
-		struct lod_plant_options options = { .name = t->name, .seed = 1, .order = LOD_ORDER_STOCHASTIC,
-			.grid_bits = t->bits, .views = 2, .pixels = 64 };
+		struct lod_plant_options options = { .name = t->name, .seed = 1,
+			.order = LOD_ORDER_STOCHASTIC, .grid_bits = t->bits, .views = 2, .pixels = 64 };
 		uint32_t lost = 0;
 		double moved = 0;
 		soup_tree(&s, t->leaves, t->flowers, false);

@@ -261,8 +261,8 @@ UNIT_TEST(ladders_draw_what_their_curve_was_measured_with)
 		assert_int_equal(plant.plant.anchor_count > 1, rows[i].cell_triangles > 0);
 		double own = curve_gap(8), other = curve_gap(11);
 		if (own > 0.02 || other > 0.04)
-			fail_msg("crown %zu: the curve's own views differ from it by %g, others by %g", i, own,
-				other);
+			fail_msg("crown %zu: the curve's own views differ from it by %g, others by %g", i,
+				own, other);
 		finish();
 	}
 }

@@ -74,8 +74,8 @@ UNIT_TEST(leaves_keep_what_splats_show)
 			center[i] = between(-200, 200);
 			half[4 * i] = between(0.4f, 2.5f);
 		}
-		struct lod_raster_batch batch = { .count = 1, .position = center, .half = half, .opacity = &opacity,
-			.owner = 1 };
+		struct lod_raster_batch batch = { .count = 1, .position = center, .half = half,
+			.opacity = &opacity, .owner = 1 };
 		draw(&batch, half_m, &smooth);
 		batch.leaf = between(0.02f, 0.8f);
 		draw(&batch, half_m, &leafy);
@@ -97,8 +97,8 @@ UNIT_TEST(contrast_fades_where_leaves_are_finer_than_pixels)
 		{ 0.00625f, 0.0156 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct sums sums = { 0 };
-		draw(&(struct lod_raster_batch){ .count = 1, .position = center, .half = half, .leaf = cases[i].leaf,
-			.owner = 1 }, 10, &sums);
+		draw(&(struct lod_raster_batch){ .count = 1, .position = center, .half = half,
+			.leaf = cases[i].leaf, .owner = 1 }, 10, &sums);
 		assert_true(fabs(sums.lit / sums.pixels - cases[i].lit) < 0.03);
 	}
 }

@@ -233,8 +233,8 @@ static const struct eco_ladder *whole_of_plant(void)
 }
 
 /* A sample has the error that a probe measures that draws a level of the impostor, or a cut, and nothing else. */
-static void check_error(const struct eco_curve *sample, const struct lod_plant_options *options, uint32_t level,
-	const struct eco_cut *cut)
+static void check_error(const struct eco_curve *sample, const struct lod_plant_options *options,
+	uint32_t level, const struct eco_cut *cut)
 {
 	const struct lod_probe_options size = { options->views, options->pixels, NULL, NULL };
 	FREED(lod_probe) probe;

@@ -177,8 +177,8 @@ UNIT_TEST(points_of_all_sizes_are_those_of_software)
 		FREED(view_picture) soft = scene_draw(&h, false, VIEW_TINT_NONE),
 			hard = scene_draw(&h, true, VIEW_TINT_NONE);
 		struct picture_difference apart = picture_compare(&soft, &hard);
-		print_message("at %g times the distance: %.4f %% covered, %.4f %% of other owners\n", views[i].near,
-			100 * apart.covered, 100 * apart.owners);
+		print_message("at %g times the distance: %.4f %% covered, %.4f %% of other owners\n",
+			views[i].near, 100 * apart.covered, 100 * apart.owners);
 		assert_true(covered(&soft) > 100 && apart.owners * 200 <= apart.covered);
 	}
 }

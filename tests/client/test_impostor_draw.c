@@ -124,8 +124,8 @@ UNIT_TEST(leaves_change_no_cover_and_no_mean)
 		light[0] += lod_light_of[leafy.rgb[3 * i + 1]];
 		light[1] += lod_light_of[smooth.rgb[3 * i + 1]];
 	}
-	print_message("%.0f and %.0f pixels, %.0f of both, %.2f of these changed, light %.3f of smooth\n", covered[0],
-		covered[1], plants, changed / plants, light[0] / light[1]);
+	print_message("%.0f and %.0f pixels, %.0f of both, %.2f of these changed, light %.3f of smooth\n",
+		covered[0], covered[1], plants, changed / plants, light[0] / light[1]);
 	assert_true(fabs(covered[0] / covered[1] - 1) < 0.08 && plants > 0.5 * covered[1]);
 	assert_true(plants > 1000 && changed > 0.5 * plants && fabs(light[0] / light[1] - 1) < 0.05);
 }

@@ -176,8 +176,8 @@ UNIT_TEST(a_crown_has_the_same_light_as_leaves_as_a_splat_and_as_a_point)
 			mean[k] += log(others[k] / leaves) / 60;
 		}
 	}
-	print_message("splats: %+.3f in the mean, at most %.3f; points: %+.3f, at most %.3f\n", mean[0], worst[0],
-		mean[1], worst[1]);
+	print_message("splats: %+.3f in the mean, at most %.3f; points: %+.3f, at most %.3f\n", mean[0],
+		worst[0], mean[1], worst[1]);
 	assert_true(fabs(mean[0]) < 0.04 && worst[0] < 0.16);
 	assert_true(fabs(mean[1]) < 0.01 && worst[1] < 0.05);
 }
@@ -258,8 +258,8 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 		p = draw(&h, skies[i]);
 		red[i] = mean_of(&p, 0, false) / mean_of(&p, 2, false);
 	}
-	print_message("red over blue: %.3f towards a low sun, %.3f away from it, %.3f below a high one\n", red[0],
-		red[1], red[2]);
+	print_message("red over blue: %.3f towards a low sun, %.3f away from it, %.3f below a high one\n",
+		red[0], red[1], red[2]);
 	assert_true(red[0] > 1.1 * red[1] && red[1] > 1.05 * red[2]);
 }
 

@@ -42,8 +42,8 @@ const char *raster_file_write(const char *folder, const struct raster_file *r)
 	int bands = r->bands ? r->bands : 1;
 	GDALAllRegister();
 	remove(path);
-	GDALDatasetH file = GDALCreate(GDALGetDriverByName(png ? "MEM" : "GTiff"), path, r->columns, r->rows, bands,
-		r->type, NULL);
+	GDALDatasetH file = GDALCreate(GDALGetDriverByName(png ? "MEM" : "GTiff"), path, r->columns, r->rows,
+		bands, r->type, NULL);
 	assert_non_null(file);
 	if (r->place)
 		GDALSetGeoTransform(file, (double *)r->place);

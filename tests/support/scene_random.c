@@ -146,8 +146,8 @@ static void add_impostor(struct scene_builder *b, struct eco_ladder *l, uint32_t
 	float error = (float)random_real(b, 0.1, 0.5);
 	l->impostor = add_list(b, ECO_LIST_IMPOSTOR, levels, l->plant);
 	for (uint32_t i = 0; i < levels; i++, error *= 0.8f)
-		scene_add_curve(b, (struct eco_curve)SCENE_CURVE((float)((i + 1.0) / levels / full), 1, 1, error,
-			error));
+		scene_add_curve(b, (struct eco_curve)SCENE_CURVE((float)((i + 1.0) / levels / full), 1, 1,
+			error, error));
 	l->curve_count += levels;
 }
 
@@ -395,8 +395,8 @@ void random_stand_make(struct scene_builder *b, const struct random_stand *stand
 	leaves.curve_first = b->scene.curve_count;
 	leaves.curve_count = 4;
 	for (int i = 0; i < 4; i++)
-		scene_add_curve(b, (struct eco_curve)SCENE_CURVE(stand->shares[i], 1, stand->shares[i], stand->errors[i],
-			stand->errors[i]));
+		scene_add_curve(b, (struct eco_curve)SCENE_CURVE(stand->shares[i], 1, stand->shares[i],
+			stand->errors[i], stand->errors[i]));
 	scene_add_ladder(b, leaves);
 	if (!stand->splats)
 		return;

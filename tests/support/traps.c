@@ -78,8 +78,8 @@ TRAPPED_VOID(lod_pool_make, (struct lod_pool *pool, const struct lod_plant *plan
 	pool, plant, first, count)
 TRAPPED_VOID(lod_summary_make, (struct lod_summary *summary, const struct lod_summary_input *input), summary, input)
 TRAPPED_VOID(lod_summary_list, (const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
-	uint32_t palette, struct eco_list *list, struct eco_elements *elements), summary, scene, tile, palette, list,
-	elements)
+	uint32_t palette, struct eco_list *list, struct eco_elements *elements), summary, scene, tile,
+	palette, list, elements)
 TRAPPED_VOID(lod_tiles_build, (struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
 	uint32_t most), tiles, items, count, most)
 TRAPPED(lod_ground_build, (struct lod_ground_tree *tree, const struct eco_ground *ground, double step,

@@ -425,12 +425,12 @@ struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view
 	struct view_picture picture;
 	assert_good(view_picture_init(&picture, h->view.width, h->view.height, &cause));
 	if (by_gl)
-		assert_good(view_gl_draw(scene_gl, &(struct view_draw_job){ h->store, &h->selection, &h->eye, 0.1, 2,
-			NULL, tint, 1, false },
+		assert_good(view_gl_draw(scene_gl, &(struct view_draw_job){ h->store, &h->selection, &h->eye,
+			0.1, 2, NULL, tint, 1, false },
 			&picture, &cause));
 	else
-		assert_good(view_reference_draw(&(struct view_draw_job){ h->store, &h->selection, &h->eye, 0.1, 2,
-			NULL, tint, 1, false }, &picture, &cause));
+		assert_good(view_reference_draw(&(struct view_draw_job){ h->store, &h->selection, &h->eye,
+			0.1, 2, NULL, tint, 1, false }, &picture, &cause));
 	return picture;
 }
 

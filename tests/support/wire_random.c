@@ -434,8 +434,8 @@ static enum eco_code on_ahead(void *ctx, struct eco_error *e)
 	return tell(ctx, 8);
 }
 
-const struct eco_wire_events wire_telling = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end, on_fetch,
-	on_ahead };
+const struct eco_wire_events wire_telling = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end,
+	on_fetch, on_ahead };
 
 enum eco_code wire_tell(const uint8_t *bytes, size_t size, size_t portion, struct wire_told *told,
 	struct eco_error *error)

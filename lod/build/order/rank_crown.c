@@ -55,8 +55,8 @@ void lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
 	lod_directions_spread(directions, views, options->seed);
 	for (uint32_t k = 0; k < LOD_CROWN_LEVELS; k++)
 		if (pixels >> (LOD_CROWN_LEVELS - 1 - k) >= PIXELS_FEWEST || k + 1 == LOD_CROWN_LEVELS)
-			open_level(crown, (const double (*)[3])directions, pixels >> (LOD_CROWN_LEVELS - 1 - k),
-				arena);
+			open_level(crown, (const double (*)[3])directions,
+				pixels >> (LOD_CROWN_LEVELS - 1 - k), arena);
 	crown->level = &crown->levels[crown->level_count - 1];
 }
 

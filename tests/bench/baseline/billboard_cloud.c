@@ -91,8 +91,8 @@ static uint32_t side_of(double half)
 static void aim(struct lod_raster *raster, const struct billboard_quad *quad)
 {
 	double away = AWAY * fmax(quad->width, quad->height);
-	struct lod_v3 at = lod_v3_add(quad->center, lod_v3_scale(quad->normal, away)), u = quad->u, v = quad->v,
-		n = quad->normal;
+	struct lod_v3 at = lod_v3_add(quad->center, lod_v3_scale(quad->normal, away)), u = quad->u,
+		v = quad->v, n = quad->normal;
 	const struct lod_eye eye = { .at = { at.x, at.y, at.z }, .right = { u.x, u.y, u.z },
 		.up = { -v.x, -v.y, -v.z }, .forward = { -n.x, -n.y, -n.z }, .tan_x = quad->width / away,
 		.tan_y = quad->height / away };

@@ -133,8 +133,8 @@ static enum eco_code write_pack(const struct extreme_stand *stand, const struct 
 	struct eco_source_instance instances[EXTREME_PLACES];
 	struct eco_source_child child = { .source = 1, .scale = site->scale > 0 && !site->plain ? site->scale : 1,
 		.yaw_deg = site->plain ? 0 : site->turn * 360.0 / 65536 };
-	struct eco_source files[] = { { .path = "site", .tile_instances = ECO_TILE_INSTANCES, .children = &child,
-		.child_count = 1 },
+	struct eco_source files[] = { { .path = "site", .tile_instances = ECO_TILE_INSTANCES,
+		.children = &child, .child_count = 1 },
 		{ .path = "stand", .tile_instances = TILE_PLANTS, .plants = plants, .plant_count = stand->plant_count,
 		.instances = instances, .instance_count = stand->place_count } };
 	struct make_options options = { .pack = path, .jobs = 1 };

@@ -96,8 +96,8 @@ static json_t *shoot(void *ctx)
 	struct rivals *s = ctx;
 	open_rivals(s);
 	struct bench_frame cook = draw_cook(s), ours = search(s, &cook);
-	return bench_reals((const double[FIGURES]){ (double)cook.vertices, cook.measures.score.q, cook.draw_ms,
-		(double)ours.vertices, ours.measures.score.q, ours.draw_ms }, FIGURES);
+	return bench_reals((const double[FIGURES]){ (double)cook.vertices, cook.measures.score.q,
+		cook.draw_ms, (double)ours.vertices, ours.measures.score.q, ours.draw_ms }, FIGURES);
 }
 
 static void run_race(struct bench *bench, const struct race *race, struct bench_table *table)
@@ -121,8 +121,8 @@ static void run_race(struct bench *bench, const struct race *race, struct bench_
 		}
 		for (const double *m = mean; m < mean + FIGURES; m += OURS)
 			bench_table_row(table, "%s,%s,%u,%.0f,%.4f,%.0f,%.1f,%.2f,%.1f", race->scene,
-				m == mean ? "Cook corrected" : "ours", views, m[VERTICES], m[Q], m[MS], 1000 / m[MS],
-				mean[MS] / m[MS], 100 * (1 - m[VERTICES] / mean[VERTICES]));
+				m == mean ? "Cook corrected" : "ours", views, m[VERTICES], m[Q], m[MS],
+				1000 / m[MS], mean[MS] / m[MS], 100 * (1 - m[VERTICES] / mean[VERTICES]));
 	}
 	close_rivals(&s);
 }

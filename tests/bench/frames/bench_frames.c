@@ -30,8 +30,8 @@ static const struct bench_column columns[] = { { "1-Q", 5 }, { "P", 5 }, { "R", 
 #define COLUMNS (sizeof columns / sizeof *columns)
 /* of bench_shots, for each column; NULL: made of others */
 static const char *const keys[COLUMNS] = { "q", "p", "r", "wrong", "skill", "owner_q", "soft_q", "ceiling",
-	"picture_error", "m16", "s16", "colour", "predicted_q", "plan_ms", NULL, NULL, "decode_ms", "draw_ms", NULL, NULL,
-	"vertices", "bytes" };
+	"picture_error", "m16", "s16", "colour", "predicted_q", "plan_ms", NULL, NULL, "decode_ms", "draw_ms",
+	NULL, NULL, "vertices", "bytes" };
 enum { ERROR = 0, PREDICTED = 12, PLAN, SENT_10, SENT_100, DECODE, DRAW, TOTAL_10, TOTAL_100, VERTICES, BYTES };
 
 static void read_row(const json_t *row, double value[COLUMNS])

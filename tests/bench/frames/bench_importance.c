@@ -23,8 +23,8 @@ static void make_pack(struct bench *bench, double importance, char path[512])
 	for (int i = 0; i < 2; i++) {
 		char model[64];
 		snprintf(model, sizeof model, "park/models/%s.obj", names[i]);
-		json_object_set_new(plants, names[i], json_pack("{s:s, s:s, s:{s:f}}", "model", model, "unit", "m",
-			"importance", "flower", importance));
+		json_object_set_new(plants, names[i], json_pack("{s:s, s:s, s:{s:f}}", "model", model, "unit",
+			"m", "importance", "flower", importance));
 	}
 	for (int i = 0; i < 8; i++)
 		json_array_append_new(instances, json_pack("{s:s, s:[f, f], s:i}", "plant", "poppy", "at",

@@ -85,8 +85,8 @@ static void solve_occluded(struct shot *shot, struct paper_frame *frame)
 	for (uint32_t i = 0; i < FRAMES; i++) {
 		double x = 0;
 		paper_frame_free(frame);
-		paper_shoot(shot->papers, &shot->request, paper_cook, &cook, &x, i + 1 < FRAMES ? 0 : BENCH_SAMPLES,
-			frame);
+		paper_shoot(shot->papers, &shot->request, paper_cook, &cook, &x,
+			i + 1 < FRAMES ? 0 : BENCH_SAMPLES, frame);
 		paper_sight_update(cook.sight, frame, &shot->request.view);
 	}
 	paper_sight_free(cook.sight);

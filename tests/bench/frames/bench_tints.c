@@ -46,8 +46,8 @@ static void make_oak(struct bench *bench, uint32_t which, char path[512])
 		"\"at\": [0, 0]}]}' >%s.json", folder, cases[which].name, cases[which].leaf, cases[which].name, cases[which].colors,
 		cases[which].name, cases[which].name, cases[which].name);
 	snprintf(path, 512, "%s/%s.eco", folder, cases[which].name);
-	bench_command("'%s/ecopack' make '%s/%s.json' -o '%s' --quiet --cache '%s/plants'", bench->build, folder,
-		cases[which].name, path, bench->cache);
+	bench_command("'%s/ecopack' make '%s/%s.json' -o '%s' --quiet --cache '%s/plants'", bench->build,
+		folder, cases[which].name, path, bench->cache);
 }
 
 static struct eco_request request_of(const double eye[3], const double target[3], uint32_t width, uint64_t vertices)
@@ -82,8 +82,8 @@ static void draw_oak(struct bench *bench, uint32_t which, struct bench_table *ta
 	for (uint32_t b = 0; b < OAKS; b++) {
 		struct bench_frame frame = { .request = request_of(eye, target, 320, oak_budgets[b]) };
 		bench_client_frame(client, &frame, &pictures[b]);
-		bench_table_row(table, "%s,%llu,%.4f,%.4f", cases[which].name, (unsigned long long)frame.vertices,
-			frame.measures.score.q, frame.colour_rms);
+		bench_table_row(table, "%s,%llu,%.4f,%.4f", cases[which].name,
+			(unsigned long long)frame.vertices, frame.measures.score.q, frame.colour_rms);
 	}
 	bench_client_close(client);
 	snprintf(file, sizeof file, "tints-%s.png", cases[which].name);
@@ -108,8 +108,8 @@ static void make_wood(struct bench *bench, char path[512])
 	fclose(table);
 	json_t *plants = json_object();
 	for (int i = 0; i < 4; i++)
-		json_object_set_new(plants, names[i], json_pack("{s:o, s:s}", "model", json_sprintf("park/models/%s.obj", names[i]),
-			"unit", "m"));
+		json_object_set_new(plants, names[i], json_pack("{s:o, s:s}", "model",
+			json_sprintf("park/models/%s.obj", names[i]), "unit", "m"));
 	json_t *scene = json_pack("{s:o, s:[{s:s, s:s, s:s, s:s, s:{s:s, s:s}}]}", "plants", plants, "instances", "from", "wood.csv",
 		"x", "x", "y", "y", "species", "species", "tint", "column", "colour", "palette", "owner");
 	snprintf(file, sizeof file, "%.440s/tints/wood.json", bench->cache);
@@ -199,8 +199,8 @@ static void draw_wood(struct bench *bench)
 	bench_client_untimed(client);
 	struct bench_table *table = bench_table_open(bench, "tints_wood", "vertices,told_apart,q,colour_rms", true);
 	for (uint32_t b = 0; b < WOODS; b++) {
-		struct bench_frame frame = { .request = request_of(eye, target, 640, wood_budgets[b]), .look = note_trees,
-			.ctx = &trees };
+		struct bench_frame frame = { .request = request_of(eye, target, 640, wood_budgets[b]),
+			.look = note_trees, .ctx = &trees };
 		trees.count = 0;
 		bench_client_frame(client, &frame, &pictures[b]);
 		share[b] = told_apart(&trees, &pictures[b], bench_client_full(client));

@@ -215,8 +215,8 @@ struct section {
 static void write_rows(struct section *t, const char *plant, double q[ROWS][BUDGETS])
 {
 	for (int row = 0; row < ROWS; row++)
-		bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f", plant, row_names[row], q[row][0], q[row][1],
-			q[row][2], q[row][3]);
+		bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f", plant, row_names[row], q[row][0],
+			q[row][1], q[row][2], q[row][3]);
 }
 
 static void write_turn(struct section *t, const char *plant, struct figures *f)
