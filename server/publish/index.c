@@ -10,7 +10,6 @@
 #include "lod/plan/planner.h"
 
 #define TAIL_BYTES 9u            /* zeros, hash */
-#define RECORDS_MOST (1u << 26)
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, "index: " __VA_ARGS__)
 
@@ -19,9 +18,9 @@ static enum eco_code read_table(struct srv_index *index, struct eco_range *range
 	uint32_t count, struct eco_error *error)
 {
 	struct eco_scene *scene = &index->pack.scene;
-	struct eco_reader records = { .size = (size_t)eco_record_bytes(kind) * count };
-	if (records.size > RECORDS_MOST)
+	if (count > SRV_INDEX_TABLE_MOST / eco_record_bytes(kind))
 		return BAD("%u records of %s are too many", count, eco_section_name(kind));
+	struct eco_reader records = { .size = (size_t)eco_record_bytes(kind) * count };
 	uint8_t *bytes = malloc(records.size + 1);
 	if (!bytes || !srv_index_table(range, kind, bytes, count, NULL)) {
 		free(bytes);
@@ -68,8 +67,10 @@ static void place_chunks(struct srv_index *index)
 		end = own > end ? own : end;
 	}
 	struct eco_list *lists = index->tables[ECO_SECTION_LISTS];
+	uint32_t left = index->pack.scene.chunk_count;   /* lists share none: eco_scene_check refuses more */
 	for (uint32_t i = 0; i < index->pack.scene.list_count; i++)
-		for (uint32_t c = lists[i].chunk_first, last = c + lists[i].chunk_count; c < last && c < index->pack.scene.chunk_count; c++) {
+		for (uint64_t c = lists[i].chunk_first, last = c + lists[i].chunk_count;
+				c < last && c < index->pack.scene.chunk_count && left > 0; c++, left--) {
 			lists[i].primitive_count += chunks[c].primitive_count;
 			lists[i].element_count += chunks[c].element_count;
 		}

@@ -14,8 +14,9 @@
  *   44   the pack's SCENE record; u32 number of records of each table of ECO_PACK_TABLES and of the palette
  *   .    all records, as one range-coded stream (index_columns.h)
  *   .    u8 zeros that were left off at its end (range.h); u64 XXH3-64 of all before
- * Lists have no counts, chunks no ids. A chunk's offset is 0 where its payload follows those before it, else 1 more than where it
- * lies in the chunks' file, which is the pack's CHUNK_DATA with the published columns of inventories' rows alone, if any.
+ * Lists have no counts, chunks no ids. A chunk's offset is 0 where its payload follows those before it, else 1 more
+ * than where it lies in the chunks' file, which is the pack's CHUNK_DATA with the published columns of inventories' rows
+ * alone, if any.
  */
 #ifndef SRV_INDEX_H
 #define SRV_INDEX_H
@@ -26,6 +27,7 @@
 #include "server/store.h"
 
 #define SRV_INDEX_MAGIC "ECOINDEX"
+#define SRV_INDEX_TABLE_MOST (1u << 26)  /* bytes of a table's records: a browser holds five times as many to read it */
 #define SRV_INDEX_NO_ROWS 1u             /* bytes of blocks that are not published, fewer than any block has */
 #define SRV_INDEX_PLAN_TIMES 5u          /* work of a plan, over that of an ordinary one: ecoserve's default */
 
@@ -43,7 +45,7 @@ static inline bool srv_index_has(enum eco_section_kind kind)
 	return eco_records_are_table(kind) || kind == ECO_SECTION_PALETTE;
 }
 /* Writes the index of a scene whose typical work is known, and how many bytes the chunks' file has, before its rows:
- * blocks that are published in place of the pack's; NULL: none are. */
+ * blocks that are published in place of the pack's; NULL: none are. ECO_TOO_LARGE: a table that no page could read. */
 enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scene, const struct eco_bytes *rows,
 	uint64_t *chunk_bytes, struct eco_error *error);
 /* Reads an index. ECO_DAMAGED: something is wrong with it. */

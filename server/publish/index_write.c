@@ -49,7 +49,7 @@ static struct eco_chunk *place_chunks(const struct eco_scene *scene, const struc
 {
 	const struct eco_list *list = eco_inventory_list(scene);
 	const uint32_t rows_first = list ? list->chunk_first : scene->chunk_count;
-	struct eco_chunk *chunks = malloc((scene->chunk_count + 1) * sizeof *chunks);
+	struct eco_chunk *chunks = malloc(((size_t)scene->chunk_count + 1) * sizeof *chunks);
 	uint64_t base = UINT64_MAX, end = 0;
 	*chunk_bytes = 0;
 	for (uint32_t i = 0; i < scene->chunk_count; i++)
@@ -77,8 +77,12 @@ enum eco_code srv_index_write(struct eco_writer *w, const struct srv_scene *scen
 	uint64_t *chunk_bytes, struct eco_error *error)
 {
 	struct eco_scene tables = scene->pack->scene;
+	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END; kind++)
+		if (srv_index_has(kind) && count_of(&tables, kind) > SRV_INDEX_TABLE_MOST / eco_record_bytes(kind))
+			return eco_fail(error, ECO_TOO_LARGE, "%u records of %s: pages read at most %u bytes of them",
+				count_of(&tables, kind), eco_section_name(kind), SRV_INDEX_TABLE_MOST);
 	struct eco_chunk *chunks = place_chunks(&scene->pack->scene, rows, chunk_bytes);
-	struct eco_list *lists = malloc((tables.list_count + 1) * sizeof *lists);
+	struct eco_list *lists = malloc(((size_t)tables.list_count + 1) * sizeof *lists);
 	struct eco_range range;
 	bool made = chunks && lists;
 	for (uint32_t i = 0; made && i < tables.list_count; i++) {

@@ -156,6 +156,27 @@ UNIT_TEST(a_hostile_index_is_refused_or_sound)
 	}
 }
 
+/* Sizes of tables wrap around in 32 bits, which a browser's planner has. */
+UNIT_TEST(impossible_counts_are_refused)
+{
+	const size_t first = 44 + eco_record_bytes(ECO_SECTION_SCENE);
+	for (size_t at = first, kind = 0; kind < ECO_SECTION_KIND_END; kind++) {
+		if (!srv_index_has((enum eco_section_kind)kind))
+			continue;
+		struct srv_index *index;
+		struct eco_writer hash = { 0 };
+		uint8_t *bytes = malloc(made.size);
+		memcpy(bytes, made.bytes, made.size);
+		memset(bytes + at, 0xff, 4);
+		eco_write_u64(&hash, XXH3_64bits(bytes, made.size - 8));
+		memcpy(bytes + made.size - 8, hash.bytes, 8);
+		assert_code(srv_index_read(&index, bytes, made.size, &cause), ECO_DAMAGED, "too many");
+		eco_writer_free(&hash);
+		free(bytes);
+		at += 4;
+	}
+}
+
 UNIT_TEST(rows_of_inventories_are_not_published)
 {
 	const struct srv_scene *scene = store.scenes[1];
