@@ -40,7 +40,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define ECO_PACK_VERSION 26u
+#define ECO_PACK_VERSION 27u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 

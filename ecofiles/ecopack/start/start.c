@@ -200,6 +200,7 @@ static void print_next(const char *folder)
 	printf("  ecoserve %s/%s.eco &\n", folder, name);
 	printf("  ecoview http://127.0.0.1:8080/v1/scenes/%s --camera %s/camera.json --size 1280x720 "
 		"--vertices 1000000 -o %s/picture\n", name, folder, folder);
+	printf("  ecopack publish %s/%s.eco -o %s/site   # a folder that any web server shows\n", folder, name, folder);
 }
 
 static void run_steps(void *start)
