@@ -4,8 +4,7 @@
  *   struct lod_arena arena = { 0 };
  *   x = lod_arena_take(&arena, count, sizeof *x);      never NULL, zeroed
  *   lod_arena_free(&arena); */
-#ifndef LOD_ARENA_H
-#define LOD_ARENA_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,5 +20,3 @@ void *lod_arena_try(struct lod_arena *arena, size_t count, size_t size);
 /* Gives back every piece that was taken after `mark` (a value of arena->last). */
 void lod_arena_release(struct lod_arena *arena, const struct lod_arena_piece *mark);
 void lod_arena_free(struct lod_arena *arena);
-
-#endif

@@ -2,8 +2,7 @@
  * ellipsoids: a line is a prism (6 triangles), a point or ellipsoid an octahedron (8; an icosahedron, 20,
  * where there are few), an impostor an icosahedron about the plant in its mean colour. The mean area of their
  * outlines over all directions is that of what they stand for; of a splat its opacity's share. */
-#ifndef LOD_BAKE_H
-#define LOD_BAKE_H
+#pragma once
 
 #include "lod/geometry.h"
 #include "lod/impostor.h"
@@ -34,5 +33,3 @@ enum eco_code lod_bake_room(struct lod_bake *bake, size_t vertices, size_t indic
 	struct eco_error *error);
 /* `count` vertices of an sRGB colour. */
 void lod_bake_color(const uint8_t rgb[3], uint32_t count, uint16_t *out);
-
-#endif

@@ -7,8 +7,7 @@
  * Only +, -, *, comparisons, correctly rounded division and sqrt on doubles, in a fixed order
  * (-ffp-contract=off): the same integers give the same answer on every machine, so a plan can name plants by
  * rule (ecofiles/format/plan.h). */
-#ifndef LOD_EYE_H
-#define LOD_EYE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -103,5 +102,3 @@ static inline uint32_t lod_open_hash(uint32_t hash) { return (hash * 40503u + 12
 uint32_t lod_distance_of(double m);
 /* Metres from which on a distance counts. */
 double lod_distance_from_m(uint32_t distance);
-
-#endif

@@ -12,8 +12,7 @@
  *
  * Ladders of cells share the curve of the whole: a state counts a cell's region, of which the whole-plant
  * list holds the first `before` elements. */
-#ifndef LOD_FORMS_H
-#define LOD_FORMS_H
+#pragma once
 
 #include "ecofiles/format/plan.h"
 
@@ -57,5 +56,3 @@ double lod_forms_first_share(const struct lod_forms *forms, uint64_t vertices);
 uint64_t lod_forms_of_share(const struct lod_forms *forms, double share);
 /* The fewest vertices that draw all elements in some form, or UINT64_MAX. */
 uint64_t lod_forms_all_drawn(const struct lod_forms *forms);
-
-#endif

@@ -1,7 +1,6 @@
 /* From the integers of a list to geometry. The rasteriser that measures curves and the client that draws
  * share this code, so that the picture that was measured is the one that is seen. */
-#ifndef LOD_GEOMETRY_H
-#define LOD_GEOMETRY_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -36,5 +35,3 @@ struct lod_geometry lod_geometry_from(const struct lod_geometry *geometry, const
  * primitives. */
 uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first,
 	uint32_t end, float scale, const struct lod_geometry *out);
-
-#endif

@@ -8,8 +8,7 @@
  * A tile's error is the largest vertical distance of its triangles from full detail. It is replaced by its
  * children while that may show as more than the tolerance. Beside a coarser tile a border is drawn at the
  * samples that both have, so there are neither gaps nor skirts. */
-#ifndef LOD_GROUND_CHOICE_H
-#define LOD_GROUND_CHOICE_H
+#pragma once
 
 #include "ecofiles/format/ground_tile.h"
 #include "lod/eye.h"
@@ -55,5 +54,3 @@ bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_til
  * drawn. */
 void lod_ground_corner(uint32_t *c, uint32_t *r, const struct lod_ground_seam *seam,
 	const struct eco_ground_span *x, const struct eco_ground_span *y);
-
-#endif

@@ -1,7 +1,6 @@
 /* A binary heap: the greatest key first, among equal keys the least id, so that every machine pops the same
  * sequence. */
-#ifndef LOD_HEAP_H
-#define LOD_HEAP_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -42,5 +41,3 @@ static inline void lod_heap_make(struct lod_heap_item *heap, uint32_t count)
 	for (uint32_t i = count / 2; i-- > 0;)
 		lod_heap_sift(heap, count, i);
 }
-
-#endif

@@ -8,8 +8,7 @@
  * the plane through the plant's middle; the depth there moves it to the plant; the texels there are mixed by
  * the nearness of directions, and what exceeds LOD_IMPOSTOR_LEAST is covered. All in single floats, + - * /
  * and square roots in a fixed order. */
-#ifndef LOD_IMPOSTOR_H
-#define LOD_IMPOSTOR_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -68,5 +67,3 @@ struct lod_impostor_hit { float along, middle; uint32_t cell; };
 /* Whether eye + along * ray meets the plant or a gap in it, and where; which of `rgb` is its colour. */
 bool lod_impostor_hit(const struct lod_impostor *impostor, const struct lod_impostor_look *look,
 	const float ray[3], struct lod_impostor_hit *hit);
-
-#endif

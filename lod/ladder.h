@@ -8,8 +8,7 @@
  *   legs = malloc(lod_way_legs_bound(&way) * sizeof *legs);
  *   lod_way_keep(&way, legs);                       once; then constant, so threads may share it
  *   lod_way_floor(&way, vertices) ... */
-#ifndef LOD_LADDER_H
-#define LOD_LADDER_H
+#pragma once
 
 #include "lod/forms.h"
 
@@ -69,5 +68,3 @@ struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct ec
  * above if there is one. */
 struct eco_curve lod_ladder_curve_seen(const struct eco_scene *scene, const struct eco_ladder *ladder,
 	double share, double above);
-
-#endif

@@ -1,8 +1,7 @@
 /* Four floats or integers at a time, in the vector types of GCC and Clang: SSE2 or NEON where there is one,
  * plain code elsewhere. The results are the same bits everywhere: IEEE operations lane by lane, nothing
  * fused, no approximations. And clones of functions for newer processors, for counting bits of words. */
-#ifndef LOD_LANES_H
-#define LOD_LANES_H
+#pragma once
 
 #include <stdint.h>
 #include <string.h>
@@ -104,5 +103,3 @@ LOD_INLINE void lod_f4_transpose(lod_f4 r[4])
 	r[2] = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
 	r[3] = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
-
-#endif

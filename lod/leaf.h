@@ -2,8 +2,7 @@
  * the ellipsoid. A hash of the cell says on which shell its leaf lies, so outlines are ragged and some leaves
  * lie deeper; and how it is turned and toned. Mean coverage, light and colour are those of the smooth
  * ellipsoid. */
-#ifndef LOD_LEAF_H
-#define LOD_LEAF_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -70,5 +69,3 @@ static inline void lod_leaf_splat(leaf_splat *out, const struct lod_ellipse *ell
 		to[2][1], to[2][2], to[2][3], .ragged = leaf_rim(fminf(leaf / radius, LOD_LEAF_RAGGED), radius / pixel), .opacity = 1,
 		.amount = fminf(leaf / pixel, 1), .nth = nth };
 }
-
-#endif

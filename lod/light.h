@@ -3,8 +3,7 @@
  * the way to light and back.
  *
  *   lod_light_of[byte]         light in 1/65535 */
-#ifndef LOD_LIGHT_H
-#define LOD_LIGHT_H
+#pragma once
 
 #include <stdint.h>
 
@@ -31,5 +30,3 @@ static inline void lod_light_add(struct lod_light *light, const uint8_t rgb[3], 
 
 /* The mean of a sum; leaves rgb as it is if nothing was added. */
 void lod_light_mean(const struct lod_light *light, uint8_t rgb[3]);
-
-#endif

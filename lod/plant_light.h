@@ -1,7 +1,6 @@
 /* lod/plant_light.glsl as C: how light falls on plants and what they show of it. Clients light pictures by it
  * (client-min/draw/view_light.h), and curves measure what is seen in it (lod/build/measure/seen.h). */
-#ifndef LOD_PLANT_LIGHT_H
-#define LOD_PLANT_LIGHT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -44,5 +43,3 @@ static inline struct plant lod_plant_shape(double radius, double height_m)
 	half = half > 0 ? half : radius;
 	return (struct plant){ 0, 1, (float)half, (float)(square > least * least ? sqrt(square) : least), (float)half, 0 };
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* Scattered points of summaries: each in 2^n smaller ones around it, with its owner and colour, as far as its
  * ball would reach. Their places follow from the point's number, so they take no bytes; more of them are the
  * same ones and others (ecofiles/format/plan.h; lod/EXPERIMENTS.md, Scattered points). */
-#ifndef LOD_SCATTERED_H
-#define LOD_SCATTERED_H
+#pragma once
 
 #include <stdint.h>
 
@@ -19,5 +18,3 @@ double lod_ball_radius(const struct eco_list *list, float scale);
  * there is room for so many: positions and colours. radius: of each point's ball, metres. */
 void lod_scatter(struct lod_geometry *geometry, uint32_t count, uint32_t first, unsigned halvings,
 	double radius);
-
-#endif

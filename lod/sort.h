@@ -1,6 +1,5 @@
 /* Stable sorting of 64-bit keys with 32-bit values: linear, the same result on every machine. */
-#ifndef LOD_SORT_H
-#define LOD_SORT_H
+#pragma once
 
 #include <stdint.h>
 #include <string.h>
@@ -30,5 +29,3 @@ static inline uint64_t lod_mix(uint64_t x)
 {
 	return eco_random_next(&x);
 }
-
-#endif

@@ -7,8 +7,7 @@
  * Zisserman 2004, section 8.3), written without differences of large numbers. Where it is not opaque a fixed
  * hash of pixel and splat says which pixels it covers. Its depth is that of the side of the ellipsoid that
  * faces the eye. */
-#ifndef LOD_SPLAT_H
-#define LOD_SPLAT_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -97,5 +96,3 @@ static inline bool lod_splat_covers(uint32_t salt, uint32_t column, uint32_t row
 {
 	return lod_splat_need(salt, column, row) < opacity;
 }
-
-#endif

@@ -4,8 +4,7 @@
  * Wood keeps its colour where the plant has leaves; splats and impostors mix both, and their colour says how
  * much of it is wood. Colours are sRGB / 255, whose squares are nearly light. The text is shared with shaders
  * (client-min/draw/view_shader.c). */
-#ifndef LOD_TINT_H
-#define LOD_TINT_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -60,5 +59,3 @@ static inline void lod_tint_apply(uint32_t word, const struct lod_tint_wood *woo
 		rgb[k] = (uint8_t)(255 * LOD_TINT_MIX(sqrt, fmin, light[k], leaves[k], tint, shade) + 0.5);
 	}
 }
-
-#endif

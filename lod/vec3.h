@@ -1,7 +1,6 @@
 /* Vectors of three floats, by the names that GLSL has for them, or gets before texts such as
  * plant_light.glsl: what these are written in, where C includes them. */
-#ifndef LOD_VEC3_H
-#define LOD_VEC3_H
+#pragma once
 
 #include <math.h>
 
@@ -18,5 +17,3 @@ static inline vec3 cross(vec3 a, vec3 b)
 }
 static inline float length(vec3 a) { return sqrtf(dot(a, a)); }
 static inline vec3 unit(vec3 a) { return scale(a, 1 / fmaxf(length(a), 1e-20f)); }
-
-#endif

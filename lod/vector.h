@@ -1,6 +1,5 @@
 /* Vectors of three doubles, and the arc cosine, which libm must not decide. */
-#ifndef LOD_VECTOR_H
-#define LOD_VECTOR_H
+#pragma once
 
 #include <math.h>
 
@@ -63,5 +62,3 @@ static inline double lod_arc_cosine(double c)
 	double angle = sqrt(1 - x) * (1.5707288 + x * (-0.2121144 + x * (0.0742610 - x * 0.0187293)));
 	return c < 0 ? LOD_PI - angle : angle;
 }
-
-#endif

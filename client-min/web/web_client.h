@@ -23,8 +23,7 @@
  *   web_free(web)
  *
  * An int above 0 is an enum eco_code: see web_error. Strings are valid until the next call. One thread. */
-#ifndef WEB_CLIENT_H
-#define WEB_CLIENT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -99,5 +98,3 @@ const char *web_plants(struct web *web, double most);
  * web_pick, without `at`; null: it is not in view. NULL: no memory. */
 const char *web_mark(struct web *web, double list, double index);
 const char *web_digest(struct web *web);
-
-#endif

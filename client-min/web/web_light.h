@@ -4,8 +4,7 @@
  *   web_light_draw(&light, gl, &job, &error);       `light.lit` is the picture
  *   web_light_present(&light, gl, &place);          puts it into the page
  *   web_light_forget(&light);                       another selection comes */
-#ifndef WEB_LIGHT_H
-#define WEB_LIGHT_H
+#pragma once
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_gpu.h"
@@ -68,5 +67,3 @@ void web_light_present(const struct web_light *light, const struct view_gl *gl, 
 enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct eco_error *error);
 void web_light_forget(struct web_light *light);
 void web_light_free(struct web_light *light);
-
-#endif

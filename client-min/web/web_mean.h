@@ -10,8 +10,7 @@
  * equal ones). In 14 pictures 99.94 % of the bytes or more differ by at most 1 from those of view_light_samples.
  *
  * Nothing is made or compiled before the first picture that gets a second sample. */
-#ifndef WEB_MEAN_H
-#define WEB_MEAN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -33,5 +32,3 @@ bool web_mean_prepare(struct web_mean *mean, const struct web_lit *lit, uint32_t
 void web_mean_first(const struct web_mean *mean, const struct web_lit *lit);
 void web_mean_add(const struct web_mean *mean, const struct web_lit *lit, uint32_t count);
 void web_mean_free(struct web_mean *mean);
-
-#endif

@@ -1,6 +1,5 @@
 /* Programs whose fragments are those of one triangle that covers the viewport. */
-#ifndef WEB_PROGRAM_H
-#define WEB_PROGRAM_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -50,5 +49,3 @@ void web_shadow_free(struct web_shadow *shadow);
 
 /* Sets the uniforms of web_light.glsl's SHADOW in the program that is in use; takes texture units `unit` and the next. */
 void web_shadow_set(const struct web_shadow *shadow, unsigned program, int unit, const double eye[3]);
-
-#endif

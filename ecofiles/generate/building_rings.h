@@ -3,8 +3,7 @@
  *   gen_rings_take(&rings, edges, count);
  *   for each ring that is no hole          joined = gen_rings_join(&rings, i); gen_ring_pieces(&joined, on, ctx);
  *   gen_rings_free(&rings); */
-#ifndef GEN_BUILDING_RINGS_H
-#define GEN_BUILDING_RINGS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -39,5 +38,3 @@ struct gen_ring gen_rings_join(const struct gen_rings *rings, uint32_t outer);
 /* Calls on(ctx, corners, count) for convex pieces of a ring: itself, or triangles. */
 typedef void gen_on_piece(void *ctx, const struct gen_corner *corners, uint32_t count);
 void gen_ring_pieces(const struct gen_ring *ring, gen_on_piece *on, void *ctx);
-
-#endif

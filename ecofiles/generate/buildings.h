@@ -7,8 +7,7 @@
  * Rings count by the even-odd rule: holes, islands in them and several parts are told by where they lie, not by their
  * direction or order. Corners are rounded to millimetres, and all that decides is exact in integers, so that the same
  * footprints give the same bytes on every machine. */
-#ifndef ECO_BUILDINGS_H
-#define ECO_BUILDINGS_H
+#pragma once
 
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/land/footprints.h"
@@ -48,5 +47,3 @@ struct eco_buildings_notes {
  * model is empty. */
 void eco_buildings_make(struct eco_model *model, const struct eco_building *buildings, uint32_t count,
 	const double origin[3], struct eco_buildings_notes *notes);
-
-#endif

@@ -6,8 +6,7 @@
  * stems.csv. The same name, plants and seed give the same bytes on every machine: random numbers are
  * integers, angles come from ecofiles/base/angle16.h, other functions are polynomials and square roots, and
  * coordinates are written with few decimals. */
-#ifndef ECO_GENERATE_H
-#define ECO_GENERATE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -36,5 +35,3 @@ extern const struct eco_generate_kind eco_generate_kinds[];
 
 /* On failure scene.json is not written, so that half a folder is not taken for a scene. */
 enum eco_code eco_generate(const struct eco_generate_options *options, struct eco_error *error);
-
-#endif

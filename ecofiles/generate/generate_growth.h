@@ -4,8 +4,7 @@
  *     gen_foliage_plan(&foliage, ...)        how many leaves, of what size       generate_foliage.c
  *     stems, boughs, twigs, shoots: tubes, and bearers of leaves
  *     gen_foliage_place(&foliage, bearers)   the leaves                          generate_foliage.c */
-#ifndef ECO_GENERATE_GROWTH_H
-#define ECO_GENERATE_GROWTH_H
+#pragma once
 
 #include "ecofiles/generate/generate_plants.h"
 #include "ecofiles/generate/library.h"
@@ -60,5 +59,3 @@ uint8_t gen_foliage_shade(const struct gen_foliage *foliage, double light);
  * "leaf" and "flower" show, if sprays[0].leaves is not 0. */
 void gen_habit_grow(struct gen_mesh *mesh, uint8_t organ[GEN_MATERIALS_MAX], struct gen_spray sprays[2], size_t i,
 	const struct eco_library_plant *plant, const struct gen_plant_look *look, uint64_t seed);
-
-#endif

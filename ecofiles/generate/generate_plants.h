@@ -2,8 +2,7 @@
  * kinds of plants, each a function from random numbers to a mesh of believable proportions.
  *
  * Plants grow along +Z here, in metres, and are written Y-up, as OBJ files are. */
-#ifndef ECO_GENERATE_PLANTS_H
-#define ECO_GENERATE_PLANTS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -152,5 +151,3 @@ struct gen_spray {
 void gen_spray_layout(struct gen_spray *spray, uint32_t leaves, uint32_t of_leaf);
 /* Four cells of GEN_SPRAY_SIDE / 2 texels a side. The caller frees the image. */
 void gen_spray_paint(struct eco_image *image, const struct gen_spray *spray);
-
-#endif

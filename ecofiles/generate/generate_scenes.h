@@ -1,6 +1,5 @@
 /* Layouts of example scenes, and what they share. */
-#ifndef ECO_GENERATE_SCENES_H
-#define ECO_GENERATE_SCENES_H
+#pragma once
 
 #include <stdio.h>
 
@@ -78,5 +77,3 @@ void gen_stand_open(struct gen_stand *stand, uint32_t capacity, double half_m, d
 void gen_stand_close(struct gen_stand *stand);
 /* Adds the plant and returns true if no other is nearer than the mean of both rooms. */
 bool gen_stand_add(struct gen_stand *stand, double x, double y, double room);
-
-#endif

@@ -6,8 +6,7 @@
  *   eco_library_make(&model, &plant, &error);       eco_model_free(&model)
  *
  * The same plant is the same bytes on every machine (generate.h says why). */
-#ifndef ECO_LIBRARY_H
-#define ECO_LIBRARY_H
+#pragma once
 
 #include "ecofiles/base/status.h"
 #include "ecofiles/format/model.h"
@@ -62,5 +61,3 @@ enum eco_code eco_library_check(const struct eco_library_plant *plant, struct ec
  * of the check. The caller frees the model. */
 enum eco_code eco_library_make(struct eco_model *model, const struct eco_library_plant *plant,
 	struct eco_error *error);
-
-#endif

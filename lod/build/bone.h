@@ -5,8 +5,7 @@
  * that function). Lines that run on straight at similar width become one. A line is as wide as its area
  * demands: a tube of surface a and length l has diameter a / (pi l), an open strip width a / l. Wood that is
  * no tube gets one line, fitted to its surface. */
-#ifndef LOD_BONE_H
-#define LOD_BONE_H
+#pragma once
 
 #include "lod/build/organ/organ.h"
 #include "lod/vector.h"
@@ -40,5 +39,3 @@ double lod_bone_away(const struct lod_bone *bone, struct lod_v3 point);
 /* Sorts bones into drawing order: the largest (length times width) first, those of similar size (half
  * octaves) in random order, so that the first ones are spread over the plant. */
 void lod_bones_sort(struct lod_bones *bones, uint32_t seed, struct lod_arena *arena);
-
-#endif

@@ -1,6 +1,5 @@
 /* Writes the lists of a plant under construction. The caller owns the plant's arrays. */
-#ifndef LOD_DRAFT_H
-#define LOD_DRAFT_H
+#pragma once
 
 #include "lod/build/bone.h"
 #include "lod/build/element.h"
@@ -70,5 +69,3 @@ struct lod_levels {
  * are levels. */
 uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles,
 	uint32_t count, uint32_t image, struct eco_ladder *ladder);
-
-#endif

@@ -3,8 +3,7 @@
  * A leaf of up to four triangles usually is one fan. Larger surfaces are cut into fans greedily: the triangle
  * with the fewest free neighbours goes first (it is the likeliest to be left alone) and takes the largest fan
  * that contains it. */
-#ifndef LOD_ELEMENT_H
-#define LOD_ELEMENT_H
+#pragma once
 
 #include "lod/build/organ/organ.h"
 
@@ -43,5 +42,3 @@ struct lod_v3 lod_element_normal(const struct lod_element *element, const struct
 
 /* The two most distant corners of the element, as indices into its corners. */
 void lod_element_axis(const struct lod_element *element, const struct lod_mesh *mesh, uint32_t ends[2]);
-
-#endif

@@ -4,8 +4,7 @@
  *   lod_foliage_from(&foliage, &parts, &arena);
  *   lod_sights_make(&sights, &foliage, directions, count, pixels, &arena);   views; reference masks
  *   lod_sights_draw(&sights, view, &drawing, mask)                           the cover of a subset, scaled */
-#ifndef LOD_FOLIAGE_H
-#define LOD_FOLIAGE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -81,5 +80,3 @@ struct lod_sights_drawing {
  * thread. */
 void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing,
 	struct lod_raster *raster, uint64_t *mask);
-
-#endif

@@ -1,6 +1,5 @@
 /* The choice of a plant's grid: as coarse as its picture allows. */
-#ifndef LOD_GRID_H
-#define LOD_GRID_H
+#pragma once
 
 #include "lod/build/plant.h"
 
@@ -30,5 +29,3 @@ enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *m
  * of a plant are on one grid, so touching parts touch at any distance. */
 double lod_grid_nearest_m(const struct eco_list *list, double pixel_rad);
 #define LOD_GRID_PIXEL_RAD 7.671e-4      /* 1080 pixels over 45 degrees, for statements without a picture */
-
-#endif

@@ -2,8 +2,7 @@
  *
  *   lod_ground_build(&tree, &ground, step_m, least_m, &error);        once per scene
  *   lod_ground_elements(&elements, &ground, &tree.tiles[i], ...);     the samples of a tile, for its list */
-#ifndef LOD_GROUND_TREE_H
-#define LOD_GROUND_TREE_H
+#pragma once
 
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/heights.h"
@@ -23,5 +22,3 @@ enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_gr
  * `shift` bits. */
 void lod_ground_elements(struct eco_elements *elements, const struct eco_ground *ground,
 	const struct eco_ground_tile *tile, uint8_t shift, double low_m, double step_m);
-
-#endif

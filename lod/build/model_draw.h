@@ -3,8 +3,7 @@
  *   rgb = lod_model_colors(model, &arena);                       once
  *   masks = lod_model_masks(model, &arena);                      once
  *   lod_model_draw(model, masks, &raster);                       each picture; rgb[raster.item[pixel]] */
-#ifndef LOD_MODEL_DRAW_H
-#define LOD_MODEL_DRAW_H
+#pragma once
 
 #include "ecofiles/format/model.h"
 #include "lod/arena.h"
@@ -32,5 +31,3 @@ static inline const struct lod_mask *lod_model_mask(const struct eco_model *mode
 	const struct lod_mask *mask = masks && image ? &masks[image - model->images] : NULL;
 	return mask && mask->words ? mask : NULL;
 }
-
-#endif

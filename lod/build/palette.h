@@ -1,7 +1,6 @@
 /* A few colours for many, such as a plant's: exactly these if they are few, else by median cut, each the mean
  * light of the colours that it replaces. A pure function of the colours. */
-#ifndef LOD_PALETTE_H
-#define LOD_PALETTE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -23,5 +22,3 @@ void lod_palette_make(struct lod_palette *palette, uint32_t most, const uint8_t 
 	const uint32_t *weights, uint32_t count, struct lod_arena *arena);
 /* The entry of a colour that the palette was made of; the nearest entry for any other. */
 uint32_t lod_palette_index(const struct lod_palette *palette, const uint8_t rgb[3]);
-
-#endif

@@ -11,8 +11,7 @@
  *
  * Pure and deterministic: the same model and options give the same lists, byte for byte. References between
  * drafts are indices into this plant's own arrays; the caller shifts them when packing. */
-#ifndef LOD_PLANT_H
-#define LOD_PLANT_H
+#pragma once
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/chunk/chunk.h"
@@ -139,5 +138,3 @@ void lod_plant_free(struct lod_plant *plant);
 void lod_plant_write(struct eco_writer *writer, const struct lod_plant *plant);
 enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size,
 	struct eco_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* The state between stages of lod_plant_build. Private to plant.c, plant_leaves.c and plant_wood.c. */
-#ifndef LOD_PLANT_STATE_H
-#define LOD_PLANT_STATE_H
+#pragma once
 
 #include <setjmp.h>
 
@@ -96,5 +95,3 @@ void lod_wood_split(struct lod_build *build);
 /* Whole-plant ladders, then those of cells. */
 void lod_leaves_ladders(struct lod_build *build, const struct lod_group *group, bool cells);
 void lod_wood_ladders(struct lod_build *build, const struct lod_group *group, bool cells);
-
-#endif

@@ -1,7 +1,6 @@
 /* A plant's contribution to summaries: points of equal weight, spread over its primitives in proportion to the
  * pixels in which they are nearest, by views from all around; in proportion to area if nothing is visible. */
-#ifndef LOD_POOL_H
-#define LOD_POOL_H
+#pragma once
 
 #include "lod/build/plant.h"
 
@@ -15,5 +14,3 @@ struct lod_pool {                /* owns its arrays */
 /* Points in random order. `palette_first`: start of the plant's palette in the scene's. */
 void lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count);
 void lod_pool_free(struct lod_pool *pool);
-
-#endif

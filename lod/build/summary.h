@@ -9,8 +9,7 @@
  * Every leaf tile has an endless seeded sequence of points, and its summary is the beginning of it; a
  * parent's is made of beginnings, each as long as the child's share of the area. From a nested eco file a
  * parent takes the beginning of its stored summary. */
-#ifndef LOD_SUMMARY_H
-#define LOD_SUMMARY_H
+#pragma once
 
 #include "lod/build/pool.h"
 
@@ -76,5 +75,3 @@ double lod_power_below(double v);
  * is within an eighth of the extent of `low` on each axis, and a point of the scene's grid of that step, so
  * that [0, 0, 0] is on it. */
 void lod_grid_place(struct eco_list *list, const double low[3], const double high[3], double step);
-
-#endif

@@ -9,8 +9,7 @@
  * (pull-push: Gortler et al. 1996, 3.4.1). The finest level is the coarsest whose texels are no larger than a
  * pixel of a picture 1080 pixels high, of 45 degrees, taken 1 m from the plant. Outlines are coded without
  * loss, colours as lossy WebP. */
-#ifndef LOD_TEXTURE_H
-#define LOD_TEXTURE_H
+#pragma once
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/ground_tile.h"
@@ -55,5 +54,3 @@ void lod_image_join(uint8_t *rgba, const uint8_t *const quarters[4]);
 
 /* levels: ECO_GROUND_IMAGE_LEVELS writers that are zero; the caller frees them in any case. */
 enum eco_code lod_image_levels(struct eco_writer *levels, const uint8_t *rgba, struct eco_error *error);
-
-#endif

@@ -6,8 +6,7 @@
  *   lod_tiles_free(&tiles);
  *
  * An item belongs to the tile of its foot; bounds hold whole bodies. */
-#ifndef LOD_TILE_H
-#define LOD_TILE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -38,5 +37,3 @@ struct lod_tiles {               /* owns its arrays */
  * be finite. Without items there is one empty leaf at the origin. */
 void lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most);
 void lod_tiles_free(struct lod_tiles *tiles);
-
-#endif

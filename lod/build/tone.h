@@ -4,8 +4,7 @@
  *
  *   lod_tone_seen(seen, &input, &arena);               pixels of each element, by views from all around
  *   lod_tone_level(rgb, area, seen, count);            colours of one list, in its order */
-#ifndef LOD_TONE_H
-#define LOD_TONE_H
+#pragma once
 
 #include "lod/build/element.h"
 #include "lod/raster/raster.h"
@@ -33,5 +32,3 @@ void lod_tone_count(uint32_t *seen, const struct lod_tone_views *views);
  * stays. */
 #define LOD_TONE_COLORS 32u
 void lod_tone_level(uint8_t (*rgb)[3], const double *area, const uint32_t *seen, uint32_t count);
-
-#endif

@@ -1,8 +1,7 @@
 /* One component of wood on the way to lines: its surface is cut into slabs along the distance from one end,
  * joints lie between slabs, and a bone leads through each slab from joint to joint (bone.h has the method).
  * Private to tube.c and bone.c. */
-#ifndef LOD_TUBE_H
-#define LOD_TUBE_H
+#pragma once
 
 #include "lod/build/organ/organ.h"
 #include "lod/vector.h"
@@ -57,5 +56,3 @@ void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const str
 /* The piece of a slab that contains fragment f, or vertex k of triangle t: less than offset[triangle_count]. */
 uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t f);
 uint32_t lod_tube_piece_at(struct lod_tube *tube, uint32_t t, uint32_t k);
-
-#endif

@@ -4,8 +4,7 @@
  * Decisions (organs, order, cells) use `place`, the welded positions in metres, so that they do not depend on
  * the grid; lists store `grid`. A component is connected by vertices within one material and one organ rule:
  * a leaf that touches a twig but has another material stays a leaf. */
-#ifndef LOD_WELD_H
-#define LOD_WELD_H
+#pragma once
 
 #include <stddef.h>
 
@@ -95,5 +94,3 @@ static inline const struct eco_image *lod_mesh_image(const struct eco_model *mod
 	const struct eco_material *m = lod_mesh_material(model, material);
 	return m->image < model->image_count && model->uv ? &model->images[m->image] : NULL;
 }
-
-#endif

@@ -26,8 +26,7 @@
  * band by hash. So does a ladder that shows the whole plant: of a slot's plants beyond the gate those of the
  * greatest hashes draw it. So no tile, gate or slot switches at once between two pictures of a moving
  * camera. */
-#ifndef LOD_ALLOCATION_H
-#define LOD_ALLOCATION_H
+#pragma once
 
 #include <math.h>
 
@@ -291,5 +290,3 @@ void lod_uses_set_each(struct lod_allocation *allocation);
 struct lod_cost lod_uses_cost(const struct lod_allocation *allocation, uint32_t node);
 /* Sets drawn and seen, once tiles have chosen. */
 void lod_uses_sum_drawn(struct lod_allocation *allocation);
-
-#endif

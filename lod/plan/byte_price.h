@@ -15,8 +15,7 @@
  * does not depend on what was asked before.
  *
  * Lists of a nested eco file are paid in equal parts by its visible occurrences. */
-#ifndef LOD_BYTE_PRICE_H
-#define LOD_BYTE_PRICE_H
+#pragma once
 
 #include "lod/plan/allocation.h"
 
@@ -66,5 +65,3 @@ double lod_prices_bytes(struct lod_allocation *allocation);
 double lod_prices_lost(const struct lod_allocation *allocation);
 /* Pixels of one plant, per slot, that are covered wrongly as outlines are coarse. */
 void lod_prices_lost_of(const struct lod_allocation *allocation, double *lost);
-
-#endif

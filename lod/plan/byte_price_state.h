@@ -1,7 +1,6 @@
 /* State of byte prices between relaxations (lod/plan/byte_price.h), and its part about textures: how many
  * levels of each are worth their bytes. Only byte_price*.c and image_price.c know of it. */
-#ifndef LOD_BYTE_PRICE_STATE_H
-#define LOD_BYTE_PRICE_STATE_H
+#pragma once
 
 #include "lod/plan/allocation.h"
 
@@ -84,5 +83,3 @@ double lod_prices_seen(const struct lod_allocation *allocation, uint32_t ladder_
 bool lod_images_make(struct lod_allocation *allocation);
 /* Sets levels to those that are worth their bytes at the allocation's price, of what is drawn now. */
 void lod_images_limit(struct lod_allocation *allocation);
-
-#endif

@@ -7,8 +7,7 @@
  *   lod_explanation_free(&why);
  *
  * A plan without an explanation takes no time or memory for it. */
-#ifndef LOD_EXPLAIN_H
-#define LOD_EXPLAIN_H
+#pragma once
 
 #include "ecofiles/format/plan.h"
 #include "lod/eye.h"
@@ -87,5 +86,3 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
  * sentence. At most 300 bytes. */
 void lod_explain_line(char *text, size_t size, const struct eco_scene *scene,
 	const struct lod_explanation *explanation, const struct lod_explained *row);
-
-#endif

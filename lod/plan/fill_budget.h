@@ -8,8 +8,7 @@
  *   lod_fill_few(&fill, budget, &error)                   few plants in view: the best of all points that fit
  *   lod_fill_finish(&fill, budget, &error)                the rest of the budget; then entries of the plan
  *   lod_fill_free(&fill) */
-#ifndef LOD_FILL_BUDGET_H
-#define LOD_FILL_BUDGET_H
+#pragma once
 
 #include "lod/plan/allocation.h"
 #include "lod/plan/explain.h"
@@ -106,5 +105,3 @@ void lod_explain_tiles(const struct lod_fill *fill);
 /* Adds the row of a cut that `plants` of an entry draw. */
 void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut,
 	uint64_t plants);
-
-#endif

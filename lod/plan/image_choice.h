@@ -11,8 +11,7 @@
  * pixel costs the more, in wrong pixels, the wider the texels are that it is seen through: IMAGE_COST for
  * each octave. Bytes that the client lacks cost the price that plants' lists cost (byte_price.h), so that
  * both compete for a budget. Costs of tiles add up: for each price the choice is the best there is. */
-#ifndef LOD_IMAGE_CHOICE_H
-#define LOD_IMAGE_CHOICE_H
+#pragma once
 
 #include "ecofiles/format/plan.h"
 #include "lod/eye.h"
@@ -37,5 +36,3 @@ uint32_t lod_image_cuts(const struct lod_image *image, const struct eco_scene *s
 /* The least price, to a tenth of an octave, at which no more bytes come: for rules that know none. */
 double lod_image_price(const struct lod_image *image, const struct eco_scene *scene,
 	const struct eco_holdings *holdings, uint64_t bytes);
-
-#endif

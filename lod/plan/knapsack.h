@@ -1,7 +1,6 @@
 /* A multiple-choice knapsack [K 11.5], solved by dynamic programming: of each class one option, so that the least is
  * wrong within so many bins. */
-#ifndef LOD_KNAPSACK_H
-#define LOD_KNAPSACK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -16,5 +15,3 @@ struct lod_knapsack_class { uint32_t first, end, from; bool instead; };
  * choice fits, or there is no memory. */
 bool lod_knapsack_solve(struct lod_planner *p, const struct lod_knapsack_option *options,
 	const struct lod_knapsack_class *classes, uint32_t class_count, uint64_t bins, uint32_t *chosen);
-
-#endif

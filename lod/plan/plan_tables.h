@@ -9,8 +9,7 @@
  * changes. Two threads that need it at once both make it, alike, and one copy is freed. So a scene of many
  * species costs only what is looked at: about 5 kB and 0.1 ms a ladder. Plans are the same with or without
  * tables; without, each plan makes its own. */
-#ifndef LOD_PLAN_TABLES_H
-#define LOD_PLAN_TABLES_H
+#pragma once
 
 #include "lod/seen/visibility.h"
 #include "lod/seen/hull.h"
@@ -33,5 +32,3 @@ const uint32_t *lod_plan_tables_whole(const struct lod_plan_tables *tables, uint
 /* Per plant, at scale 1; and the mean over plants of the crown's ellipse over the plant's area. */
 const struct lod_proxy_shape *lod_plan_tables_proxy_shapes(const struct lod_plan_tables *tables);
 double lod_plan_tables_ellipse(const struct lod_plan_tables *tables);
-
-#endif

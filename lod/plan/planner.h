@@ -4,8 +4,7 @@
  *
  * It culls the tile tree, counts plants by anchor and band, lets a rule spend the budget and emits cuts.
  * Method and words: lod/plan/README.md. No clock, no I/O, no globals. */
-#ifndef LOD_PLANNER_H
-#define LOD_PLANNER_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -108,5 +107,3 @@ uint32_t lod_plan_chunks_for(const struct eco_scene *scene, uint32_t list, uint3
 /* Per list of the plan, sorted: the number of chunks that its largest cut needs. The caller frees items. */
 enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan,
 	struct eco_holdings *needs, struct eco_error *error);
-
-#endif

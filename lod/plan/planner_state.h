@@ -1,7 +1,6 @@
 /* State shared by the files of the planner. A rule makes entries: planner_optimal.c with allocation.c and
  * fill_budget.c, or planner_deussen.c. planner_emit.c turns entries into cuts. */
-#ifndef LOD_PLANNER_STATE_H
-#define LOD_PLANNER_STATE_H
+#pragma once
 
 #include <assert.h>
 
@@ -148,5 +147,3 @@ static inline uint64_t lod_planner_count(const struct eco_scene *scene, uint32_t
 {
 	return list == ECO_NONE ? 0 : scene->lists[list].primitive_count;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* The price of bytes that a number of bytes asks for: see lod/plan/byte_price.h. Prices are log2. */
-#ifndef LOD_PRICE_SEARCH_H
-#define LOD_PRICE_SEARCH_H
+#pragma once
 
 #include "lod/plan/allocation.h"
 #include <stdbool.h>
@@ -15,5 +14,3 @@ double lod_price_relax(struct lod_allocation *allocation, double lambda, double 
 double lod_price_find(struct lod_allocation *allocation, double lambda, double target, double near, double *octave);
 /* Wrong pixels that the last relaxation leaves. */
 double lod_price_wrong(const struct lod_allocation *allocation);
-
-#endif

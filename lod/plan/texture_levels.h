@@ -5,8 +5,7 @@
  * this texture. Texels of colours may be so many pixels wide as the request says where the nearest plant that
  * shows them stands. Outlines are whole unless bytes have a price: a pixel shows one sample, and one of a
  * coarser outline is another, however narrow its texels are (lod/EXPERIMENTS.md, Textures). */
-#ifndef LOD_TEXTURE_LEVELS_H
-#define LOD_TEXTURE_LEVELS_H
+#pragma once
 
 #include "lod/plan/allocation.h"
 
@@ -50,5 +49,3 @@ void lod_impostor_worth(struct lod_allocation *allocation, const double *seen);
 /* The level for the plants of a slot; ECO_NONE where the ladder has none, or where they are too large. */
 uint32_t lod_impostor_of_slot(const struct lod_allocation *allocation, const struct lod_slot *slot,
 	const struct lod_way *way);
-
-#endif

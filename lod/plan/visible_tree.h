@@ -9,8 +9,7 @@
  *
  * Plants are counted in slots: all visible instances of an anchor in one distance band are alike to the
  * planner, so its work grows with species x bands, not with plants. */
-#ifndef LOD_VISIBLE_TREE_H
-#define LOD_VISIBLE_TREE_H
+#pragma once
 
 #include "ecofiles/format/plan.h"
 #include "lod/seen/visibility.h"
@@ -123,5 +122,3 @@ typedef void (*lod_visible_tree_fn)(void *ctx, const struct lod_anchor_band *anc
 	uint32_t plant, uint32_t share_hash);
 void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates,
 	lod_visible_tree_fn fn, void *ctx);
-
-#endif

@@ -1,7 +1,6 @@
 /* Colour and contrast of a picture in blocks of 16 x 16 pixels: they see wrong colours and lost or invented
  * contrast, and do not mind where in a block a leaf is. Reported, never stored: libm's cbrt decides last bits. */
-#ifndef LOD_BLOCKS_H
-#define LOD_BLOCKS_H
+#pragma once
 
 #include <stdint.h>
 
@@ -22,5 +21,3 @@ void lod_blocks_compare(struct lod_block_error *error, const struct lod_block *t
 	const struct lod_block *reference, uint32_t count);
 /* The largest distance of colours of whole blocks, but for one in a thousand: how strongly a picture pops. */
 double lod_blocks_pop(const struct lod_block *before, const struct lod_block *after, uint32_t count);
-
-#endif

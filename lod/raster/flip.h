@@ -2,8 +2,7 @@
  * "FLIP: A Difference Evaluator for Alternating Images", 2020), for low dynamic range, at 67.02 pixels per
  * degree: a screen 3840 pixels and 0.7 m wide, seen from 0.7 m. Nothing that is stored or sent depends on it:
  * two C libraries may differ in the last bits of exp, pow and cbrt. */
-#ifndef LOD_FLIP_H
-#define LOD_FLIP_H
+#pragma once
 
 #include <stdint.h>
 
@@ -19,5 +18,3 @@ double lod_flip(const struct lod_flip_input *input);
 
 /* CIELAB under D65 of linear sRGB, 0 to 1. */
 void lod_lab(const double rgb[3], double lab[3]);
-
-#endif

@@ -25,8 +25,7 @@
  *             opaque from alpha 128 on; u, v perspective-correct
  * Samples are compared by 1/w, linear on the screen for triangles and lines; none lies nearer than the
  * nearest corner, or than the ellipsoid. */
-#ifndef LOD_RASTER_H
-#define LOD_RASTER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -126,5 +125,3 @@ double lod_soft_q(const uint8_t *count, const uint8_t *reference_count, size_t p
  * by chance: that of the reference's own counts, where the pixels covered most stand for all, about as many
  * as are covered in `reference`. Exact geometry may exceed it. */
 double lod_q_ceiling(const uint8_t *reference_count, const uint8_t *reference, size_t pixels);
-
-#endif

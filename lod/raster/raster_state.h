@@ -1,7 +1,6 @@
 /* The inside of the rasteriser, shared by raster.c (cameras, hiding, merging), raster_draw.c and
  * raster_splat.c (batches), raster_fill.c (pixels). */
-#ifndef LOD_RASTER_STATE_H
-#define LOD_RASTER_STATE_H
+#pragma once
 
 #include <math.h>
 
@@ -112,5 +111,3 @@ static inline void lod_mark_stale(const struct lod_paint *paint, uint32_t y, uin
 	for (uint32_t b = first >> LOD_BLOCK_SHIFT; b <= (end - 1) >> LOD_BLOCK_SHIFT; b++)
 		row[b] = 1;
 }
-
-#endif

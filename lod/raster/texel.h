@@ -4,8 +4,7 @@
  *
  *   lod_texels_open(&texels, image, cutout, &arena);             once an image
  *   share = lod_texels_mean(&texels, tint, uv, rgb);             for each triangle */
-#ifndef LOD_TEXEL_H
-#define LOD_TEXEL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -67,5 +66,3 @@ static inline bool lod_mask_opaque(const struct lod_mask *mask, uint32_t column,
  * so that no file takes long. */
 #define LOD_MASK_WORK (UINT64_C(1) << 28)
 bool lod_mask_hidden(const struct lod_mask *mask, const int32_t uv[6], uint64_t *work);
-
-#endif

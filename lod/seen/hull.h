@@ -16,8 +16,7 @@
  *   lod_hull_complete(&hull, to)
  *   x = lod_hull_position(&hull, lambda, near)                  points[floor(x)], and the next point for a
  *                                                               share x - floor(x) of the plants */
-#ifndef LOD_HULL_H
-#define LOD_HULL_H
+#pragma once
 
 #include "lod/seen/tuning.h"
 #include "lod/ladder.h"
@@ -93,5 +92,3 @@ static inline double lod_hull_error(const struct lod_hull *hull, const struct lo
  * one whose slope is below lambda / LOD_HULL_BLUR, and a growing share of them in between: so a slot changes
  * gradually as lambda does. `near` is any position to start from: successive lambdas lie close together. */
 double lod_hull_position(const struct lod_hull *hull, double lambda, double near);
-
-#endif

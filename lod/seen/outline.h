@@ -8,8 +8,7 @@
  * sum of squares, so a needle keeps its area. An ellipsoid that reaches the eye's plane has no ellipse. The rays
  * that meet it in front of the eye form a convex cone, and a row of the picture cuts an interval out of the cone.
  * Only + - * / and square roots, so that the same numbers give the same outline on every machine. */
-#ifndef LOD_OUTLINE_H
-#define LOD_OUTLINE_H
+#pragma once
 
 #include "lod/eye.h"
 
@@ -33,5 +32,3 @@ bool lod_outline_row(const struct lod_outline *outline, const struct lod_eye *ey
 double lod_outline_way(const struct lod_outline *outline, const struct lod_eye *eye, double x, double y);
 /* Area of the ellipse; 0 where it is around. */
 double lod_outline_area(const struct lod_outline *outline);
-
-#endif

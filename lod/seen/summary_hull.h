@@ -15,8 +15,7 @@
  * Errors are over the tile's weight_px, and lambda is divided by it. A pixel that a splat covers belongs to
  * the wrong plant (lod/seen/visibility.h), so the error before like plants is LOD_OWNER_WEIGHT for covered pixels,
  * times `pixels`, and 1 for missed ones. */
-#ifndef LOD_SUMMARY_HULL_H
-#define LOD_SUMMARY_HULL_H
+#pragma once
 
 #include "ecofiles/format/pack.h"
 #include "lod/seen/hull.h"
@@ -67,5 +66,3 @@ void lod_summary_hull_complete(struct lod_summary_hull *summary);
 
 /* Nothing is chosen above `high`; little is left to gain below `low`. Both may be 0. */
 void lod_summary_hull_lambda_range(const struct lod_summary_hull *summary, double *high, double *low);
-
-#endif

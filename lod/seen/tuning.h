@@ -3,8 +3,7 @@
  * in the next line. Experiments that chose them: lod/EXPERIMENTS.md, What a plan costs, Bytes of first visits,
  * Weight of the wrong owner, Larger leaves among other plants, Ties of splats, Textures, Impostors, Scattered
  * points. Tolerances of arithmetic and bounds of arrays are with the code that has them. */
-#ifndef LOD_TUNING_H
-#define LOD_TUNING_H
+#pragma once
 
 /* ---- Errors seen, and hulls of them ---- */
 #define LOD_SEEN_COLOR 0.05  /* of a difference of mean colours, a unit of CIELAB, ... */
@@ -215,5 +214,3 @@ enum lod_work_weight {
 	LOD_WORK_CELL = 1,
 	LOD_WORK_CUT = 3             /* a cut compared with another */
 };
-
-#endif

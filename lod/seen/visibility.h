@@ -31,8 +31,7 @@
  * covered in one and not in the other. So plants behind fill holes, and a false positive is not wrong where
  * another plant stands. What a summary's splats cover is known by itself, not by each plant's error: they are
  * often wider than crowns. */
-#ifndef LOD_VISIBILITY_H
-#define LOD_VISIBILITY_H
+#pragma once
 
 #include "lod/seen/tuning.h"
 #include "lod/seen/outline.h"
@@ -162,5 +161,3 @@ float *lod_splat_field_of(struct lod_splat_field *field, double side);
 /* Once, when all are added. NULL: none were. */
 const float *lod_splat_field_blur(struct lod_splat_field *field);
 void lod_splat_field_free(struct lod_splat_field *field);
-
-#endif

@@ -18,8 +18,7 @@
  * than where it lies in the chunks' file, which is the pack's CHUNK_DATA with the published columns of inventories' rows
  * alone, if any.
  */
-#ifndef SRV_INDEX_H
-#define SRV_INDEX_H
+#pragma once
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/pack_record.h"
@@ -54,5 +53,3 @@ enum eco_code srv_index_read(struct srv_index **index, const uint8_t *bytes, siz
 enum eco_code srv_index_take(struct srv_index *index, uint32_t list, uint32_t ordinal, const uint8_t *bytes, size_t size,
 	struct eco_error *error);
 void srv_index_free(struct srv_index *index);            /* NULL is fine */
-
-#endif

@@ -8,8 +8,7 @@
  *   number   otherwise: its difference to a guess, modulo 2^32, as the bits of its magnitude in 6 modelled bits, those below
  *            the highest, the first ones modelled, and a sign
  * Runs, and columns that repeat, as of models in several forms, take next to nothing. */
-#ifndef SRV_INDEX_COLUMNS_H
-#define SRV_INDEX_COLUMNS_H
+#pragma once
 
 #include "ecofiles/base/range.h"
 #include "ecofiles/format/pack_record.h"
@@ -40,5 +39,3 @@ void srv_index_column(struct eco_range *range, const struct srv_index_columns *c
 typedef struct srv_index_way srv_index_find(const struct srv_index_columns *columns, uint32_t column);
 bool srv_index_table(struct eco_range *range, enum eco_section_kind kind, uint8_t *records, uint32_t count,
 	srv_index_find *find);
-
-#endif

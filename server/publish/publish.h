@@ -8,8 +8,7 @@
  *
  * Files are written one by one, index.html last, so that a folder may be published into again. Other files there are
  * left alone, and so is what belongs to packs that were replaced. */
-#ifndef SRV_PUBLISH_H
-#define SRV_PUBLISH_H
+#pragma once
 
 #include <stdint.h>
 
@@ -28,5 +27,3 @@ struct srv_publish {
 struct srv_published { uint64_t files, bytes, index_bytes, first_bytes; };       /* index, first: of all scenes */
 
 enum eco_code srv_publish(const struct srv_publish *publish, struct srv_published *published, struct eco_error *error);
-
-#endif

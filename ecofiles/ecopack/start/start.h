@@ -16,8 +16,7 @@
  *
  * Every guess is a line: what was taken, why, and what changes it. It is printed, and kept in the scene's
  * notes. */
-#ifndef ECO_MAIN_START_H
-#define ECO_MAIN_START_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -184,5 +183,3 @@ static inline const char *start_column(const struct start *s, uint32_t column)
 {
 	return column == ECO_NONE ? NULL : s->table.columns[column];
 }
-
-#endif

@@ -7,8 +7,7 @@
  * Each level has as many texels as the plant covers in each of its tiles, those that are covered most. All
  * that decides is + - * / and square roots in a fixed order: the same on every machine and with any number of
  * threads. */
-#ifndef LOD_IMPOSTOR_MAKE_H
-#define LOD_IMPOSTOR_MAKE_H
+#pragma once
 
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/model.h"
@@ -44,5 +43,3 @@ enum eco_code lod_plant_add_impostor(struct lod_plant *plant, const struct eco_m
 
 /* Opens a level as a client does. Close it. */
 void lod_plant_open_impostor(struct lod_impostor *impostor, const struct lod_plant *plant, uint32_t level);
-
-#endif

@@ -1,8 +1,7 @@
 /* The inside of the measurement of curves (lod/build/measure/curve.c). A share of an organ's vertices is
  * drawn; the search finds the scale with the least loss and, for leaves in several forms, the number of
  * elements to draw (reach). A way is one reach at one share. */
-#ifndef LOD_CURVE_WAYS_H
-#define LOD_CURVE_WAYS_H
+#pragma once
 
 #include "lod/build/measure/probe.h"
 
@@ -82,5 +81,3 @@ void lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at, const struct
  * sequence of ways with the least total loss. If it contains ways that were given up their scales are
  * searched, and the choice is repeated; losses only fall, so this ends. */
 void lod_curve_settle(struct lod_curve_organ *curve, uint32_t count);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * The views lie on a Fibonacci spiral over the sphere, from slightly below the horizon to steeply above, 16 radii
  * away (lod/EXPERIMENTS.md, Curves from above). */
-#ifndef LOD_PROBE_H
-#define LOD_PROBE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -92,5 +91,3 @@ bool lod_probe_keep_model(struct lod_probe *probe);
 /* 1 - Q, mean and worst; wrong pixels over pixels of the reference. */
 struct lod_probe_result { double loss, worst, fp, fn; };
 void lod_probe_compare(struct lod_probe *probe, uint32_t stride, struct lod_probe_result *result);
-
-#endif

@@ -12,8 +12,7 @@
  * add up over plants, and neither asks where in a block a leaf is. They depend on how large the plant is
  * in the picture, so the same samples are taken as pixels of ECO_SEEN_SIZES widths. Leaves are drawn on
   * splats and points. */
-#ifndef LOD_SEEN_H
-#define LOD_SEEN_H
+#pragma once
 
 #include "lod/build/measure/probe.h"
 
@@ -42,5 +41,3 @@ void lod_seen_free(struct lod_seen *seen);
 void lod_seen_back(struct lod_seen *seen);
 void lod_seen_keep(struct lod_seen *seen);
 void lod_seen_compare(struct lod_seen *seen, struct eco_seen *error);
-
-#endif

@@ -8,8 +8,7 @@
  * Corners are snapped to 1/256 pixel and pixels with their centres inside are covered, as in raster.h;
  * results differ from it where an edge passes a centre within a thousandth of a pixel. Integers after the
  * snapping: the same on every machine. */
-#ifndef LOD_FOOTPRINT_H
-#define LOD_FOOTPRINT_H
+#pragma once
 
 #include "lod/build/foliage.h"
 #include "lod/raster/texel.h"
@@ -67,5 +66,3 @@ void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels,
 /* Covers pixels once more; pixels that make no difference to lod_footprint_gain may be left out. */
 void lod_fan_add(const struct lod_fan_seen *seen, double edge, uint32_t pixels,
 	const struct lod_canvas *canvas);
-
-#endif

@@ -6,8 +6,7 @@
  * there on the order is stochastic. Both are in [0,1] and combined as P = o^2 + d, normalised, plus noise.
  * Without much noise whole regions whose leaves face away from the surface, such as the tops of conifers, are
  * stripped (lod/EXPERIMENTS.md, Noise in the combined order). */
-#ifndef LOD_ORDER_H
-#define LOD_ORDER_H
+#pragma once
 
 #include <stdint.h>
 
@@ -31,5 +30,3 @@ struct lod_order_input {
  * are higher for elements kept longer. Linear in elements. */
 void lod_order_survival_by(double *survival, enum lod_order_method method,
 	const struct lod_order_input *input, struct lod_arena *arena);
-
-#endif

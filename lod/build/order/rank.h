@@ -2,8 +2,7 @@
  * wrong pixels over many views, at the scale that serves the octave of the list best; then the list is
  * refined as a whole (rank_refine.c). Growth codes (eco_growth) and simple triangles come with it.
  * Deterministic: counts of pixels decide, ties go to the smaller element. */
-#ifndef LOD_RANK_H
-#define LOD_RANK_H
+#pragma once
 
 #include "lod/build/foliage.h"
 #include "lod/build/plant.h"
@@ -28,5 +27,3 @@ struct lod_rank {                    /* arrays of the arena */
  * cores. */
 enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage,
 	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error);
-
-#endif

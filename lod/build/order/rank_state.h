@@ -1,6 +1,5 @@
 /* The inside of the greedy order (rank.h), shared by rank.c and the files named below. */
-#ifndef LOD_RANK_STATE_H
-#define LOD_RANK_STATE_H
+#pragma once
 
 #include "ecofiles/format/list.h"
 #include "lod/build/order/footprint.h"
@@ -85,5 +84,3 @@ struct lod_rank_refining {
 };
 /* False if progress returns false. The caller releases scratch memory of the arena. */
 bool lod_rank_refine(const struct lod_rank_refining *refining, struct lod_arena *arena);
-
-#endif

@@ -13,8 +13,7 @@
  * solids. Soil is a level sheet, not green, not one of many. Things count as wood. A plant of green tubes
  * alone is all foliage. Wrong names on clear components change nothing (lod/EXPERIMENTS.md, Organs). All of
  * an object is wood. */
-#ifndef LOD_ORGAN_H
-#define LOD_ORGAN_H
+#pragma once
 
 #include "ecofiles/format/pack.h"
 #include "lod/build/weld.h"
@@ -47,5 +46,3 @@ void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const str
 /* Mean colour of one or more triangles, weighted by their opaque area. */
 void lod_organs_mean(const struct lod_organs *organs, const uint32_t *triangles, uint32_t count,
 	uint8_t rgb[3]);
-
-#endif

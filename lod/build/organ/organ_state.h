@@ -1,6 +1,5 @@
 /* The inside of the finder of organs (organ.h). */
-#ifndef LOD_ORGAN_STATE_H
-#define LOD_ORGAN_STATE_H
+#pragma once
 
 #include "lod/build/weld.h"
 
@@ -62,5 +61,3 @@ enum lod_hint lod_name_hint(const char *name);
  * largest. */
 void lod_flowers_find(uint8_t *organ, const struct lod_shape *shapes, uint32_t count, const bool *fixed,
 	const enum lod_hint *hint, double extent);
-
-#endif

@@ -7,8 +7,7 @@
  *
  * Splats [m i, m (i + 1)) of level l + 1 stand for splat i of level l, in the order in which parents should give
  * way. The same bytes on every machine, with any number of threads. */
-#ifndef LOD_SPLAT_FIT_H
-#define LOD_SPLAT_FIT_H
+#pragma once
 
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/splat.h"
@@ -67,5 +66,3 @@ static inline uint32_t lod_splats_first(const struct lod_splats *splats, uint32_
 {
 	return level ? splats->level_end[level - 1] : 0;
 }
-
-#endif

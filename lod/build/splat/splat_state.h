@@ -2,8 +2,7 @@
  * splat_gradient.c (one picture of splats and its gradient), splat_descent.c and splat_blades.c.
  *
  * Everything is in units of the plant's bounding sphere: its centre is 0, its radius 1. */
-#ifndef LOD_SPLAT_STATE_H
-#define LOD_SPLAT_STATE_H
+#pragma once
 
 #include "lod/arena.h"
 #include "lod/build/splat/splat_fit.h"
@@ -161,5 +160,3 @@ bool splat_blades_find(struct splat_blades *blades, const struct splat_points *p
 	const struct eco_model *model, struct lod_arena *arena);
 /* The points of splat i of a level up to that of the blades. */
 struct splat_part splat_blades_part(const struct splat_blades *blades, uint32_t level, uint32_t i);
-
-#endif

@@ -7,8 +7,7 @@
  *   planner_part(n)                           bytes of the body that are final once the first n wanted chunks are there
  *
  * Functions that return a status return one of HTTP's: 400 and more are faults, which planner_error describes. */
-#ifndef PLANNER_H
-#define PLANNER_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -34,5 +33,3 @@ const char *planner_described(void);
 /* Answers .../plants/{list} and .../find. `again`: what the call before wanted is there. 200: planner_body is the JSON,
  * and ends with a 0; PLANNER_WANTS; or why the request is refused. */
 int planner_plants(const char *target, int again);
-
-#endif
