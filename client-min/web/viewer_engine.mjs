@@ -433,6 +433,7 @@ class Engine {
 		const most = Math.round(Math.min(FULL_VERTICES, Math.max(2, times) * facts.vertices));
 		Object.assign(saving, { blob, facts, since, most, detail: Math.max(...full) <= most ? 'all' : 'more' });
 		this.post({ type: 'comparing' });
+		setTimeout(() => this.redraw(), 2 * FULL_MS + 1);        // it is late then, even where nothing more comes
 		this.redraw();
 	}
 

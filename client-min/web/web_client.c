@@ -641,7 +641,7 @@ static void say_plant(const struct web *web, const struct view_instance *instanc
 	say_point(text, "foot", instance->place.at);
 }
 
-/* What a card says of it more. */
+/* The same, and more for its card. */
 static void say_drawn(const struct web *web, const struct view_instance *instance, struct eco_writer *text)
 {
 	say_plant(web, instance, text);
