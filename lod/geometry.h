@@ -31,7 +31,7 @@ struct lod_geometry lod_geometry_from(const struct lod_geometry *geometry, const
 
 /* Writes the geometry of primitives [first, end) of a decoded list: fans become triangles, elements are
  * scaled by an area factor about their centre (edges by sqrt(eco_growth(code, scale)), or by sqrt(scale)
- * without GROWTH). Where buffers are NULL nothing is written, but for `position`. Returns the number of
+ * without GROWTH). If buffers are NULL nothing is written, but for `position`. Returns the number of
  * primitives. */
 uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first,
 	uint32_t end, float scale, const struct lod_geometry *out);

@@ -4,7 +4,7 @@
  * and q_k, the part of h_k along the line of sight over w. With C = sum d_k d_k^T, s = sum q_k d_k and r =
  * sum q_k^2 the outline in perspective is the ellipse (x + s / (1 - r))^T E^-1 (x + s / (1 - r)) <= 1 around
  * the centre's pixel, E = (C (1 - r) + s s^T) / (1 - r)^2: the dual conic of the ellipsoid (Hartley and
- * Zisserman 2004, section 8.3), written without differences of large numbers. Where it is not opaque a fixed
+ * Zisserman 2004, section 8.3), written without differences of large numbers. If it is not opaque a fixed
  * hash of pixel and splat says which pixels it covers. Its depth is that of the side of the ellipsoid that
  * faces the eye. */
 #pragma once

@@ -57,7 +57,7 @@ bool srv_access_scene(const struct srv_access *access, const char *scene, const 
 bool srv_access_is_private(const struct srv_access *access, const char *scene);
 bool srv_access_has_private(const struct srv_access *access);    /* any scene */
 
-/* The value of Access-Control-Allow-Origin to a request of `origin` (NULL: of no page), or NULL. Where all
+/* The value of Access-Control-Allow-Origin to a request of `origin` (NULL: of no page), or NULL. If all
  * have the same, it does not depend on the request. */
 const char *srv_access_origin(const struct srv_access *access, const char *origin);
 bool srv_access_origins_vary(const struct srv_access *access);

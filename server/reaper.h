@@ -88,7 +88,7 @@ void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease, enum s
 /* While a plan is made: *gone is set when the client hangs up, which is more than to send no more. NULL: no
  * more. */
 void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic_bool *gone);
-/* NULL lease: nothing. Where a request is refused with more to come the connection is kept for a while. */
+/* NULL lease: nothing. If a request is refused with more to come the connection is kept for a while. */
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease);
 
 uint64_t srv_clock_us(void);                             /* monotonic */

@@ -7,7 +7,7 @@
  * of every direction, so it gets the mean of the same expressions over directions, and a plant keeps its tone
  * when its representation changes; a summary's point, which does not know where in a crown it is, gets the
  * mean over a crown as well, and so does a point as large as a crown (lod/EXPERIMENTS.md, Normals of
- * summaries). What sun, haze and shadow maps there are is the selection's view_sky. Masks and scores know
+ * summaries). Sun, haze and shadow maps are those of the selection's view_sky. Masks and scores know
  * nothing of it.
  *
  * Only +, -, *, / and square roots of floats in a fixed order: the same pixels give the same bytes

@@ -18,7 +18,7 @@ struct view_mesh {                       /* owns its geometry; zero is empty */
 	unsigned halvings;               /* ... and is 2^halvings primitives */
 };
 
-/* `plant` is whose the cut is; NULL: a summary's. What has been made so far is freed by view_mesh_free. */
+/* `plant` is whose the cut is; NULL: a summary's. view_mesh_free frees all that was made so far. */
 enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *store,
 	const struct eco_cut *cut, const struct view_plant *plant, struct eco_error *error);
 void view_mesh_free(struct view_mesh *mesh);

@@ -24,7 +24,7 @@
  *
  * Both kinds are fitted to the pixels of the picture, in cells of which the nearest and the farthest count,
  * so that few texels lie where nothing is seen. Nothing is fetched: what casts is what is held. The ground
- * casts no shadow. Where a map lies and how it is looked up is one text for C and GLSL (view_shadow.glsl).
+ * casts no shadow. The place of a map and the look-up in it are one text for C and GLSL (view_shadow.glsl).
  * Casters are drawn in software (view_shadow_cast.c), so that it is the same for every engine of ecoview; in
  * a browser, where no pixel is read, by OpenGL (view_gl_cast). */
 #pragma once

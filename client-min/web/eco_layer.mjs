@@ -8,7 +8,7 @@
 // The page owns the context, the camera and the clock. `viewProjection` takes metres from the scene's origin
 // (Z up) to clip space, column by column as WebGL has matrices, of a camera that looks straight through the
 // middle of the picture; `eye` is in metres, too. Drawing asks the server for what the view needs, as often
-// as it changes; `onChange` says that there is more to be drawn. What the page draws itself hides the plants,
+// as it changes; `onChange` says that there is more to be drawn. The page's own drawing hides the plants,
 // and is hidden by them, by the depth buffer of the bound framebuffer; state that is changed is put back.
 import createClient from './eco_client.mjs';
 import { EcoKeep } from './eco_keep.mjs';
@@ -338,7 +338,7 @@ export class EcoLayer {
 		return true;
 	}
 
-	/** Asks for a view unless it is here or on its way. What comes for the way that a camera no longer goes
+	/** Asks for a view unless it is here or on its way. An answer for a way that a camera no longer goes
 	 * is given up. */
 	ask(view, width, height, next = null) {
 		const wanted = { view, width, height, vertices: this.vertices, bytes: this.bytes, detail: this.detail };

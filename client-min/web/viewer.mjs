@@ -305,7 +305,7 @@ const heard = {
 // ---- Scenes and settings ----
 
 /** The answer that the page's head asked for (viewer_first.js), for the engine; null where that is no longer wanted, or
- * went wrong: then the engine asks by itself. What the scene is, the page knows before the engine. */
+ * went wrong: then the engine asks by itself. The page knows the scene before the engine does. */
 async function takeFirst(name) {
 	const { scene, about, answer, view, wanted } = globalThis.first ?? {};
 	globalThis.first = null;

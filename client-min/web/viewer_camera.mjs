@@ -120,7 +120,7 @@ export class Camera {
 		return this.view().eye[2] < height + EYE_M && this.stand(height);
 	}
 
-	/** From now on it orbits, walks or flies. Who begins to walk looks ahead, and not far. */
+	/** From now on it orbits, walks or flies. A walk begins with a look ahead, and not far. */
 	setMode(mode) {
 		if (mode === 'walk' && this.mode !== 'walk') {
 			const { eye } = this.view();
@@ -155,7 +155,7 @@ export class Camera {
 			this.target = this.forward().map((v, i) => eye[i] + v * this.distance);
 	}
 
-	/** To the right, forward and up. Who flies goes where the camera looks, all others stay level. */
+	/** To the right, forward and up. A flight goes where the camera looks, all others stay level. */
 	move(right, ahead, up) {
 		const level = [Math.cos(this.yaw), Math.sin(this.yaw), 0];
 		const way = this.mode === 'fly' ? this.forward() : level;

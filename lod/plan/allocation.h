@@ -20,7 +20,7 @@
  *   lod_allocation_predict(&allocation, &prediction, &error) the whole picture at that lambda
  *   lod_allocation_fix(&allocation)                          makes these gates and tiles the planner's
  *
- * Ties are blended. Where a tile's plants and its summary save nearly the same, the tile is open in part: a
+ * Ties are blended. If a tile's plants and its summary save nearly the same, the tile is open in part: a
  * share of its plants is drawn, chosen by hash, beside its summary, whose points disappear as the last plants
  * appear. A gate blends in the same way: a share of the plants draws cells, the nearest bands first, within a
  * band by hash. So does a ladder that shows the whole plant: of a slot's plants beyond the gate those of the

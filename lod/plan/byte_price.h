@@ -11,7 +11,7 @@
  * - a level of an impostor must set more right for each byte (lod/plan/texture_levels.h)
  *
  * A limit depends on which plants are drawn, and which are drawn depends on limits. Both are made in turn,
- * beginning without limits, a fixed number of times. What is drawn then only becomes less, so the result
+ * beginning without limits, a fixed number of times. All that is drawn then only becomes less, so the result
  * does not depend on what was asked before.
  *
  * Lists of a nested eco file are paid in equal parts by its visible occurrences. */

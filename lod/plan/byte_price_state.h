@@ -68,7 +68,7 @@ struct lod_prices {
 
 /* Bytes of the chunks [from, to) of a list that the client lacks. */
 double lod_prices_missing(const struct lod_allocation *allocation, uint32_t list, uint32_t from, uint32_t to);
-/* Puts the longer of both into the sum. What chunks of a ladder take. */
+/* Puts the longer of both into the sum. The bytes that chunks of a ladder take. */
 void lod_prices_add_needs(struct chunks *sum, const struct chunks *more);
 double lod_prices_of(const struct ladder_price *ladder, const struct chunks *needs);
 /* Counts the work of limits, which are made of what all choices come to, as a relaxation is. */

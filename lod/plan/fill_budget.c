@@ -425,7 +425,7 @@ static double between_densities(const struct lod_way *way, uint64_t low, uint64_
 	return part > 0 ? density + part * (lod_way_density(way, high) - density) : density;
 }
 
-/* Share of its elements that a candidate shows, the mean over its plants. Where there are many plants it is
+/* Share of its elements that a candidate shows, the mean over its plants. If there are many plants it is
  * that of lambda: cells are few, and a step of one cell would change all plants that it belongs to. Where
  * there are few, what is drawn may be far from lambda. */
 static double mean_density(const struct lod_fill *fill, const struct lod_candidate *candidate)

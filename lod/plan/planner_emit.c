@@ -260,7 +260,7 @@ static enum eco_code add_image(const struct lod_planner *p, struct eco_plan *pla
 	return ECO_OK;
 }
 
-/* As it travels. Of more vertices fewer pixels are wrong in all, also once these are rounded. */
+/* As it travels. With more vertices fewer pixels are wrong in all, also once these are rounded. */
 static struct eco_prediction rounded(const struct eco_prediction *exact)
 {
 	double fp = eco_wire_pixels_round(exact->fp), wrong = eco_wire_pixels_round(exact->fp + exact->fn);

@@ -420,7 +420,7 @@ static enum eco_code open_finer(struct lod_planner *p, int *level, bool *opened,
 	return code && code != ECO_TOO_LARGE ? eco_fail(error, code, "%s", local.text) : ECO_OK;
 }
 
-/* Plans level by level, until one has steps left or everything is open. Where all of a level fits, or it
+/* Plans level by level, until one has steps left or everything is open. If all of a level fits, or it
  * hides plants, only the next one is filled. A plan of everything has one level, the finest possible. */
 static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
 {

@@ -94,7 +94,7 @@ static inline bool lod_planner_over(const struct lod_planner *p, uint64_t quarte
 	return p->work_most && p->work / quarters >= p->work_most / 4;
 }
 
-/* Is all of the work done that the input allows? What is begun is ended as cheaply as may be then. */
+/* Is all of the work done that the input allows? Then all that is begun ends as cheaply as may be. */
 static inline bool lod_planner_spent(const struct lod_planner *p)
 {
 	return lod_planner_cancelled(p) || (p->input->work_max && p->work >= p->input->work_max);

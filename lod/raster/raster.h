@@ -118,7 +118,7 @@ struct lod_score_input {
 void lod_score(struct lod_score *score, const struct lod_score_input *input);
 
 /* Q of how much of each pixel is covered, by counts of as many samples a pixel in both pictures: with a and b
- * for a pixel's shares, P = sum min(a, b) / sum a and R = sum min(a, b) / sum b. Where all is covered wholly
+ * for a pixel's shares, P = sum min(a, b) / sum a and R = sum min(a, b) / sum b. If all is covered wholly
  * or not at all it is q. */
 double lod_soft_q(const uint8_t *count, const uint8_t *reference_count, size_t pixels);
 /* The best q that a picture reaches whose geometry does not repeat what single samples of the reference hit

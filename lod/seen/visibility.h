@@ -29,7 +29,7 @@
  * Expected pixels are computed per cell as if visibilities were independent: the probability that no plant
  * covers a point in the reference, as drawn, or in either is a product over visibilities. Wrong pixels are
  * covered in one and not in the other. So plants behind fill holes, and a false positive is not wrong where
- * another plant stands. What a summary's splats cover is known by itself, not by each plant's error: they are
+ * another plant stands. A summary's splats have a cover of their own, not by each plant's error: they are
  * often wider than crowns. */
 #pragma once
 

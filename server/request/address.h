@@ -2,7 +2,7 @@
  * IPv6 a whole /64 does, since that is what one household gets.
  *
  * A proxy that is trusted speaks for others: the last address of X-Forwarded-For that is no trusted proxy's
- * is the client. Of anyone else the header is not looked at. */
+ * is the client. The header of anyone else is not looked at. */
 #pragma once
 
 #include <stdbool.h>

@@ -344,7 +344,7 @@ static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settl
 /* ---- Blades ---- */
 
 /* Pixels that are covered little: half of the blades drawn well are better than haze, so the level before that
- * of the blades becomes half of its splats. Where blades are dense, splats that stand for two are better. */
+ * of the blades becomes half of its splats. If blades are dense, splats that stand for two are better. */
 static void keep_heads(struct fit *fit)
 {
 	uint32_t level = fit->blades.level, half = level - 1, each = fit->size[level] / fit->size[half];
