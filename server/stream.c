@@ -221,8 +221,8 @@ static uint64_t wasted_bytes(const struct srv_stream *stream, uint32_t number)
 	return sum;
 }
 
-/* The one that wastes most; of equals the finest. */
-static void drop_coarse(struct srv_stream *stream)
+/* Leaves out the coarse step that wastes most; of equals the finest. */
+static void leave_out_step(struct srv_stream *stream)
 {
 	uint32_t worst = 0;
 	for (uint32_t i = 1; i + 1 < stream->step_count; i++)
@@ -247,7 +247,7 @@ static enum eco_code fit_steps(struct srv_stream *stream, struct eco_error *erro
 		code = srv_size_all(stream, error);
 	while (!code && stream->body_bytes > stream->input.request->bytes) {
 		assert(stream->step_count > 1);
-		drop_coarse(stream);
+		leave_out_step(stream);
 		code = srv_size_all(stream, error);
 	}
 	return code;

@@ -1,4 +1,5 @@
 /* Tiling: every thing in one leaf, bounds that hold bodies, leaves of few, order that a pack can rely on. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "ecofiles/base/random.h"
@@ -43,6 +44,13 @@ static void check_leaf(const struct lod_tiles *tiles, const struct lod_tile_node
 		}
 		if (k > node->item_first)
 			assert_true(items[tiles->order[k - 1]].plant <= item->plant);
+	}
+	double extent = 0;
+	for (int i = 0; i < 3; i++)
+		extent = fmax(extent, node->high[i] - node->low[i]);
+	for (int i = 0; i < 3 && extent > 0; i++) {      /* steps of 1/512 of it at least */
+		double step = exp2(floor(log2(extent)) - 9);
+		assert_true(fmod(node->low[i], step) == 0 && fmod(node->high[i], step) == 0);
 	}
 	assert_true(node->item_count <= most);
 }
