@@ -148,7 +148,8 @@ static void verify_ladder(struct verify *v, uint32_t id)
 {
 	const struct eco_scene *s = &v->pack->scene;
 	const struct eco_ladder *l = &s->ladders[id];
-	for (uint32_t k = 0; k < l->level_count && l->triangles != ECO_NONE; k++) {
+	bool wood = l->triangles != ECO_NONE && !eco_ladder_has_splats(s, l);
+	for (uint32_t k = 0; k < l->level_count && wood; k++) {
 		const struct eco_list *list = &s->lists[l->triangles];
 		uint32_t end = 0;
 		for (uint32_t c = 0; c < list->chunk_count && end < l->level_end[k]; c++)
