@@ -117,12 +117,16 @@ static json_t *make_rows(void *ctx)
 
 json_t *bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view)
 {
-	char unit[96], pack[512];
+	char unit[96], stamp[512], pack[512];
 	uint64_t budgets[BENCH_BUDGETS_MAX];
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	bench_scene(bench, scene, bench_methods[method].order, pack);
 	bench_shot_views(bench, scene, requests);
+	const struct eco_view *v = &requests[view].view;
 	snprintf(unit, sizeof unit, "shots%u-%s-%u", method, scene, view);
-	return bench_unit(bench, unit, bench_pack_stamp(pack), make_rows, &(struct work){ bench, &bench_methods[method],
+	/* a full bench has other budgets and other views of these numbers */
+	snprintf(stamp, sizeof stamp, "%s %d %g %g %g %g %g %g", bench_pack_stamp(pack), bench->full, v->eye[0], v->eye[1], v->eye[2],
+		v->target[0], v->target[1], v->target[2]);
+	return bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, &bench_methods[method],
 		pack, requests[view].view, budgets, bench_budgets(bench, scene, budgets) });
 }

@@ -33,4 +33,3 @@ double bench_shot_number(const json_t *row, const char *key);        /* NaN wher
  * one_floor (F1), ceiling, truth_cpu_ms, predicted_q, plan_ms, decode_ms, draw_ms; null where there is no
  * such figure. Borrowed. */
 json_t *bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view);
-

@@ -11,9 +11,9 @@
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"
 
+#define VIEWS "tests/bench/visibility.json"
 #define WIDTH 400u
 #define HEIGHT 300u
-#define SCENES 6u                    /* of pictures.json; a quick bench looks at all of them */
 #define BESIDE 0.2                   /* of a plant's radius: as far the eye in its crown is from its trunk */
 #define PART_LEAST 0.03              /* of the pixels seen: a bin with fewer has no bar */
 #define BUDGET 1000000u              /* vertices: all tiles near the eye are open */
@@ -93,8 +93,6 @@ static void add_bins(struct study *s, const char *scene, const char *camera, con
 	}
 }
 
-#define VIEWS "tests/bench/pictures/pictures.json"
-
 /* From the eye, then from a crown that it sees. */
 static void study_view(struct study *s, const char *name, const char *pack, struct eco_view view)
 {
@@ -115,26 +113,25 @@ static void study_view(struct study *s, const char *name, const char *pack, stru
 	srv_store_free(&store);
 }
 
-/* The cameras at eye level of the first scenes that are there. */
+/* A camera at eye level in each scene that is there. No weight, curve or fit was chosen on them. */
 static void study_scenes(struct bench *bench, struct study *s)
 {
-	json_t *file = json_load_file(VIEWS, 0, NULL), *scenes = json_object_get(file, "scenes"), *camera;
+	json_t *views = json_load_file(VIEWS, 0, NULL), *item;
 	char pack[512];
-	size_t k;
-	for (size_t i = 0; i < SCENES; i++) {
-		json_t *item = json_array_get(scenes, i);
-		const char *name = json_string_value(json_object_get(item, "scene")), *which = "";
+	size_t i;
+	if (!json_is_array(views))
+		must(eco_fail(must_error, ECO_BAD_INPUT, VIEWS " cannot be read"));
+	json_array_foreach(views, i, item) {
+		const char *name;
 		struct eco_view v = { .up = { 0, 0, 1 }, .width = WIDTH, .height = HEIGHT };
-		bench_progress((double)i / SCENES, name ? name : "");
-		if (!name || !bench_scene_there(bench, name, pack))
-			continue;
-		json_array_foreach(json_object_get(item, "cameras"), k, camera)
-			if (!json_unpack(camera, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "camera", &which, "eye", &v.eye[0],
-					&v.eye[1], &v.eye[2], "target", &v.target[0], &v.target[1],
-					&v.target[2], "fov_y_deg", &v.fov_y_deg) && !strcmp(which, "eye"))
-				study_view(s, name, pack, v);
+		if (json_unpack(item, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "scene", &name, "eye", &v.eye[0], &v.eye[1], &v.eye[2],
+				"target", &v.target[0], &v.target[1], &v.target[2], "fov_y_deg", &v.fov_y_deg))
+			must(eco_fail(must_error, ECO_BAD_INPUT, VIEWS ": view %zu is none", i));
+		bench_progress((double)i / (double)json_array_size(views), name);
+		if (bench_scene_there(bench, name, pack))
+			study_view(s, name, pack, v);
 	}
-	json_decref(file);
+	json_decref(views);
 }
 
 static void run(struct bench *bench)
