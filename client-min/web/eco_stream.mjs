@@ -199,7 +199,7 @@ export class EcoStream {
 		return before === 0;
 	}
 
-	/** What a function of the client says as JSON. */
+	/** The JSON that a function of the client returns. */
 	said(name, ...values) {
 		const text = this.module[`_web_${name}`](this.web, ...values);
 		this.check(!text);
