@@ -5,7 +5,8 @@
  * ladder for the whole plant, against all organs. Scales are relative to Cook's 1/lambda, which varies slowly, so
  * each search starts at the next larger share's answer. Leaves have several forms: at each share some reaches are
  * tried, and the chosen sequence has the least total loss without dropping or coarsening an element (dynamic
- * programming). Ladders of cells share the curve of the whole.
+ * programming). Ladders of cells share the curve of the whole. Splats have scale 1 until leaves stand before
+ * them; then each share has its own search.
  *
  * When all curves are there the errors that are seen are measured, of samples that are far enough apart (seen.h): of
  * an organ among the others, of a ladder for the whole plant alone. Others lie between.
