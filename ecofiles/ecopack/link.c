@@ -455,19 +455,24 @@ static bool has_draft(const struct link *l)
 	return any;
 }
 
-/* A text that all parts have; where they differ "first - last" in order of their bytes, or nothing. */
+/* A text that all parts have; where they differ "first - last" in order of their bytes, or nothing. A part that was
+ * linked itself may have such a range. */
 static void say_common(const struct link *l, json_t *meta, const char *name, bool range)
 {
 	const char *low = NULL, *high = NULL;
 	for (uint32_t i = 0; i < l->count; i++) {
-		const char *text = json_string_value(json_object_get(l->parts[i].meta, name));
+		const char *text = json_string_value(json_object_get(l->parts[i].meta, name)), *to = text ? strstr(text, " - ") : NULL;
 		if (!text)
 			return;
+		to = to ? to + 3 : text;
 		low = low && strcmp(low, text) <= 0 ? low : text;
-		high = high && strcmp(high, text) >= 0 ? high : text;
+		high = high && strcmp(high, to) >= 0 ? high : to;
 	}
-	if (low && (range || strcmp(low, high) == 0))
-		json_object_set_new(meta, name, strcmp(low, high) ? json_sprintf("%s - %s", low, high) : json_string(low));
+	const char *end = strstr(low, " - ");
+	size_t first = end ? (size_t)(end - low) : strlen(low);
+	bool same = strlen(high) == first && strncmp(low, high, first) == 0;
+	if (same || range)
+		json_object_set_new(meta, name, same ? json_string(high) : json_sprintf("%.*s - %s", (int)first, low, high));
 }
 
 static json_t *whole_meta(const struct link *l)

@@ -202,6 +202,11 @@ UNIT_TEST(parts_keep_plants_of_their_own)
 	assert_int_equal(pack->scene.plant_count, 3);
 	assert_int_equal(pack->scene.tiles[0].instance_count, PARTS * PLANTS);
 	eco_pack_close(pack);
+	const char *const again[] = { in_root("linked.eco"), in_root("part1.eco") };
+	assert_good(link_packs(&(struct link_options){ in_root("again.eco"), again, 2, .jobs = 2 }, &cause));
+	assert_good(eco_pack_open(&pack, in_root("again.eco"), &cause));
+	assert_non_null(memmem(pack->meta, pack->meta_size, "\"2024 - 2026-05\"", 16));
+	eco_pack_close(pack);
 	check_summaries("part1.eco");
 	check_summaries("linked.eco");
 }
