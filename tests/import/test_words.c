@@ -210,6 +210,7 @@ UNIT_TEST(tables_of_words_are_whole)
 	glob_t found;
 	assert_int_equal(glob("ecofiles/import/*/words/*.tsv", 0, NULL, &found), 0);
 	assert_int_equal(glob("ecofiles/generate/words/*.tsv", GLOB_APPEND, NULL, &found), 0);
+	assert_int_equal(glob("ecofiles/base/words/*.tsv", GLOB_APPEND, NULL, &found), 0);
 	assert_true(found.gl_pathc >= 16);
 	for (size_t i = 0; i < found.gl_pathc; i++) {
 		size_t size;
