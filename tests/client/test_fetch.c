@@ -13,7 +13,6 @@
 #include "tests/support/view_scene.h"
 
 #define ENDLESS_MOST ((size_t)400 << 20)
-#define STRANGER ", which is not an answer of ecoserve; a scene's URL is http://host:port/v1/scenes/NAME"
 
 static struct eco_plan plan;             /* of scene_view, ... */
 static struct eco_writer good;           /* ... and its stream */

@@ -12,7 +12,6 @@
 #include "tests/support/unit_test.h"
 
 #define SCENES 40
-#define VIEWS 4
 #define BUDGETS 6
 
 static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_scene *scene,

@@ -119,8 +119,12 @@ static size_t put_value(char type, const char *text, void *to)
 		value.d = cases_number(text);
 	else if (type == 'c')
 		value.c = code_named(text);
-	else if (type != 's')
-		value.z = strtoull(text, NULL, 0);           /* little-endian */
+	else if (type != 's') {
+		char *end;
+		value.z = strtoull(text, &end, 0);           /* little-endian */
+		if (end == text || *end)
+			eco_end("a number of a table of cases is none");
+	}
 	memcpy(to, &value, size);
 	return size;
 }
