@@ -193,8 +193,8 @@ float eco_growth(uint32_t code, float scale);
 #define ECO_SIZE_ONE 32u
 float eco_size(uint32_t code);
 
-/* The nearest float with 10 significant bits: it travels in fewer (wire_items.h, server/publish/index_columns.h), and areas
- * and errors need no more. */
+/* The nearest float with 10 significant bits: it travels in fewer (wire_items.h, server/publish/index_columns.h),
+ * and areas and errors need no more. */
 float eco_few_bits(float v);
 
 /* Levelness of a plant's leaves, for lighting: a share of them is taken as level, the others as

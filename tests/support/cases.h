@@ -12,13 +12,13 @@
 
 /* Rows of `row_size` bytes; they stay until the program ends. A table that is not there or has other columns ends it. */
 const void *cases_read(const char *path, size_t row_size, uint32_t *count);
-/* Rows with numbers, as a struct of that size has them. A letter for each column: s text, d double, i int, u uint32_t, z size_t,
- * y uint8_t, b bool (0 or 1), c enum eco_code by its name.
+/* Rows with numbers, as a struct of that size has them. A letter for each column: s text, d double, i int,
+ * u uint32_t, z size_t, y uint8_t, b bool (0 or 1), c enum eco_code by its name.
  *
  *   struct row { const char *text; double wanted; };
  *   const struct row *rows = cases_rows("tests/base/cases/number.tsv", "sd", sizeof *rows, &count); */
 const void *cases_rows(const char *path, const char *types, size_t row_size, uint32_t *count);
-/* Bytes of a field of a row, which may hold zeros: cases_size(&row->text). Of rows of texts only. */
+/* Bytes of a field of a row, which may hold zeros: cases_size(&row->text). Only rows of texts have them. */
 size_t cases_size(const char *const *field);
 /* Writes the files of a table into a folder that is there: columns file and text. */
 void cases_write(const char *path, const char *folder);

@@ -1,5 +1,5 @@
-/* Inside ecogdal.so: rasters in the scene, one raster as metres, and its colours. All of it runs within eco_try (memory.h), in a child
- * that reads one ground or one image and ends: failures stop it, and nothing is closed or freed. */
+/* Inside ecogdal.so: rasters in the scene, one raster as metres, and its colours. All of it runs within eco_try
+ * (memory.h), in a child that reads one ground or one image and ends: failures stop it, and no raster is closed. */
 #pragma once
 
 #include <gdal.h>
