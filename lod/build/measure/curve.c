@@ -511,8 +511,8 @@ static void see_between(struct eco_curve *from, uint32_t count)
 		}
 }
 
-/* Errors that are seen fall with each sample: they were measured in few views, and where they are equal but for noise the
- * finer one is better, by the least that can be said. */
+/* Errors that are seen of a draft fall with each sample: they were measured in few views, and where they are equal but
+ * for noise the finer one is better, by the least that can be said. */
 static void make_seen_fall(struct eco_curve *samples, uint32_t count)
 {
 	double value[LOD_CURVE_SAMPLES_MAX];
@@ -567,7 +567,7 @@ static void see_curve(struct lod_seen *seen, struct lod_plant *plant, const stru
 			see_between(sample - (i - last), i - last);
 		last = i;
 	}
-	if (curve->whole)
+	if (curve->whole && curve->draft)
 		make_seen_fall(plant->curves + first->curve_first + levels, first->curve_count - levels);
 	lod_probe_clear(probe);
 }
