@@ -97,7 +97,7 @@ export class Browser {
 		return result.value;
 	}
 
-	async until(expression, ms = 60000) {
+	async until(expression, ms = 300000) {
 		for (const end = Date.now() + ms; Date.now() < end; await pause(50))
 			if (await this.evaluate(expression).catch(() => false))
 				return;
