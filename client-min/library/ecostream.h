@@ -27,8 +27,8 @@
  * Its first failure stays: begin with a zero. A function that fails leaves its result NULL or as it was, and
  * whatever it was given as it was, but for a client (below). Nothing that comes from outside, packs, streams
  * or requests, is trusted.
- * Objects. Whoever makes one frees it; freeing NULL does nothing. A function's loan lives as long as it
- * says.
+ * Objects. The caller that makes one frees it; freeing NULL does nothing. A function's loan lives as long as
+ * it says.
  * Threads. Packs are immutable: any number of threads may plan with one. All else: one thread at a time.
  * ABI. The soname's number changes whenever a program would have to be compiled anew; structs do not grow
  * within one. */

@@ -1,4 +1,4 @@
-/* Places and cameras at the edge of what numbers can say. Where a scene stands, how it is turned and how
+/* Places and cameras at the edge of what numbers can say. Place and turn of a scene and how
  * large its metre is must change nothing but rounding. Every view that passes the check is planned and drawn.
  * A camera that trembles by less than anyone can see has a plan that does not swing between two. */
 #include <math.h>
