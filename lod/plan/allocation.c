@@ -292,6 +292,13 @@ static void blend(struct lod_allocation *m, struct lod_tile_choice *choice, cons
 	}
 }
 
+/* Adds what a tile's summary comes to at a position on its hull. */
+static void add_summary(const struct lod_tile_choice *choice, double position, struct lod_cost *cost)
+{
+	add_at(cost, &choice->summary.hull, choice->weight_px, position);
+	cost->open *= choice->summary.hull.open;
+}
+
 static double position_of(const struct lod_hull *hull, double vertices)
 {
 	uint32_t i = 0;
@@ -316,8 +323,7 @@ static void price_summary(struct lod_allocation *m, uint32_t n)
 	for (int i = 0; i < 3; i++) {
 		struct lod_cost cost = { .bytes = tries[i].bytes };
 		double position = position_of(hull, tries[i].points);
-		add_at(&cost, hull, choice->weight_px, position);
-		cost.open *= hull->open;
+		add_summary(choice, position, &cost);
 		double l = lagrangian(m, &cost, 1);
 		if (!(l < least))
 			continue;
@@ -328,30 +334,18 @@ static void price_summary(struct lod_allocation *m, uint32_t n)
 	}
 }
 
-/* Adds what the summary comes to at lambda to the choice's cost. False where the tile draws only its plants
- * and children, which save `plants`, whatever the summary saves: then the summary's hull is not refined
- * further. */
-static bool relax_summary(struct lod_allocation *m, uint32_t n, double plants)
+/* Adds what the summary comes to at lambda to the choice's cost. */
+static void relax_summary(struct lod_allocation *m, uint32_t n)
 {
 	struct lod_tile_choice *choice = &m->tile_choices[n];
-	struct lod_summary_hull *summary = &choice->summary;
-	double each = m->price > 0 ? m->price * lod_prices_point(m, n) : 0,
-		lambda = (m->lambda + each) / choice->weight_px;
+	const struct lod_hull *hull = &choice->summary.hull;
+	double each = m->price > 0 ? m->price * lod_prices_point(m, n) : 0;
 	m->p->looks++;
-	do {
-		if (choice->open
-				&& open_share(m, choice, plants,
-				choice->weight_px * lod_summary_hull_gain_bound(summary, lambda)) >= 1)
-			return false;
-	} while (lod_summary_hull_refine(summary, lambda));
-	choice->position = lod_hull_position(&summary->hull, lambda, 0);
-	if (m->price > 0) {
+	choice->position = lod_hull_position(hull, (m->lambda + each) / choice->weight_px, choice->position);
+	if (m->price > 0)
 		price_summary(m, n);
-		return true;
-	}
-	add_at(&choice->cost, &summary->hull, choice->weight_px, choice->position);
-	choice->cost.open *= summary->hull.open;
-	return true;
+	else
+		add_summary(choice, choice->position, &choice->cost);
 }
 
 static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
@@ -371,11 +365,12 @@ static void relax_tile(struct lod_allocation *m, uint32_t n)
 	struct lod_cost fine = choice->open ? fine_cost(m, n) : (struct lod_cost){ .alike = choice->weight_px };
 	double plants = choice->weight_px - lagrangian(m, &fine, 1);
 	choice->cost = (struct lod_cost){ 0 };
-	choice->position = 0;
-	if (!choice->has_summary)
+	if (choice->has_summary)
+		relax_summary(m, n);
+	else
 		choice->cost.alike = choice->weight_px;
 	choice->share = choice->open;
-	if (choice->has_summary && relax_summary(m, n, plants) && choice->open)
+	if (choice->has_summary && choice->open)
 		choice->share = open_share(m, choice, plants,
 			choice->weight_px - lagrangian(m, &choice->cost, 1));
 	if (m->price > 0 && !choice->has_summary && choice->open)
@@ -416,10 +411,10 @@ static void relax_tiles(struct lod_allocation *m)
 void lod_allocation_compare(const struct lod_allocation *m, uint32_t n, double *plants, double *summary)
 {
 	const struct lod_tile_choice *choice = &m->tile_choices[n];
-	struct lod_cost fine = fine_cost(m, n);
+	struct lod_cost fine = fine_cost(m, n), coarse = { 0 };
+	add_summary(choice, lod_hull_position(&choice->summary.hull, m->lambda / choice->weight_px, 0), &coarse);
 	*plants = choice->weight_px - lagrangian(m, &fine, 1);
-	*summary = choice->weight_px * lod_summary_hull_gain_bound(&choice->summary,
-		m->lambda / choice->weight_px);
+	*summary = choice->weight_px - lagrangian(m, &coarse, 1);
 }
 
 void lod_allocation_compare_whole(const struct lod_allocation *m, uint32_t slot, double *organs,
@@ -443,15 +438,6 @@ static void widen_range(const struct lod_hull *hull, double weight_px, double *h
 		*high = fmax(*high, lambda * LOD_HULL_BLUR);
 		*low = fmin(*low, lambda / LOD_HULL_BLUR);
 	}
-}
-
-static void widen_by_summary(const struct lod_tile_choice *choice, double *high, double *low)
-{
-	double first, last;
-	lod_summary_hull_lambda_range(&choice->summary, &first, &last);
-	*high = fmax(*high, first * choice->weight_px * LOD_HULL_BLUR);
-	if (last > 0)
-		*low = fmin(*low, last * choice->weight_px / LOD_HULL_BLUR);
 }
 
 /* All plants of a slot have given up the ladder that shows them whole for their organs below such a lambda. */
@@ -484,18 +470,18 @@ void lod_allocation_lambda_range(const struct lod_allocation *m, double *high, d
 		widen_by_whole(m, &m->slot_choices[s], low);
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
 		if (m->tile_choices[n].has_summary)
-			widen_by_summary(&m->tile_choices[n], high, low);
+			widen_range(&m->tile_choices[n].summary.hull, m->tile_choices[n].weight_px, high, low);
 }
 
 static void relax_all(struct lod_allocation *m)
 {
-	uint64_t gains = m->p->gains, looks = relax_slots(m);
+	uint64_t looks = relax_slots(m);
 	relax_gates(m);
 	relax_tiles(m);
 	m->p->looks += looks;
 	lod_planner_work(m->p, LOD_WORK_CHOICE * looks
 		+ (m->price > 0 ? 3 : 1) * LOD_WORK_NODE
-		* (uint64_t)m->p->visible.node_count + LOD_WORK_SUMMARY * (m->p->gains - gains));
+		* (uint64_t)m->p->visible.node_count);
 }
 
 void lod_allocation_relax_plants(struct lod_allocation *m, double lambda)
@@ -559,7 +545,7 @@ static void set_drawn(struct lod_allocation *m)
 	for (uint32_t i = 0; i < screen->count; i++)
 		m->tile_choices[m->drawn_by[screen->visibilities[i].node]].leaves +=
 			(double)screen->visibilities[i].leaves;
-	lod_planner_work(m->p, LOD_WORK_SUMMARY * summaries
+	lod_planner_work(m->p, LOD_WORK_SUMMARY / 4 * summaries
 		+ (summaries > 0) * LOD_WORK_CELL * (uint64_t)screen->columns * screen->rows);
 }
 
@@ -684,8 +670,6 @@ static void fix_whole(struct lod_allocation *m)
 void lod_allocation_fix(struct lod_allocation *m)
 {
 	struct lod_visible_tree *visible = &m->p->visible;
-	uint64_t gains = m->p->gains;
-	m->tiles.lambda = NAN;           /* hulls of summaries may get more points */
 	find_drawn_by(m);
 	fix_whole(m);
 	for (uint32_t n = 0; n < visible->node_count; n++)
@@ -700,9 +684,6 @@ void lod_allocation_fix(struct lod_allocation *m)
 			? LOD_SUMMARY : LOD_CLOSED;
 		if (node->state != LOD_OPEN)
 			node->left = 0;
-		/* the rest of the budget decides on its hull points */
-		if (node->points >= 1 && node->state == LOD_SUMMARY)
-			lod_summary_hull_complete(&choice->summary);
 		if (m->price > 0 && node->points >= 1 && node->state == LOD_SUMMARY)
 			limit_summary(m, n);
 		if (node->points > 0 && (node->points < 1 || node->state == LOD_OPEN))
@@ -711,6 +692,5 @@ void lod_allocation_fix(struct lod_allocation *m)
 			m->tile_choices[node->child_first + c].weight = plants;
 	}
 	lod_visible_tree_recount(visible, m->p->gates);
-	lod_planner_work(m->p, LOD_WORK_TALLY * m->tallies + LOD_WORK_NODE * (uint64_t)visible->node_count
-		+ LOD_WORK_SUMMARY * (m->p->gains - gains));
+	lod_planner_work(m->p, LOD_WORK_TALLY * m->tallies + LOD_WORK_NODE * (uint64_t)visible->node_count);
 }

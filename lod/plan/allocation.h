@@ -230,8 +230,7 @@ void lod_allocation_sum(struct lod_allocation *allocation);
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
 	struct eco_error *error);
 
-/* After relax: what a tile's plants and children save at lambda, vertices paid, and an upper bound of what
- * its summary saves. The tile is open and has a summary. */
+/* After relax: what a tile's plants and children save at lambda, vertices paid, and what its summary saves. The tile is open and has a summary. */
 void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants,
 	double *summary);
 

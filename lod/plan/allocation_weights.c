@@ -462,14 +462,15 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 		.weight_px = choice->weight_px };
 	view.wide = 2 * across * px;
 	view.high = 2 * lod_height_seen(across, up, from_eye) * px;
-	uint32_t count = lod_summary_hull_count(view.points);
-	struct lod_hull_point *room = lod_arena_try(&m->memory, 3 * count + 2, sizeof *room);
+	struct lod_hull_point *room = lod_arena_try(&m->memory, 2 * LOD_SUMMARY_HULL_POINTS_MAX, sizeof *room);
 	if (!room)
 		return false;
-	choice->limited.points = room + 2 * count + 1;
-	p->candidates += count;
-	lod_summary_hull_begin(&choice->summary, &view, part, fmin(1, choice->pixels / choice->weight_px),
-		fmin(1, choice->unoccluded / choice->pixels), room, &p->gains);
+	choice->limited.points = room + LOD_SUMMARY_HULL_POINTS_MAX;
+	lod_summary_hull_make(&choice->summary, &view, part, fmin(1, choice->pixels / choice->weight_px),
+		fmin(1, choice->unoccluded / choice->pixels), room);
+	p->candidates += choice->summary.hull.count - 1;
+	p->gains += choice->summary.hull.count - 1;
+	lod_planner_work(p, LOD_WORK_SUMMARY);
 	return true;
 }
 
@@ -551,7 +552,6 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 {
 	const struct eco_scene *scene = p->scene;
 	uint32_t slots = p->visible.slot_count, nodes = p->visible.node_count;
-	uint64_t gains = p->gains;
 	*m = (struct lod_allocation){ .p = p, .relaxed.lambda = NAN, .tiles.lambda = NAN };
 	m->slot_choices = lod_arena_try(&m->memory, slots, sizeof *m->slot_choices);
 	m->scratch = lod_arena_try(&m->memory, slots, sizeof *m->scratch);
@@ -597,7 +597,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	lod_planner_work(p, LOD_WORK_VISIBILITY * (uint64_t)p->screen.count
 		+ LOD_WORK_CELL * m->cells + LOD_WORK_TALLY * m->tallies
 		+ 4 * LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
-		+ 4 * LOD_WORK_NODE * (uint64_t)nodes + LOD_WORK_SUMMARY * (p->gains - gains));
+		+ 4 * LOD_WORK_NODE * (uint64_t)nodes);
 	return code ? code : lod_uses_make(m, error);
 }
 

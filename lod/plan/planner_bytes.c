@@ -109,26 +109,6 @@ static void keep_fitted(const struct lod_planner *p, uint32_t ladders, struct fi
 	best->mix = mix;
 }
 
-static enum eco_code fill_dearer(const struct lod_lambda_search *s, struct fitted *fit, double more,
-	uint64_t budget, struct eco_error *error)
-{
-	fit->octave = fmin(LOD_PRICE_HIGHEST, fit->octave + more);
-	fit->mix.used = false;
-	return fill_fitted(s, fit, budget, error);
-}
-
-/* Raises prices until the answer fits. */
-static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct fitted *fit, uint64_t budget,
-	struct eco_error *error)
-{
-	const struct lod_planner *p = s->allocation->p;
-	double more = LOD_PRICE_MORE;
-	enum eco_code code = ECO_OK;
-	for (; !code && p->bytes > p->input->request->bytes && fit->octave < LOD_PRICE_HIGHEST; more *= 2)
-		code = fill_dearer(s, fit, more, budget, error);
-	return code;
-}
-
 /* Records and the plan itself, which are not priced, are learnt from the answers tried. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget, struct fitted *now,
 	struct fitted *best, struct eco_error *error)
@@ -158,9 +138,6 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	}
 	if (!code && !last)
 		code = fill_fitted(s, best, budget, error);
-	/* what was computed of summaries since then may change the choice a little */
-	if (!code && (double)p->bytes > most)
-		code = raise_until_fits(s, best, budget, error);
 	return code;
 }
 

@@ -327,7 +327,7 @@ static uint64_t passes(const struct lod_planner *p)
 
 static uint64_t work_of_node(const struct lod_planner *p)
 {
-	return (within_bytes(p) ? LOD_NODE_BYTES : 1) * LOD_WORK_NODE * passes(p) + LOD_SUMMARY_TRIES * LOD_WORK_SUMMARY;
+	return (within_bytes(p) ? LOD_NODE_BYTES : 1) * LOD_WORK_NODE * passes(p) + LOD_WORK_SUMMARY;
 }
 
 /* Work that the plan of this level is expected to take. Tiles, tallies and choices are gone through once for

@@ -142,8 +142,5 @@ double lod_price_find(struct lod_allocation *m, double lambda, double target, do
 	if (!recall(m, lambda, target, &low, &high))
 		seek(m, lambda, target, near, &low, &high);
 	*octave = high > low ? search_price(m, lambda, target, low, high) : low;
-	double bytes = lod_price_relax(m, lambda, *octave, NULL);
-	if (bytes > target)      /* what was computed of summaries since then changes the choice: results are obsolete */
-		m->tries.count = 0;
-	return bytes;
+	return lod_price_relax(m, lambda, *octave, NULL);
 }

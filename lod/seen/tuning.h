@@ -40,7 +40,7 @@
 /* ---- Summaries ---- */
 #define LOD_SUMMARY_FILLING 0.5  /* splats lie where plants do: they fill gaps like half as many at random */
 #define LOD_SUMMARY_SCALE_LEAST 0.01  /* area of splats over that of the leaves, at least */
-#define LOD_SUMMARY_LAST_STEP 64  /* the last step's slope is seldom less than the mean slope over this */
+#define LOD_SUMMARY_OCTAVES 2  /* between two numbers of points that are tried */
 
 /* ---- Proxy shapes ---- */
 #define LOD_STEM_LEAST 0.1  /* of half a plant's height: a stem below the crown is no shorter */
@@ -176,10 +176,8 @@
 #define LOD_HIDDEN_MOST 0.05  /* of what a picture has */
 #define LOD_TALLIES_UNCHANGED 2  /* one of so many tallies is summed again, for the others nothing changed */
 #define LOD_PASS_TALLIES 4  /* so many tallies that are only passed take the work of one that is summed */
-#define LOD_SUMMARY_TRIES 7  /* numbers of points that are tried of each */
 
 /* ---- Answers within bytes ---- */
-#define LOD_PRICE_MORE 0.05  /* octaves, at first, by which a price is raised that no longer fits */
 #define LOD_PRICE_LAMBDAS 3  /* tried below that one, where vertices bind as well */
 /* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
  * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
@@ -209,7 +207,7 @@ enum lod_work_weight {
 	LOD_WORK_CHOICE = 5,
 	LOD_WORK_CANDIDATE = 2,
 	LOD_WORK_CURVE = 10,         /* a curve read anywhere on it */
-	LOD_WORK_SUMMARY = 100,      /* a number of a summary's points tried */
+	LOD_WORK_SUMMARY = 300,      /* the hull of a summary */
 	LOD_WORK_VISIBILITY = 16,    /* a plant on the coarse screen, and a cell of it */
 	LOD_WORK_CELL = 1,
 	LOD_WORK_CUT = 3             /* a cut compared with another */
