@@ -431,48 +431,6 @@ void lod_allocation_compare_whole(const struct lod_allocation *m, uint32_t slot,
 	*whole = choice->weight_px[0] - lagrangian(m, &best, choice->open);
 }
 
-static void widen_range(const struct lod_hull *hull, double weight_px, double *high, double *low)
-{
-	for (uint32_t i = 1; i < hull->count && lod_hull_slope(hull, i) > 0; i++) {
-		double lambda = lod_hull_slope(hull, i) * weight_px;
-		*high = fmax(*high, lambda * LOD_HULL_BLUR);
-		*low = fmin(*low, lambda / LOD_HULL_BLUR);
-	}
-}
-
-/* All plants of a slot have given up the ladder that shows them whole for their organs below such a lambda. */
-static void widen_by_whole(const struct lod_allocation *m, const struct lod_slot_choice *slot, double *low)
-{
-	struct lod_cost organs = { 0 }, whole = { .alike = INFINITY };
-	for (uint32_t i = 0; i < slot->ladder_choice_count; i++) {
-		const struct lod_ladder_choice *choice = &m->ladder_choices[slot->ladder_choice_first + i];
-		struct lod_cost end = { 0 };
-		add_at(&end, &choice->hull, choice->weight_px, choice->hull.count - 1);
-		if (choice->when < LOD_NEAR)
-			lod_cost_add(&organs, &end, 1, 1, 1);
-		else if (choice->when == LOD_WHOLE
-				&& end.alike + slot->open * end.open < whole.alike + slot->open * whole.open)
-			whole = end;
-	}
-	double more = organs.vertices - whole.vertices,
-		saved = whole.alike - organs.alike + slot->open * (whole.open - organs.open);
-	if (slot->whole_count && saved > 0 && more > 0)
-		*low = fmin(*low, (1 - LOD_TIE_STEP) / (1 + LOD_TIE_STEP) * saved / more);
-}
-
-void lod_allocation_lambda_range(const struct lod_allocation *m, double *high, double *low)
-{
-	*high = 0;
-	*low = INFINITY;
-	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
-		widen_range(&m->ladder_choices[i].hull, m->ladder_choices[i].weight_px, high, low);
-	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
-		widen_by_whole(m, &m->slot_choices[s], low);
-	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
-		if (m->tile_choices[n].has_summary)
-			widen_range(&m->tile_choices[n].summary.hull, m->tile_choices[n].weight_px, high, low);
-}
-
 static void relax_all(struct lod_allocation *m)
 {
 	uint64_t looks = relax_slots(m);

@@ -214,9 +214,6 @@ static inline void lod_allocation_unsettle(struct lod_allocation *allocation, ui
 	allocation->relaxed.lambda = NAN;
 }
 
-/* Nothing is chosen above `high`; nearly everything that gains is chosen below `low`. */
-void lod_allocation_lambda_range(const struct lod_allocation *allocation, double *high, double *low);
-
 /* Levels of impostors for so many pixels seen, per slot: hulls of ladders that show a whole plant. */
 void lod_allocation_set_impostors(struct lod_allocation *allocation, const double *seen);
 
@@ -249,8 +246,6 @@ struct lod_evaluation { int at; double vertices; };
 
 struct lod_lambda_search {
 	struct lod_allocation *allocation;
-	/* indices: where anything may be chosen, after which nothing more gains */
-	int first, last;
 	int index;                           /* the last lambda whose vertices fit the budget */
 	double here, next;                   /* vertices there, and at the next lambda */
 	double lambda;                       /* of the answer */
@@ -258,7 +253,9 @@ struct lod_lambda_search {
 };
 
 void lod_search_free(struct lod_lambda_search *s);       /* NULL is fine */
+/* Of the grid; 0 from LOD_LAMBDA_COUNT on. */
 double lod_lambda_at(int index);
+#define LOD_LAMBDA_LEAST lod_lambda_at(LOD_LAMBDA_COUNT - 1)
 
 /* Entries for the structure of a lambda, within so many vertices. */
 enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,

@@ -60,7 +60,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	struct fitted *fit)
 {
 	struct lod_allocation *m = s->allocation;
-	double low = lod_lambda_at(s->last), high = s->index == LOD_LAMBDA_COUNT ? low
+	double low = LOD_LAMBDA_LEAST, high = s->index == LOD_LAMBDA_COUNT ? low
 		: fmax(low, lod_lambda_at(s->index));
 	const bool again = !isnan(fit->octave);
 	double least = INFINITY, used = 1;
@@ -152,7 +152,7 @@ static enum eco_code fit_bytes(const struct lod_lambda_search *s, uint64_t budge
 	uint32_t *limits = lod_arena_try(&a, 2 * ladders, sizeof *limits);
 	bool *off = lod_arena_try(&a, 2 * plants, 1);
 	uint8_t *levels = lod_arena_try(&a, 2 * plants, 1);
-	struct fitted now = { .lambda = lod_lambda_at(s->last), .octave = NAN, .mix = { limits, off, levels, false } };
+	struct fitted now = { .lambda = LOD_LAMBDA_LEAST, .octave = NAN, .mix = { limits, off, levels, false } };
 	struct fitted best = now;
 	best.mix.limits += ladders;
 	best.mix.off += plants;
@@ -194,7 +194,7 @@ static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget,
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	const uint64_t most = p->input->request->bytes;
-	int fits = s->first - 1, over = s->index < s->last ? s->index + 1 : s->last + 1;
+	int fits = 0, over = s->index < LOD_LAMBDA_COUNT ? s->index + 1 : LOD_LAMBDA_COUNT;
 	uint64_t few = 0, many = budget;
 	const double image_price = p->image_price;
 	enum eco_code code = ECO_OK;
@@ -306,7 +306,7 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 {
 	struct lod_allocation *m = s->allocation;
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
-	const double price = m->p->price, lowest = lod_lambda_at(s->last);
+	const double price = m->p->price, lowest = LOD_LAMBDA_LEAST;
 	double octave = price > 0 ? fmax(LOD_PRICE_LOW, 2 * lod_octaves(price)) : LOD_PRICE_LOWEST,
 		lambda = fmax(s->lambda, lowest), before = relax_within(s, &lambda, octave), step = LOD_SWEEP_STEP;
 	enum eco_code code = ECO_OK;

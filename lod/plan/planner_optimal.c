@@ -48,29 +48,6 @@ static bool is_enough(const struct lod_lambda_search *s)
 
 /* ---- The search for lambda ---- */
 
-/* After the last lambda of the grid that chooses more comes lambda 0. */
-static int index_of(const struct lod_lambda_search *s, int at)
-{
-	return at <= s->last ? at : LOD_LAMBDA_COUNT;
-}
-
-static int index_after(const struct lod_lambda_search *s, int index)
-{
-	return index < s->last ? index + 1 : LOD_LAMBDA_COUNT;
-}
-
-static void find_range(struct lod_lambda_search *s)
-{
-	double high, low;
-	lod_allocation_lambda_range(s->allocation, &high, &low);
-	s->first = 1;
-	while (s->first < LOD_LAMBDA_COUNT - 1 && lod_lambda_at(s->first) > high)
-		s->first++;
-	s->last = s->first;
-	while (s->last < LOD_LAMBDA_COUNT - 1 && lod_lambda_at(s->last) > low)
-		s->last++;
-}
-
 /* Relaxes at a lambda. Vertices are clamped between those of the lambdas before and after it. */
 static enum eco_code evaluate(const struct lod_lambda_search *s, int at, const struct lod_evaluation *before,
 	const struct lod_evaluation *after, struct lod_evaluation *result, struct eco_error *error)
@@ -78,18 +55,17 @@ static enum eco_code evaluate(const struct lod_lambda_search *s, int at, const s
 	enum eco_code code = lod_planner_check(s->allocation->p, error);
 	if (code)
 		return code;
-	lod_allocation_relax(s->allocation, lod_lambda_at(index_of(s, at)));
+	lod_allocation_relax(s->allocation, lod_lambda_at(at));
 	*result = (struct lod_evaluation){ at, fmin(fmax(s->allocation->cost.vertices, before->vertices), after->vertices) };
 	return ECO_OK;
 }
 
 /* The lambda to evaluate next, the middle. The highest lambda is only a bound, so as long as nothing is
  * chosen there the next one is much lower. */
-static int next_to_evaluate(const struct lod_lambda_search *s, const struct lod_evaluation *here,
-	const struct lod_evaluation *next)
+static int next_to_evaluate(const struct lod_evaluation *here, const struct lod_evaluation *next)
 {
 	int width = next->at - here->at;
-	bool bound = !(here->vertices > 0) && next->at <= s->last;
+	bool bound = !(here->vertices > 0) && next->at < LOD_LAMBDA_COUNT;
 	return here->at + (bound ? 3 * width / 4 : width / 2);
 }
 
@@ -98,16 +74,14 @@ static int next_to_evaluate(const struct lod_lambda_search *s, const struct lod_
 static enum eco_code search_grid(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_evaluation here = { 0, 0 }, next = { 0, INFINITY }, middle;
-	find_range(s);
-	here.at = s->first - 1;
-	enum eco_code code = evaluate(s, s->last + 1, &here, &next, &next, error);
+	enum eco_code code = evaluate(s, LOD_LAMBDA_COUNT, &here, &next, &next, error);
 	if (next.vertices <= (double)budget)
 		here = next;
 	while (!code && next.at - here.at > 1) {
-		code = evaluate(s, next_to_evaluate(s, &here, &next), &here, &next, &middle, error);
+		code = evaluate(s, next_to_evaluate(&here, &next), &here, &next, &middle, error);
 		*(middle.vertices <= (double)budget ? &here : &next) = middle;
 	}
-	s->index = index_of(s, here.at);
+	s->index = here.at;
 	s->here = here.vertices;
 	s->next = next.vertices;
 	return code;
@@ -135,7 +109,7 @@ static enum eco_code fix_structure(const struct lod_lambda_search *s, double lam
 	enum eco_code code = lod_fill_make(fill, s->allocation, error);
 	if (code)
 		return code;
-	lod_fill_search(fill, fmax(lambda, lod_lambda_at(s->last)), budget);
+	lod_fill_search(fill, fmax(lambda, LOD_LAMBDA_LEAST), budget);
 	*wrong = fill->vertices <= budget ? fill->wrong + closed_wrong(s->allocation) : INFINITY;
 	return ECO_OK;
 }
@@ -145,7 +119,7 @@ static enum eco_code fix_structure(const struct lod_lambda_search *s, double lam
  * one as a camera moves. */
 static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget, double *below)
 {
-	double high = lod_lambda_at(s->index), low = lod_lambda_at(index_after(s, s->index));
+	double high = lod_lambda_at(s->index), low = lod_lambda_at(s->index + 1);
 	double enough = (double)budget;
 	double unused = enough - s->here, under = unused, over = s->next - enough;
 	int side = 0;
@@ -182,7 +156,7 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 	if (!code && !(wrong < INFINITY)) { /* hull points are whole, so a lambda that fits in the mean may
 	                                     * not fit; choosing nothing does */
 		lod_fill_free(&fill);
-		code = fix_structure(s, lod_lambda_at(s->first - 1), budget, &fill, &wrong, error);
+		code = fix_structure(s, lod_lambda_at(0), budget, &fill, &wrong, error);
 	}
 	if (!code && s->exact && lambda > 0)
 		code = lod_fill_few(&fill, budget, error);

@@ -89,7 +89,7 @@
 				* with holes */
 
 /* ---- Relaxation ---- */
-#define LOD_LAMBDA_COUNT 240  /* of the grid, down to where a vertex saves nothing visible; then 0 */
+#define LOD_LAMBDA_COUNT 128  /* of the grid, down to where a vertex saves nothing visible; then 0 */
 #define LOD_TIE_SHARE 0.1  /* tiles and gates blend where both choices differ by less than this share of what
 				* the finer one costs, errors and vertices */
 #define LOD_TIE_STEP 0.25  /* splats and organs blend where what organs save differs by less than this share
@@ -150,7 +150,7 @@
 #define LOD_SIZING_WORK 12u  /* a cut or a list whose bytes are counted */
 
 /* ---- Search for lambda, and levels of detail ---- */
-#define LOD_LAMBDA_HIGHEST 34  /* octaves: more pixels than a picture can have */
+#define LOD_LAMBDA_HIGHEST 30  /* octaves: more pixels than a picture can have */
 #define LOD_LAMBDA_TRIES 8  /* of the search between two grid lambdas, ... */
 #define LOD_LAMBDA_PART 0.02  /* of the way between two of them: each is tried no nearer to either, ... */
 #define LOD_LAMBDA_SLACK 0.001  /* ... which ends when no more than this share of the budget is unused */
