@@ -114,33 +114,19 @@ static enum eco_code fix_structure(const struct lod_lambda_search *s, double lam
 	return ECO_OK;
 }
 
-/* The lambda that uses the budget, between two of the grid (regula falsi); *below: one that uses more, 0: there is no
+/* The lambda that uses the budget, between two of the grid, by halving; *below: one that uses more, 0: there is no
  * need. From one grid lambda to the next many tiles open and gates rise at once; along this lambda they do so one by
  * one as a camera moves. */
 static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget, double *below)
 {
-	double high = lod_lambda_at(s->index), low = lod_lambda_at(s->index + 1);
-	double enough = (double)budget;
-	double unused = enough - s->here, under = unused, over = s->next - enough;
-	int side = 0;
+	double high = lod_lambda_at(s->index), low = lod_lambda_at(s->index + 1), unused = (double)budget - s->here;
+	const double enough = (double)budget;
 	for (int i = 0; i < LOD_LAMBDA_TRIES && low > 0 && unused > enough * LOD_LAMBDA_SLACK && !is_enough(s); i++) {
-		double part = under / (under + over);
-		part = fmin(fmax(part, LOD_LAMBDA_PART), 1 - LOD_LAMBDA_PART);
-		double middle = high * lod_exp_minus(part * lod_log(high / low));
+		double middle = sqrt(high * low);
 		lod_allocation_relax(s->allocation, middle);
 		double left = enough - s->allocation->cost.vertices;
-		if (left >= 0) {
-			high = middle;
-			under = unused = left;
-			/* an end that stays twice counts half (Illinois) */
-			over = side == 1 ? over / 2 : over;
-			side = 1;
-		} else {
-			low = middle;
-			over = -left;
-			under = side == -1 ? under / 2 : under;
-			side = -1;
-		}
+		*(left >= 0 ? &high : &low) = middle;
+		unused = left >= 0 ? left : unused;
 	}
 	*below = unused > enough * LOD_LAMBDA_UNUSED ? low : 0;
 	return high;
