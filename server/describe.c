@@ -358,7 +358,7 @@ static void describe_reason(struct srv_json *json, const struct eco_scene *scene
 			scene->plants[row->plant].name, cut->anchor, cut->band_first, lod_band_distance_m(cut->band_first),
 			share_of(cut->share_first), share_of(cut->share_end));
 	srv_json_add(json, "plants:%lu vertices:%lu expected_px:%.9g gain_px:%.9g next_lambda:%.9g why:%s reason:%s}",
-		row->plants, row->vertices, row->expected_px, row->reason.gain, row->reason.next, lod_why_names[row->reason.why], reason);
+		row->plants, row->vertices, row->expected_px, row->reason.gain, row->reason.next, lod_why_name(row->reason.why), reason);
 }
 
 static void describe_explanation(struct srv_json *json, const struct eco_scene *scene,

@@ -7,9 +7,6 @@
 
 #include "lod/plan/byte_price.h"
 
-#define LAST_SLOPE 1e-200        /* of the hull point that a fixed summary takes only when nothing else is
-                                  * left */
-
 /* ---- At a lambda ---- */
 
 static void add_at(struct lod_cost *cost, const struct lod_hull *hull, double weight_px, double position)
@@ -98,7 +95,8 @@ static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice
 		}
 	}
 	choice->whole_share = whole_share(m, choice, &organs, &best);
-	choice->organs_saved = least - lagrangian(m, &organs, choice->open);
+	choice->whole_saved = choice->weight_px[0] - least;
+	choice->organs_saved -= choice->whole_saved;
 	blend_whole(m, choice);
 }
 
@@ -417,20 +415,6 @@ void lod_allocation_compare(const struct lod_allocation *m, uint32_t n, double *
 	*summary = choice->weight_px - lagrangian(m, &coarse, 1);
 }
 
-void lod_allocation_compare_whole(const struct lod_allocation *m, uint32_t slot, double *organs,
-	double *whole)
-{
-	const struct lod_slot_choice *choice = &m->slot_choices[slot];
-	uint32_t first = choice->ladder_choice_first;
-	struct lod_cost cost = { 0 }, best = whole_cost(m, choice->whole);
-	for (uint32_t i = first; i < first + choice->ladder_choice_count; i++)
-		if (m->ladder_choices[i].when < LOD_NEAR)
-			add_at(&cost, &m->ladder_choices[i].hull, m->ladder_choices[i].weight_px,
-				m->ladder_choices[i].position);
-	*organs = choice->weight_px[0] - lagrangian(m, &cost, choice->open);
-	*whole = choice->weight_px[0] - lagrangian(m, &best, choice->open);
-}
-
 static void relax_all(struct lod_allocation *m)
 {
 	uint64_t looks = relax_slots(m);
@@ -574,24 +558,14 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 
 /* A summary beside plants keeps the points of the last lambda, less those whose plants are drawn; the size of
  * each stays. */
-static void fix_summary(const struct lod_allocation *m, struct lod_tile_choice *choice, double points)
+static void fix_summary(struct lod_tile_choice *choice, double points)
 {
-	uint32_t whole = (uint32_t)choice->position;
-	const struct lod_hull_point *a = &choice->summary.hull.points[whole];
-	double part = choice->position - whole,
-		all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
-	choice->partial[0] = (struct lod_hull_point){ .vertices = (uint64_t)(points * floor(all)),
-		.alike = a->alike, .open = a->open };
-	if (part > 0) {
-		choice->partial[0].alike += part * (a[1].alike - a->alike);
-		choice->partial[0].open += part * (a[1].open - a->open);
-	}
-	choice->partial[1] = choice->partial[0];
-	choice->partial[1].vertices = (uint64_t)all;
-	choice->partial[1].alike_slope = LAST_SLOPE;
-	choice->partial_hull = (struct lod_hull){ choice->partial,
-		choice->partial[1].vertices > choice->partial[0].vertices && !(m->price > 0) ? 2 : 1,
-		choice->summary.hull.open, 0, ECO_NONE };
+	struct lod_cost cost = { 0 };
+	add_at(&cost, &choice->summary.hull, 1, choice->position);
+	choice->all_points = (uint64_t)cost.vertices;
+	choice->partial = (struct lod_hull_point){ .vertices = (uint64_t)(points * floor(cost.vertices)),
+		.alike = cost.alike, .open = cost.open };
+	choice->partial_hull = (struct lod_hull){ &choice->partial, 1, choice->summary.hull.open, 0, ECO_NONE };
 }
 
 /* A summary's hull up to the points that were chosen. */
@@ -645,7 +619,7 @@ void lod_allocation_fix(struct lod_allocation *m)
 		if (m->price > 0 && node->points >= 1 && node->state == LOD_SUMMARY)
 			limit_summary(m, n);
 		if (node->points > 0 && (node->points < 1 || node->state == LOD_OPEN))
-			fix_summary(m, choice, node->points);
+			fix_summary(choice, node->points);
 		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
 			m->tile_choices[node->child_first + c].weight = plants;
 	}

@@ -87,7 +87,8 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	uint32_t whole;              /* at the last lambda: the ladder choice that shows the whole plant best;
 	                              * ECO_NONE: there is none */
 	double whole_share;          /* of far plants that draw it */
-	double organs_saved;         /* at the last lambda: what a far plant's organs save over it, ... */
+	double whole_saved;          /* at the last lambda: what it saves of a far plant, 0 without one; ... */
+	double organs_saved;         /* ... what the plant's organs save over it; ... */
 	double near_saved;           /* ... and what cells save over far plants, of all plants of the slot */
 	double lambda;               /* at which all this was chosen; not a number: its hulls
 	                              * changed since */
@@ -112,9 +113,10 @@ struct lod_tile_choice {
 	double share;                /* at the last lambda: how far the summary has given way to plants and
 	                              * children, 0 to 1 */
 	double weight;               /* product of the shares of all tiles above it */
-	struct lod_hull_point partial[2]; /* of a summary beside plants: its points after fixing, and at the
-	                                   * last lambda */
-	struct lod_hull partial_hull; /* these two as a hull */
+	/* of a summary beside plants, after fixing: its points, as a hull; those before plants took their place */
+	struct lod_hull_point partial;
+	struct lod_hull partial_hull;
+	uint64_t all_points;
 	double weight_px;            /* wrong pixels where nothing of it or its children is drawn */
 	double pixels, unoccluded;   /* pixels seen of it; of these, unoccluded ones */
 	double mean_seen, plants;    /* while it is made: pixels seen if its plants showed as their slots'
@@ -230,11 +232,6 @@ enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct e
 /* After relax: what a tile's plants and children save at lambda, vertices paid, and what its summary saves. The tile is open and has a summary. */
 void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants,
 	double *summary);
-
-/* After relax: what a far plant of the slot saves at lambda, vertices paid, by its organs and by the ladder
- * of slot_choice.whole, which is there. */
-void lod_allocation_compare_whole(const struct lod_allocation *allocation, uint32_t slot, double *organs,
-	double *whole);
 
 /* Makes the gates and tiles of the last lambda those of p, and counts plants anew. */
 void lod_allocation_fix(struct lod_allocation *allocation);

@@ -25,7 +25,6 @@ static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_
 		return false;
 	m->ladder_choices[m->ladder_choice_count] = *choice;
 	m->ladder_choices[m->ladder_choice_count++].hull_count = choice->hull.count;
-	m->p->candidates += choice->hull.count - 1;
 	return true;
 }
 
@@ -468,8 +467,6 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 	choice->limited.points = room + LOD_SUMMARY_HULL_POINTS_MAX;
 	lod_summary_hull_make(&choice->summary, &view, part, fmin(1, choice->pixels / choice->weight_px),
 		fmin(1, choice->unoccluded / choice->pixels), room);
-	p->candidates += choice->summary.hull.count - 1;
-	p->gains += choice->summary.hull.count - 1;
 	lod_planner_work(p, LOD_WORK_SUMMARY);
 	return true;
 }

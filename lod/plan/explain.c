@@ -10,15 +10,6 @@
 
 #define ROUNDING 1e-9            /* slopes within this share are equal */
 
-const char *const lod_why_names[LOD_WHY_COUNT] = {
-	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_BYTES] = "bytes", [LOD_WHY_PART] = "within a step",
-		[LOD_WHY_LEFT_OVER] = "left over",
-	[LOD_WHY_ALL] = "all", [LOD_WHY_WHOLE] = "whole plant",
-	[LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary",
-	[LOD_WHY_FAR] = "far", [LOD_WHY_GIVES_WAY] = "gives way", [LOD_WHY_PLANTS] = "plants",
-	[LOD_WHY_GROUND] = "ground",
-};
-
 void lod_explanation_free(struct lod_explanation *explanation)
 {
 	free(explanation->rows);
@@ -46,14 +37,13 @@ static void explain_summary(const struct lod_fill *fill, uint32_t n, struct lod_
 	}
 }
 
-/* Compares a ladder that shows the whole plant with the plant's organs. */
+/* Compares a ladder that shows the whole plant with the plant's organs, as they were at lambda. */
 static void explain_whole(const struct lod_fill *fill, uint32_t s, struct lod_reason *reason)
 {
 	const struct lod_slot *slot = &fill->allocation->p->visible.slots[s];
-	double organs, whole;
-	lod_allocation_compare_whole(fill->allocation, s, &organs, &whole);
+	const struct lod_slot_choice *choice = &fill->allocation->slot_choices[s];
 	reason->why = LOD_WHY_WHOLE;
-	reason->margin = fmax(0, more_by(whole, organs));
+	reason->margin = fmax(0, more_by(choice->whole_saved, choice->whole_saved + choice->organs_saved));
 	reason->share = (double)slot->whole / (double)(slot->count - slot->near);
 }
 
@@ -220,7 +210,25 @@ void lod_explain_ground(struct lod_explanation *explanation, const struct eco_pl
 
 /* ---- In words ---- */
 
-/* Words of people who look at plants, not of the planner: its figures stand in brackets, or beside it. */
+/* Words of people who look at plants, not of the planner: its figures stand in brackets, or beside it. `unit`: what
+ * follows the reason's number; NULL: the text is all, or the reason has words of its own. */
+static const struct { const char *name, *text, *unit; } whys[LOD_WHY_COUNT] = {
+	[LOD_WHY_STEP] = { "next step", NULL, NULL },
+	[LOD_WHY_ROOM] = { "no room", "more detail would be worth it, but the budget of vertices has no room for it", NULL },
+	[LOD_WHY_BYTES] = { "bytes", "more detail would be worth its vertices, but not the bytes that it takes to send", NULL },
+	[LOD_WHY_PART] = { "within a step", "there are vertices for more detail in", "% of such plants" },
+	[LOD_WHY_LEFT_OVER] = { "left over", "a little more detail than needed: some vertices were left over", NULL },
+	[LOD_WHY_ALL] = { "all", "its full detail is drawn", NULL },
+	[LOD_WHY_WHOLE] = { "whole plant", "drawn as a whole, without single leaves, it looks best from here", NULL },
+	[LOD_WHY_DISTANCE] = { "sample distance", "Deussen's rule: one detail every", "rad of the view" },
+	[LOD_WHY_SUMMARY] = { "summary", "points that stand for many plants look best from here", NULL },
+	[LOD_WHY_FAR] = { "far", "points that stand for many plants are fine enough at this distance", NULL },
+	[LOD_WHY_GIVES_WAY] = { "gives way", "points for many plants give way to single ones:", "% of these are drawn" },
+	[LOD_WHY_PLANTS] = { "plants", "single plants look best from here", NULL },
+	[LOD_WHY_GROUND] = { "ground", "the ground's heights may be off by", "pixels" },
+};
+
+const char *lod_why_name(enum lod_why why) { return whys[why].name; }
 
 static void say_better(char *text, size_t size, const char *winner, const char *loser, double margin)
 {
@@ -237,8 +245,7 @@ static void say_whole(char *text, size_t size, const struct lod_reason *reason)
 		snprintf(text, size, "drawn as a whole, without single leaves, it looks nearly as good from here: "
 			"%.3g %% of such plants are", 100 * reason->share);
 	else if (reason->margin > 0)
-		say_better(text, size, "drawn as a whole, without single leaves, it looks best from here", "leaves",
-			reason->margin);
+		say_better(text, size, whys[LOD_WHY_WHOLE].text, "leaves", reason->margin);
 	else
 		snprintf(text, size, "drawn as a whole, without single leaves, it looks best for so few vertices");
 }
@@ -259,57 +266,19 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 	const struct lod_explained *row)
 {
 	const struct lod_reason *reason = &row->reason;
-	double costs = reason->next > 0 ? explanation->lambda / reason->next : 0;
-	switch (reason->why) {
-	case LOD_WHY_STEP:
-		say_step(text, size, costs);
-		return;
-	case LOD_WHY_ROOM:
-		snprintf(text, size, "more detail would be worth it, but the budget of vertices has no room for it");
-		return;
-	case LOD_WHY_BYTES:
-		snprintf(text, size, "more detail would be worth its vertices, but not the bytes that it takes "
-			"to send");
-		return;
-	case LOD_WHY_PART:
-		snprintf(text, size, "there are vertices for more detail in %.3g %% of such plants",
-			100 * reason->margin);
-		return;
-	case LOD_WHY_LEFT_OVER:
-		snprintf(text, size, "a little more detail than needed: some vertices were left over");
-		return;
-	case LOD_WHY_ALL:
-		snprintf(text, size, "its full detail is drawn");
-		return;
-	case LOD_WHY_WHOLE:
+	const enum lod_why why = reason->why;
+	if (why == LOD_WHY_STEP)
+		say_step(text, size, reason->next > 0 ? explanation->lambda / reason->next : 0);
+	else if (why == LOD_WHY_WHOLE)
 		say_whole(text, size, reason);
-		return;
-	case LOD_WHY_DISTANCE:
-		snprintf(text, size, "Deussen's rule: one detail every %.3g rad of the view",
-			explanation->sample_distance);
-		return;
-	case LOD_WHY_SUMMARY:
-		say_better(text, size, "points that stand for many plants look best from here", "single plants",
+	else if (why == LOD_WHY_SUMMARY || why == LOD_WHY_PLANTS)
+		say_better(text, size, whys[why].text, why == LOD_WHY_SUMMARY ? "single plants" : "points for many of them",
 			reason->margin);
-		return;
-	case LOD_WHY_FAR:
-		snprintf(text, size, "points that stand for many plants are fine enough at this distance");
-		return;
-	case LOD_WHY_GIVES_WAY:
-		snprintf(text, size, "points for many plants give way to single ones: %.3g %% of these are drawn",
-			100 * reason->margin);
-		return;
-	case LOD_WHY_PLANTS:
-		say_better(text, size, "single plants look best from here", "points for many of them",
-			reason->margin);
-		return;
-	case LOD_WHY_GROUND:
-		snprintf(text, size, "the ground's heights may be %.2g pixels off", reason->margin);
-		return;
-	case LOD_WHY_COUNT:
-		break;
-	}
-	snprintf(text, size, "?");
+	else if (whys[why].unit)
+		snprintf(text, size, "%s %.3g %s", whys[why].text, why == LOD_WHY_DISTANCE ? explanation->sample_distance
+			: why == LOD_WHY_GROUND ? reason->margin : 100 * reason->margin, whys[why].unit);
+	else
+		snprintf(text, size, "%s", whys[why].text);
 }
 
 void lod_explain_line(char *text, size_t size, const struct eco_scene *scene,

@@ -33,7 +33,7 @@ enum lod_why {
 	LOD_WHY_GROUND,
 	LOD_WHY_COUNT
 };
-extern const char *const lod_why_names[LOD_WHY_COUNT]; /* "next step", "left over", ...; for tables */
+const char *lod_why_name(enum lod_why why);     /* "next step", "left over", ...; for tables */
 
 /* Pixels saved are wrong pixels as the objective weighs them (lod/plan/README.md). */
 struct lod_reason {

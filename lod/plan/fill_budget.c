@@ -103,14 +103,6 @@ void lod_candidate_reach(struct lod_candidate *candidate, uint64_t vertices)
 	candidate->high = lod_candidate_ended(candidate) ? vertices : lod_candidate_point(candidate)[1].vertices;
 }
 
-static void add_vertices(struct lod_fill *fill, uint64_t count, uint64_t each)
-{
-	uint64_t product;
-	if (__builtin_mul_overflow(count, each, &product)
-			|| __builtin_add_overflow(fill->vertices, product, &fill->vertices))
-		fill->vertices = UINT64_MAX;
-}
-
 void lod_fill_at(struct lod_fill *fill, double lambda)
 {
 	fill->vertices = 0;
@@ -128,8 +120,8 @@ void lod_fill_at(struct lod_fill *fill, double lambda)
 			candidate->low += (uint64_t)(part * (double)(candidate->high - candidate->low));
 		else
 			candidate->ahead = (uint64_t)(part * (double)candidate->count);
-		add_vertices(fill, candidate->count, candidate->low);
-		add_vertices(fill, candidate->ahead, candidate->high - candidate->low);
+		lod_vertices_add(&fill->vertices, candidate->count, candidate->low);
+		lod_vertices_add(&fill->vertices, candidate->ahead, candidate->high - candidate->low);
 	}
 }
 
@@ -371,12 +363,11 @@ static bool fill_rest(struct lod_fill *fill, uint64_t budget)
 	if (!heap)
 		return false;
 	fill->vertices = 0;
-	fill->allocation->p->gains += fill->candidate_count;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		struct lod_candidate *candidate = &fill->candidates[i];
 		candidate->ahead = candidate->ahead ? share_floor(fill, candidate, candidate->ahead) : 0;
-		add_vertices(fill, candidate->count, candidate->low);
-		add_vertices(fill, candidate->ahead, candidate->high - candidate->low);
+		lod_vertices_add(&fill->vertices, candidate->count, candidate->low);
+		lod_vertices_add(&fill->vertices, candidate->ahead, candidate->high - candidate->low);
 		if (lod_candidate_next(candidate) > 0)
 			heap[count++] = (struct lod_heap_item){ lod_candidate_next(candidate), i };
 	}
@@ -388,7 +379,6 @@ static bool fill_rest(struct lod_fill *fill, uint64_t budget)
 		uint64_t spent = fill_candidate(fill, candidate, left);
 		left -= spent;
 		steps++;
-		fill->allocation->p->gains += candidate->step != step;
 		if (candidate->step != step && lod_candidate_next(candidate) > 0)
 			heap[0].key = lod_candidate_next(candidate);
 		else if (spent == 0 || candidate->step != step)
@@ -510,7 +500,7 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 			const struct lod_node *node = &p->visible.nodes[candidate->node];
 			entry.full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
 			const struct lod_tile_choice *choice = &m->tile_choices[candidate->node];
-			uint64_t points = summary_alone(node) ? candidate->low : choice->partial[1].vertices;
+			uint64_t points = summary_alone(node) ? candidate->low : choice->all_points;
 			entry.wanted = (double)points / lod_summary_hull_scale(&choice->summary, points);
 			/* from the error before like plants, half (1 - fn) + fn: see summary_hull.h */
 			double half = LOD_OWNER_WEIGHT * choice->summary.pixels;

@@ -10,8 +10,6 @@
 #include "lod/seen/visibility.h"
 
 #define NODES_MAX 16384u
-#define PRICE_LEAST 1e-9
-#define PRICE_MOST 1e9
 
 struct lod_image_node {
 	uint32_t tile;
@@ -219,17 +217,4 @@ uint32_t lod_image_cuts(const struct lod_image *image, const struct eco_scene *s
 			cuts[count++] = (struct eco_cut){ .list = scene->ground_images[image->nodes[i].tile].list,
 				.end = image->nodes[i].levels, .scale = 1, .anchor = ECO_NONE, .share_end = ECO_SHARE_ONE };
 	return count;
-}
-
-double lod_image_price(const struct lod_image *image, const struct eco_scene *scene,
-	const struct eco_holdings *holdings, uint64_t bytes)
-{
-	double low = PRICE_LEAST, high = PRICE_MOST;
-	if (lod_image_bytes(image, scene, holdings, 0) <= (double)bytes)
-		return 0;
-	while (high > LOD_IMAGE_PRICE_STEP * low) {
-		double middle = sqrt(low * high);
-		*(lod_image_bytes(image, scene, holdings, middle) <= (double)bytes ? &high : &low) = middle;
-	}
-	return high;
 }

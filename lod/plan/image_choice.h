@@ -33,6 +33,3 @@ double lod_image_bytes(const struct lod_image *image, const struct eco_scene *sc
 /* Room for image->count cuts; returns how many there are, by list. */
 uint32_t lod_image_cuts(const struct lod_image *image, const struct eco_scene *scene,
 	const struct eco_holdings *holdings, double price, struct eco_cut *cuts);
-/* The least price, to a tenth of an octave, at which no more bytes come: for rules that know none. */
-double lod_image_price(const struct lod_image *image, const struct eco_scene *scene,
-	const struct eco_holdings *holdings, uint64_t bytes);

@@ -97,10 +97,8 @@ static enum eco_code plan_by_rule(struct lod_planner *p, struct eco_plan *plan, 
 		code = lod_plan_size(p, plan, error);
 	else if (!code)
 		code = lod_plan_ground(plan, p->scene, &request->view, p->ground_px, error);
-	if (!code && p->input->sent && p->bytes > request->bytes && (knows_bytes(p->input) || !request->vertices)) {
-		code = lod_plan_scarce_ground(p, plan, error);
-		code = code || p->bytes <= request->bytes ? code : plan_smallest(p, plan, error);
-	}
+	if (!code && p->input->sent && p->bytes > request->bytes && (knows_bytes(p->input) || !request->vertices))
+		code = plan_smallest(p, plan, error);
 	if (!code && p->input->explanation)
 		lod_explain_ground(p->input->explanation, plan, p->scene, p->ground_px);
 	return code;
@@ -128,13 +126,11 @@ static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_i
 	if (input->explanation)
 		lod_explain_begin(input->explanation, input->work_max);
 	enum eco_code code = lod_planner_begin(&p, input, error);
-	/* a rule that knows no bytes leaves the image a part of them */
 	if (!code && !knows_bytes(input))
-		p.image_price = lod_image_price(&p.image, input->scene, input->holdings,
-			input->request->bytes / LOD_IMAGE_PART);
+		p.image_price = LOD_IMAGE_PRICE;
 	if (!code)
 		code = plan_by_rule(&p, plan, error);
-	*stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, 0, p.cheapest, p.level,
+	*stats = (struct lod_planner_stats){ p.looks, p.visible.places, 0, p.cheapest, p.level,
 		p.converged, p.bytes, p.sized, p.price, p.wrong };
 	if (!code && input->coarser)
 		code = add_coarser(&p, plan, error);
@@ -147,39 +143,6 @@ static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_i
 	return code;
 }
 
-/* For a rule that knows no bytes: halves the way between the vertices that fit and those that do not, on ground that
- * has given way. `plan` is that of all vertices; in the end it is made again, with reasons. */
-static enum eco_code search_vertices(struct eco_plan *plan, struct lod_planner_input *input,
-	struct eco_request *request, struct lod_planner_stats *stats, struct eco_error *error)
-{
-	struct lod_explanation *const why = input->explanation;
-	uint64_t low = 0, high = plan->vertices, work = stats->work;
-	bool fits = true;
-	enum eco_code code = ECO_OK;
-	request->vertices = 0;
-	request->ground_px = plan->ground_px;
-	input->explanation = NULL;
-	for (bool first = true; !code && fits && (first || high - low > 1 + low / LOD_SEARCH_SLACK) && (!input->work_max
-			|| work / LOD_SEARCH_PART < input->work_max); first = false) {
-		request->vertices = first ? 0 : low + (high - low) / 2;
-		eco_plan_free(plan);
-		code = plan_once(plan, input, stats, error);
-		work += stats->work;
-		bool enough = stats->bytes <= request->bytes;
-		request->ground_px = !code && enough ? plan->ground_px : request->ground_px;
-		*(enough || first ? &low : &high) = request->vertices;
-		fits = enough || !first;
-	}
-	request->vertices = low;
-	input->explanation = why;
-	if (!code) {
-		eco_plan_free(plan);
-		code = plan_once(plan, input, stats, error);
-	}
-	stats->work += work;
-	return code;
-}
-
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
 {
 	struct lod_planner_stats stats;
@@ -189,8 +152,17 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	within.request = &request;
 	within.work_max /= knows_bytes(input) ? 1 : LOD_SEARCH_PART;
 	enum eco_code code = plan_once(plan, &within, &stats, error);
-	if (!code && stats.bytes > request.bytes && !knows_bytes(input))
-		code = search_vertices(plan, &within, &request, &stats, error);
+	uint64_t work = stats.work;
+	/* a rule that knows no bytes has fewer vertices, about as many times as the bytes are too many, and none at last */
+	for (uint32_t left = LOD_SEARCH_PART; !code && left-- > 0 && request.vertices && !knows_bytes(input)
+			&& stats.bytes > request.bytes; work += stats.work) {
+		double part = fmin(LOD_SEARCH_MOST, LOD_SEARCH_MOST * (double)request.bytes / (double)stats.bytes);
+		request.vertices = left > 1 ? (uint64_t)(part * (double)plan->vertices) : 0;
+		request.ground_px = plan->ground_px;
+		eco_plan_free(plan);
+		code = plan_once(plan, &within, &stats, error);
+	}
+	stats.work = work;
 	if (code)
 		eco_plan_free(plan);
 	if (input->stats)

@@ -20,8 +20,6 @@ lod_rule lod_rule_deussen;           /* one sample distance d' (Deussen 2002, se
 
 /* The effort of planning, in counts. All but places, work and converged: lod_rule_optimal. */
 struct lod_planner_stats {
-	uint64_t candidates;         /* steps of all hulls in view, from nothing to everything */
-	uint64_t gains;              /* those whose gain was computed */
 	uint64_t looks;              /* hulls searched for a lambda: choices in view x lambdas tried */
 	uint64_t places;             /* plants looked at one by one */
 	uint64_t work;               /* all of it, in units of about 6 ns */

@@ -225,16 +225,6 @@ static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget,
 	return fill_few(s, lod_lambda_at(fits), budget, error);
 }
 
-/* Nothing fits. On ground that leaves room some plants may. */
-static enum eco_code find_scarce_ground(struct lod_planner *p, struct eco_error *error)
-{
-	struct eco_plan plan;
-	enum eco_code code = emit_without_reasons(p, &plan, error);
-	code = code ? code : lod_plan_scarce_ground(p, &plan, error);
-	eco_plan_free(&plan);
-	return code;
-}
-
 static void bound_work(struct lod_planner *p)
 {
 	uint64_t most = LOD_BYTES_WORK * p->work;
@@ -247,14 +237,9 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	struct eco_holdings kept;
-	const double px = p->ground_px;
 	bound_work(p);
 	enum eco_code code = needs_of_entries(p, &kept, error);
 	if (!code)
-		code = fit_bytes(s, budget, error);
-	if (!code && p->bytes > p->input->request->bytes)
-		code = find_scarce_ground(p, error);
-	if (!code && p->bytes < p->input->request->bytes && !p->vertices && p->ground_px > px)
 		code = fit_bytes(s, budget, error);
 	p->price = m->price;
 	m->limited = false;

@@ -155,15 +155,6 @@ static bool ladder_applies(const struct lod_planner *p, const struct eco_ladder 
 	return !(ladder->flags & ECO_LADDER_FAR) || eco_gate_place(slot->band, 0) >= p->gates[slot->plant];
 }
 
-static bool add_vertices(struct lod_planner *p, uint64_t count, uint64_t vertices)
-{
-	uint64_t product;
-	if (__builtin_mul_overflow(count, vertices, &product)
-			|| __builtin_add_overflow(p->vertices, product, &p->vertices))
-		p->vertices = UINT64_MAX;
-	return p->vertices != UINT64_MAX;
-}
-
 static enum eco_code add_summaries(struct lod_planner *p, double d, struct eco_error *error)
 {
 	for (uint32_t i = 0; i < p->visible.node_count; i++) {
@@ -179,7 +170,7 @@ static enum eco_code add_summaries(struct lod_planner *p, double d, struct eco_e
 		entry.pixels = pixel > 0 ? 0.5 * node->area / (pixel * pixel) : 0;
 		if (lod_planner_add(p, &entry, error))
 			return ECO_NO_MEMORY;
-		add_vertices(p, 1, entry.vertices);
+		lod_vertices_add(&p->vertices, 1, entry.vertices);
 		p->ended = false;        /* a summary is never everything */
 	}
 	return ECO_OK;
@@ -224,7 +215,7 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 			p->ended = p->ended && entry.vertices == entry.full && !coarse;
 			if (lod_planner_add(p, &entry, error))
 				return ECO_NO_MEMORY;
-			add_vertices(p, slot->count, entry.vertices);
+			lod_vertices_add(&p->vertices, slot->count, entry.vertices);
 		}
 	}
 	enum eco_code code = add_summaries(p, d, error);

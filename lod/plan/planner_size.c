@@ -80,14 +80,3 @@ enum eco_code lod_plan_size_coarser(struct lod_planner *p, struct eco_plan *plan
 {
 	return coarsen_ground(p, plan, 0, error);
 }
-
-enum eco_code lod_plan_scarce_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
-{
-	struct missing missing;
-	enum eco_code code = ECO_OK;
-	while (!code && p->bytes > p->input->request->bytes && p->ground_px < ECO_GROUND_PX_MAX) {
-		p->ground_px = fmin(LOD_GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
-		code = size_on_ground(p, plan, &missing, error);
-	}
-	return code;
-}

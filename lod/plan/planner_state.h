@@ -47,7 +47,7 @@ struct lod_planner {
 	bool converged;              /* as in lod_planner_stats */
 	double wrong;                /* lod_rule_optimal: the objective that the entries reach */
 	double fill_lambda;          /* the same: what their last vertices saved; 0: everything fits */
-	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
+	uint64_t looks;              /* as in lod_planner_stats */
 	uint64_t work;               /* as in lod_planner_stats, without ... */
 	uint64_t beside;             /* ... that of explanations and of counting bytes, which changes no plan */
 	bool hidden;                 /* this level hides plants: the next may take what one without bytes may */
@@ -118,10 +118,8 @@ enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, stru
 enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
 
 /* Puts ground below a plan, and finds the bytes of its answer: p->bytes. If these are too many for the first time, the
- * ground gives way as far as it may; with lod_plan_scarce_ground as far as the answer fits. A coarser answer's ground
- * takes its part of its own bytes. */
+ * ground gives way as far as it may. A coarser answer's ground takes its part of its own bytes. */
 enum eco_code lod_plan_size(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
-enum eco_code lod_plan_scarce_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
 enum eco_code lod_plan_size_coarser(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
 
 /* Expected error of an entry that draws `vertices` a plant. */
@@ -141,6 +139,14 @@ static inline const struct lod_way *lod_planner_way(const struct lod_planner *p,
 	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->tables, ladder);
 	assert(table);
 	return &table->way;
+}
+
+/* Adds `count` times as many vertices as `each`, up to UINT64_MAX. */
+static inline void lod_vertices_add(uint64_t *sum, uint64_t count, uint64_t each)
+{
+	uint64_t product;
+	if (__builtin_mul_overflow(count, each, &product) || __builtin_add_overflow(*sum, product, sum))
+		*sum = UINT64_MAX;
 }
 
 static inline uint64_t lod_planner_count(const struct eco_scene *scene, uint32_t list)

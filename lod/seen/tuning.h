@@ -70,7 +70,7 @@
 #define LOD_IMAGE_COST_FROM -2.0  /* ... texels of a quarter of a pixel on, ... */
 #define LOD_IMAGE_COST_OCTAVES 14.0  /* ... for so many octaves */
 #define LOD_IMAGE_COST_NONE 0.6  /* of a pixel of ground in its plain colour */
-#define LOD_IMAGE_PRICE_STEP 1.07  /* of a search */
+#define LOD_IMAGE_PRICE 0.5  /* of a byte, for a rule that knows none */
 
 /* ---- Deussen's rule ---- */
 #define LOD_DEUSSEN_STEPS 256  /* of d': next to none of a budget is left */
@@ -192,8 +192,7 @@
 #define LOD_SWEEP_VERTICES 0.5  /* ... where no more than this part of the budget is used */
 
 /* ---- Vertices for a rule that knows no bytes ---- */
-#define LOD_IMAGE_PART 4u  /* of an answer's bytes: 1 / so many */
-#define LOD_SEARCH_SLACK 256u  /* a search of vertices ends within 1 / so many of them */
+#define LOD_SEARCH_MOST 0.9  /* of the bytes that are allowed, or of the vertices: aim of the next plan */
 #define LOD_SEARCH_PART 8u  /* of the work may each plan of it take: 1 / so many */
 
 /* ---- Work ---- */

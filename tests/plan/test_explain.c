@@ -124,7 +124,7 @@ UNIT_TEST(rows_add_up_to_the_plan)
 		}
 	}
 	for (int w = 0; w < LOD_WHY_COUNT; w++)
-		print_message("          %s: %llu\n", lod_why_names[w], (unsigned long long)seen[w]);
+		print_message("          %s: %llu\n", lod_why_name((enum lod_why)w), (unsigned long long)seen[w]);
 	assert_true(seen[LOD_WHY_STEP] && seen[LOD_WHY_LEFT_OVER] && seen[LOD_WHY_ALL]
 		&& seen[LOD_WHY_DISTANCE] && seen[LOD_WHY_PLANTS]);
 	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_GIVES_WAY] && seen[LOD_WHY_PART] && seen[LOD_WHY_WHOLE]);
