@@ -269,7 +269,7 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	coarser->count += !code;
 	if (!code)
 		code = lod_planner_emit(p, plan, error);
-	return code || !p->input->sent ? code : lod_plan_size_coarser(p, plan, error);
+	return code || !p->input->sent ? code : lod_plan_coarsen_ground(p, plan, error);
 }
 
 /* Relaxes at a price. A lambda whose vertices are too many there goes up again. */

@@ -23,60 +23,71 @@ static struct missing missing_of(const struct lod_planner *p, const struct eco_h
 	return sum;
 }
 
-/* Puts ground of p->ground_px below a plan, and finds what it needs and p->bytes. */
-static enum eco_code size_on_ground(struct lod_planner *p, struct eco_plan *plan, struct missing *missing,
+/* Puts ground of p->ground_px below a plan, and finds what it needs. The caller frees needs->items. */
+static enum eco_code put_on_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_holdings *needs,
 	struct eco_error *error)
 {
-	const struct eco_request *request = p->input->request;
-	struct eco_holdings needs = { .items = NULL };
-	enum eco_code code = lod_plan_ground(plan, p->scene, &request->view, p->ground_px, error);
-	code = code ? code : lod_plan_needs(p->scene, plan, &needs, error);
-	if (!code && !p->body.scene)
-		code = eco_wire_body_init(&p->body, p->scene, NULL, NULL, request->name_from, error);
-	p->body.cancelled = p->input->cancelled;
-	if (!code)
-		code = eco_wire_body_size(&p->body, p->input->holdings, plan, &needs, &p->bytes, error);
-	p->beside += LOD_SIZING_WORK * ((uint64_t)plan->cut_count + needs.count) + p->scene->list_count / 4;
-	if (!code)
-		*missing = missing_of(p, &needs);
-	free(needs.items);
+	free(needs->items);
+	needs->items = NULL;
+	enum eco_code code = lod_plan_ground(plan, p->scene, &p->input->request->view, p->ground_px, error);
+	code = code ? code : lod_plan_needs(p->scene, plan, needs, error);
+	p->beside += LOD_SIZING_WORK * ((uint64_t)plan->cut_count + needs->count) + p->scene->list_count / 4;
 	return code;
+}
+
+static enum eco_code count_bytes(struct lod_planner *p, const struct eco_plan *plan,
+	const struct eco_holdings *needs, struct eco_error *error)
+{
+	enum eco_code code = p->body.scene ? ECO_OK
+		: eco_wire_body_init(&p->body, p->scene, NULL, NULL, p->input->request->name_from, error);
+	p->body.cancelled = p->input->cancelled;
+	return code ? code : eco_wire_body_size(&p->body, p->input->holdings, plan, needs, &p->bytes, error);
 }
 
 /* Makes ground coarser until it takes no more than its part of `most` bytes, 0: of the plan's own; where it always
  * does, as coarse as takes least: a few tiles of rough ground may need more than finer ones beside the view. */
-static enum eco_code coarsen_ground(struct lod_planner *p, struct eco_plan *plan, uint64_t most, struct eco_error *error)
+static enum eco_code coarsen_ground(struct lod_planner *p, struct eco_plan *plan, uint64_t most,
+	struct eco_holdings *needs, struct eco_error *error)
 {
-	struct missing missing;
-	enum eco_code code = size_on_ground(p, plan, &missing, error);
 	double best_px = p->ground_px;
-	uint64_t least = missing.ground;
-	while (!code && p->ground_px < ECO_GROUND_PX_MAX && missing.ground > (most ? most : missing.all) / LOD_GROUND_PART) {
+	uint64_t least = UINT64_MAX;
+	for (;;) {
+		ECO_PASS(put_on_ground(p, plan, needs, error));
+		struct missing missing = missing_of(p, needs);
+		if (missing.ground < least) {
+			least = missing.ground;
+			best_px = p->ground_px;
+		}
+		if (p->ground_px >= ECO_GROUND_PX_MAX || missing.ground <= (most ? most : missing.all) / LOD_GROUND_PART)
+			break;
 		p->ground_px = fmin(LOD_GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
-		code = size_on_ground(p, plan, &missing, error);
-		if (code || missing.ground >= least)
-			continue;
-		least = missing.ground;
-		best_px = p->ground_px;
 	}
-	if (code || p->ground_px == best_px)
-		return code;
+	if (p->ground_px == best_px)
+		return ECO_OK;
 	p->ground_px = best_px;
-	return size_on_ground(p, plan, &missing, error);
+	return put_on_ground(p, plan, needs, error);
 }
 
 enum eco_code lod_plan_size(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
 {
-	struct missing missing;
-	enum eco_code code = size_on_ground(p, plan, &missing, error);
-	if (code || p->ground_settled || p->bytes <= p->input->request->bytes || !p->scene->ground_count)
-		return code;
-	p->ground_settled = true;
-	p->ground_px = fmax(p->ground_px, LOD_GROUND_PX_SCARCE);
-	return coarsen_ground(p, plan, p->input->request->bytes, error);
+	const uint64_t most = p->input->request->bytes;
+	struct eco_holdings needs = { .items = NULL };
+	enum eco_code code = put_on_ground(p, plan, &needs, error);
+	code = code ? code : count_bytes(p, plan, &needs, error);
+	if (!code && !p->ground_settled && p->bytes > most && p->scene->ground_count) {
+		p->ground_settled = true;
+		p->ground_px = fmax(p->ground_px, LOD_GROUND_PX_SCARCE);
+		code = coarsen_ground(p, plan, most, &needs, error);
+		code = code ? code : count_bytes(p, plan, &needs, error);
+	}
+	free(needs.items);
+	return code;
 }
 
-enum eco_code lod_plan_size_coarser(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+enum eco_code lod_plan_coarsen_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
 {
-	return coarsen_ground(p, plan, 0, error);
+	struct eco_holdings needs = { .items = NULL };
+	enum eco_code code = coarsen_ground(p, plan, 0, &needs, error);
+	free(needs.items);
+	return code;
 }
