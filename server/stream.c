@@ -11,10 +11,9 @@
 
 #define BODY_MAX_DEFAULT (1ull << 31)
 #define STEP_RATIO 1.3                       /* bytes of a step over those of the step before */
-#define STEP_BYTES_LEAST 10000u              /* no step goes before one of so few, ... */
+#define STEP_BYTES_LEAST 10000u              /* no step goes before one that lacks so few */
 #define COARSER_PART 128u                     /* of the bytes is left to coarser answers: 1 / so many */
 #define FIRST_MOST 64u                       /* times the bytes of a first picture: more seldom bind, and steps come */
-#define STEP_PRICED_LEAST 5000u              /* ground and bytes without a price may be half of it */
 #define SIZING_WORK 12u                      /* a cut or a list whose bytes are counted */
 #define AHEAD_PART 4u                        /* the next view is planned if so much of the work is left */
 
@@ -68,19 +67,6 @@ enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco
 	return ECO_OK;
 }
 
-uint64_t srv_missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings,
-	const struct eco_holdings *needs)
-{
-	uint64_t sum = 0;
-	for (uint32_t i = 0; i < needs->count; i++) {
-		const struct eco_list *list = &scene->lists[needs->items[i].list];
-		for (uint32_t c = eco_holdings_chunks(holdings, needs->items[i].list);
-				c < needs->items[i].chunks; c++)
-			sum += scene->chunks[list->chunk_first + c].size_bytes;
-	}
-	return sum;
-}
-
 static enum eco_code needs_of(struct srv_stream *stream, struct srv_step *step, struct eco_error *error)
 {
 	const struct eco_scene *scene = &stream->input.scene->pack->scene;
@@ -88,7 +74,7 @@ static enum eco_code needs_of(struct srv_stream *stream, struct srv_step *step, 
 	step->needs = (struct eco_holdings){ 0 };
 	enum eco_code code = lod_plan_needs(scene, &step->plan, &step->needs, error);
 	if (!code)
-		step->missing_bytes = srv_missing_bytes(scene, stream->input.holdings, &step->needs);
+		step->missing_bytes = lod_plan_missing(scene, stream->input.holdings, &step->needs, NULL);
 	return code;
 }
 
@@ -103,7 +89,7 @@ static enum eco_code plan_answer(struct srv_stream *stream, struct srv_step *ste
 {
 	const struct srv_stream_input *input = &stream->input;
 	struct lod_planner_stats stats = { 0 };
-	struct lod_planner_coarser coarser = { STEP_RATIO, STEP_PRICED_LEAST, SRV_STEPS_MAX - 1, stream->coarser, 0 };
+	struct lod_planner_coarser coarser = { STEP_RATIO, STEP_BYTES_LEAST, SRV_STEPS_MAX - 1, stream->coarser, 0 };
 	struct eco_request request = *input->request;
 	request.bytes -= input->single || request.bytes == ECO_BYTES_UNBOUNDED ? 0 : request.bytes / COARSER_PART;
 	const struct lod_planner_input planner = { .scene = &input->scene->pack->scene,
@@ -169,24 +155,19 @@ static void count_sizing(struct srv_stream *stream, const struct srv_step *step)
 
 /* ---- Steps ---- */
 
-/* Puts a coarser answer before steps[0], unless it needs as much. */
-static enum eco_code add_coarser(struct srv_stream *stream, uint32_t number, struct eco_error *error)
+/* Puts coarser answers before the answer. */
+static enum eco_code add_coarser(struct srv_stream *stream, struct eco_error *error)
 {
-	struct srv_step step = { .plan = stream->coarser[number] };
-	stream->coarser[number] = (struct eco_plan){ 0 };
-	enum eco_code code = needs_of(stream, &step, error);
-	bool clear = step.missing_bytes < stream->steps[0].missing_bytes;
-	srv_trace(SRV_TRACE_PLAN, "coarser answer of %llu vertices: %llu missing bytes before %llu%s",
-		(unsigned long long)step.plan.vertices, (unsigned long long)step.missing_bytes,
-		(unsigned long long)stream->steps[0].missing_bytes, clear ? "" : ": left out");
-	if (code || !clear) {
-		step_free(&step);
-		return code;
-	}
-	for (uint32_t i = stream->step_count++; i > 0; i--)
-		stream->steps[i] = stream->steps[i - 1];
-	stream->steps[0] = step;
-	return ECO_OK;
+	const uint32_t count = stream->coarser_count;
+	enum eco_code code = ECO_OK;
+	stream->steps[count] = stream->steps[0];
+	stream->step_count += count;
+	for (uint32_t i = 0; i < count; i++)
+		stream->steps[i] = (struct srv_step){ .plan = stream->coarser[count - 1 - i] };
+	stream->coarser_count = 0;
+	for (uint32_t i = 0; i < count && !code; i++)
+		code = needs_of(stream, &stream->steps[i], error);
+	return code;
 }
 
 enum eco_code srv_size_all(struct srv_stream *stream, struct eco_error *error)
@@ -239,10 +220,7 @@ static void leave_out_step(struct srv_stream *stream)
  * for that. */
 static enum eco_code fit_steps(struct srv_stream *stream, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < stream->coarser_count && !code
-			&& stream->steps[0].missing_bytes > STEP_BYTES_LEAST; i++)
-		code = add_coarser(stream, i, error);
+	enum eco_code code = add_coarser(stream, error);
 	if (!code)
 		code = srv_size_all(stream, error);
 	while (!code && stream->body_bytes > stream->input.request->bytes) {

@@ -116,9 +116,6 @@ void srv_stream_drop_next(struct srv_stream *stream);
 enum eco_code srv_send_rest(struct srv_stream *stream, struct eco_error *error);
 /* Sets bytes and chunks of the whole stream, and where its steps end, by a dry run. */
 enum eco_code srv_size_all(struct srv_stream *stream, struct eco_error *error);
-/* Bytes of the chunks that `needs` has and `holdings` (may be NULL) has not. */
-uint64_t srv_missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings,
-	const struct eco_holdings *needs);
 uint64_t srv_work_left(const struct srv_stream *stream);         /* of the answer's */
 
 /* ---- The work of an ordinary request ---- */

@@ -187,7 +187,7 @@ static uint32_t find_lacking(const struct srv_stream *stream, const struct eco_h
 		const struct eco_holdings one = { .items = &stream->wanted.items[i], .count = 1 };
 		struct lacking *to = &lacking[count];
 		*to = (struct lacking){ one.items[0], eco_holdings_chunks(held, one.items[0].list),
-			srv_missing_bytes(scene, held, &one) };
+			lod_plan_missing(scene, held, &one, NULL) };
 		count += to->bytes > 0;
 	}
 	qsort(lacking, count, sizeof *lacking, by_bytes);

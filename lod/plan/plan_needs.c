@@ -47,3 +47,19 @@ enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_pla
 	needs->count = kept;
 	return ECO_OK;
 }
+
+uint64_t lod_plan_missing(const struct eco_scene *scene, const struct eco_holdings *holdings,
+	const struct eco_holdings *needs, uint64_t *ground)
+{
+	uint64_t sum = 0, of_ground = 0;
+	for (uint32_t i = 0; i < needs->count; i++) {
+		const struct eco_list *list = &scene->lists[needs->items[i].list];
+		uint64_t before = sum;
+		for (uint32_t c = eco_holdings_chunks(holdings, needs->items[i].list); c < needs->items[i].chunks; c++)
+			sum += scene->chunks[list->chunk_first + c].size_bytes;
+		of_ground += list->kind == ECO_LIST_GROUND ? sum - before : 0;
+	}
+	if (ground)
+		*ground = of_ground;
+	return sum;
+}

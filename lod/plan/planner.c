@@ -110,7 +110,7 @@ static enum eco_code add_coarser(struct lod_planner *p, const struct eco_plan *p
 	struct lod_planner_input unexplained = *input;
 	unexplained.explanation = NULL;
 	input->coarser->count = 0;
-	if (!p->search || (input->sent && p->bytes <= input->coarser->least))
+	if (!p->search || !input->sent)
 		return ECO_OK;
 	p->input = &unexplained;
 	enum eco_code code = lod_bytes_coarser(p->search, plan, error);

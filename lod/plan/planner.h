@@ -38,10 +38,11 @@ struct lod_explanation;
 
 /* Coarser answers to the same request, made after the answer by the same allocation at higher prices of a
  * byte. From fine to coarse, each with about 1 / ratio of the bytes of plants that the one before it has, and on
- * ground that takes at most a quarter of its bytes. Only lod_rule_optimal makes any. */
+ * ground that takes at most a quarter of its bytes. Only lod_rule_optimal makes any, of a plan that is sent. */
 struct lod_planner_coarser {
 	double ratio;                /* above 1 */
-	uint64_t least;              /* bytes of the last one, about: none follows one of so few */
+	uint64_t least;              /* payloads in bytes that the client lacks: each answer has fewer than the one
+	                              * before it, and none follows one of so few, or of half as many without ground */
 	uint32_t most;               /* answers */
 	struct eco_plan *plans;      /* room for these; the caller frees each, also after an error */
 	uint32_t count;              /* set by lod_plan */
@@ -105,3 +106,7 @@ uint32_t lod_plan_chunks_for(const struct eco_scene *scene, uint32_t list, uint3
 /* Per list of the plan, sorted: the number of chunks that its largest cut needs. The caller frees items. */
 enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan,
 	struct eco_holdings *needs, struct eco_error *error);
+/* Payloads of these in bytes that a client with these holdings (NULL: none) lacks; *ground, where it is not NULL: those
+ * of ground. */
+uint64_t lod_plan_missing(const struct eco_scene *scene, const struct eco_holdings *holdings,
+	const struct eco_holdings *needs, uint64_t *ground);

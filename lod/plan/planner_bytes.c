@@ -256,7 +256,8 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 
 /* ---- Coarser answers ---- */
 
-static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda, uint64_t budget,
+/* *missing: payloads of the answer before. */
+static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda, uint64_t budget, uint64_t *missing,
 	struct eco_error *error)
 {
 	struct lod_planner *p = s->allocation->p;
@@ -265,11 +266,19 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	if (!code && !p->vertices)       /* what fits in the mean may not fit */
 		return ECO_OK;
 	struct eco_plan *plan = &coarser->plans[coarser->count];
+	uint64_t now = 0;
 	*plan = (struct eco_plan){ 0 };
-	coarser->count += !code;
 	if (!code)
 		code = lod_planner_emit(p, plan, error);
-	return code || !p->input->sent ? code : lod_plan_coarsen_ground(p, plan, error);
+	if (!code)
+		code = lod_plan_coarsen_ground(p, plan, &now, error);
+	if (code || now >= *missing) {
+		eco_plan_free(plan);
+		return code;
+	}
+	*missing = now;
+	coarser->count++;
+	return ECO_OK;
 }
 
 /* Relaxes at a price. A lambda whose vertices are too many there goes up again. */
@@ -287,7 +296,8 @@ static double relax_within(const struct lod_lambda_search *s, double *lambda, do
 
 /* From the answer's price upwards: an answer comes where so many bytes fewer are left. If a price leaves hardly
  * fewer the next one is twice as far; if that leaves far fewer it is tried again from near. */
-static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t budget, uint64_t missing,
+	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
@@ -296,7 +306,8 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 		lambda = fmax(s->lambda, lowest), before = relax_within(s, &lambda, octave), step = LOD_SWEEP_STEP;
 	enum eco_code code = ECO_OK;
 	octave = fmax(octave, LOD_PRICE_LOW);
-	while (!code && coarser->count < coarser->most && before > (double)coarser->least && octave < LOD_PRICE_HIGHEST) {
+	while (!code && coarser->count < coarser->most && missing > coarser->least
+			&& before > (double)(coarser->least / 2) && octave < LOD_PRICE_HIGHEST) {
 		const bool late = !(price > 0) && lod_planner_over(m->p, 3);
 		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_STEP_MOST / 2 : LOD_SWEEP_STEP;
 		step = fmax(step, least);
@@ -308,7 +319,7 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 		} else if (bytes * ratio > before) {
 			step = fmin(2 * step, LOD_SWEEP_STEP_MOST);
 		} else if (bytes > 0) {
-			code = hand_over(s, lambda, budget, error);
+			code = hand_over(s, lambda, budget, &missing, error);
 			before = bytes;
 			step = least;
 			if (m->cost.vertices < LOD_SWEEP_VERTICES * (double)budget)
@@ -329,7 +340,8 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 	if (!code)
 		code = lod_prices_make(s->allocation, &kept, LOD_TIMES_COARSER, error);
 	if (!code)
-		code = sweep_prices(s, p->input->request->vertices, error);
+		code = sweep_prices(s, p->input->request->vertices,
+			lod_plan_missing(p->scene, p->input->holdings, &kept, NULL), error);
 	free(kept.items);
 	return code;
 }

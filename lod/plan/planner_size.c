@@ -5,24 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Payloads that the client lacks: of ground, and all of the plan. */
-struct missing { uint64_t ground, all; };
-
-static struct missing missing_of(const struct lod_planner *p, const struct eco_holdings *needs)
-{
-	struct missing sum = { 0, 0 };
-	for (uint32_t i = 0; i < needs->count; i++) {
-		const struct eco_list *list = &p->scene->lists[needs->items[i].list];
-		for (uint32_t c = eco_holdings_chunks(p->input->holdings, needs->items[i].list); c < needs->items[i].chunks;
-				c++) {
-			uint64_t bytes = p->scene->chunks[list->chunk_first + c].size_bytes;
-			sum.all += bytes;
-			sum.ground += list->kind == ECO_LIST_GROUND ? bytes : 0;
-		}
-	}
-	return sum;
-}
-
 /* Puts ground of p->ground_px below a plan, and finds what it needs. The caller frees needs->items. */
 static enum eco_code put_on_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_holdings *needs,
 	struct eco_error *error)
@@ -50,15 +32,15 @@ static enum eco_code coarsen_ground(struct lod_planner *p, struct eco_plan *plan
 	struct eco_holdings *needs, struct eco_error *error)
 {
 	double best_px = p->ground_px;
-	uint64_t least = UINT64_MAX;
+	uint64_t least = UINT64_MAX, ground;
 	for (;;) {
 		ECO_PASS(put_on_ground(p, plan, needs, error));
-		struct missing missing = missing_of(p, needs);
-		if (missing.ground < least) {
-			least = missing.ground;
+		uint64_t all = lod_plan_missing(p->scene, p->input->holdings, needs, &ground);
+		if (ground < least) {
+			least = ground;
 			best_px = p->ground_px;
 		}
-		if (p->ground_px >= ECO_GROUND_PX_MAX || missing.ground <= (most ? most : missing.all) / LOD_GROUND_PART)
+		if (p->ground_px >= ECO_GROUND_PX_MAX || ground <= (most ? most : all) / LOD_GROUND_PART)
 			break;
 		p->ground_px = fmin(LOD_GROUND_STEP * p->ground_px, ECO_GROUND_PX_MAX);
 	}
@@ -84,10 +66,12 @@ enum eco_code lod_plan_size(struct lod_planner *p, struct eco_plan *plan, struct
 	return code;
 }
 
-enum eco_code lod_plan_coarsen_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+enum eco_code lod_plan_coarsen_ground(struct lod_planner *p, struct eco_plan *plan, uint64_t *missing,
+	struct eco_error *error)
 {
 	struct eco_holdings needs = { .items = NULL };
 	enum eco_code code = coarsen_ground(p, plan, 0, &needs, error);
+	*missing = code ? 0 : lod_plan_missing(p->scene, p->input->holdings, &needs, NULL);
 	free(needs.items);
 	return code;
 }

@@ -120,8 +120,10 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 /* Puts ground below a plan, and finds the bytes of its answer: p->bytes. If these are too many for the first time, the
  * ground gives way as far as it may. */
 enum eco_code lod_plan_size(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
-/* Puts ground below a coarser answer that takes its part of this answer's payloads; bytes are not counted. */
-enum eco_code lod_plan_coarsen_ground(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
+/* Puts ground below a coarser answer that takes its part of this answer's payloads; *missing: of all of these, as
+ * lod_plan_missing. */
+enum eco_code lod_plan_coarsen_ground(struct lod_planner *p, struct eco_plan *plan, uint64_t *missing,
+	struct eco_error *error);
 
 /* Expected error of an entry that draws `vertices` a plant. */
 struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry,
