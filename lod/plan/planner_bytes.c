@@ -294,8 +294,9 @@ static double relax_within(const struct lod_lambda_search *s, double *lambda, do
 	return bytes;
 }
 
-/* From the answer's price upwards: an answer comes where so many bytes fewer are left. If a price leaves hardly
- * fewer the next one is twice as far; if that leaves far fewer it is tried again from near. */
+/* From the answer's price upwards: an answer comes where so many bytes fewer are left, mostly as far as the last
+ * one came. If a price leaves hardly fewer the next one is twice as far. One that leaves far fewer is a bound, and
+ * the way to it is halved. */
 static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t budget, uint64_t missing,
 	struct eco_error *error)
 {
@@ -303,25 +304,39 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
 	const double price = m->p->price, lowest = LOD_LAMBDA_LEAST;
 	double octave = price > 0 ? fmax(LOD_PRICE_LOW, 2 * lod_octaves(price)) : LOD_PRICE_LOWEST,
-		lambda = fmax(s->lambda, lowest), before = relax_within(s, &lambda, octave), step = LOD_SWEEP_STEP;
+		lambda = fmax(s->lambda, lowest), before = relax_within(s, &lambda, octave), step = LOD_SWEEP_STEP,
+		bound = INFINITY, left = 0;      /* bytes at the bound */
+	double last = octave = fmax(octave, LOD_PRICE_LOW);
 	enum eco_code code = ECO_OK;
-	octave = fmax(octave, LOD_PRICE_LOW);
 	while (!code && coarser->count < coarser->most && missing > coarser->least
 			&& before > (double)(coarser->least / 2) && octave < LOD_PRICE_HIGHEST) {
 		const bool late = !(price > 0) && lod_planner_over(m->p, 3);
-		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, least = late ? LOD_SWEEP_STEP_MOST / 2 : LOD_SWEEP_STEP;
-		step = fmax(step, least);
-		double bytes = relax_within(s, &lambda, octave + step);
-		bool steep = bytes * ratio * ratio < before && step > least;
-		octave += steep ? 0 : step;
-		if (steep) {
-			step = least;
-		} else if (bytes * ratio > before) {
-			step = fmin(2 * step, LOD_SWEEP_STEP_MOST);
+		const double ratio = late ? LOD_SWEEP_LATE_RATIO : coarser->ratio, steep = ratio * ratio,
+			least = late ? LOD_SWEEP_STEP_MOST / 2 : LOD_SWEEP_STEP;
+		if (left * ratio > before) {
+			octave = bound;
+			bound = INFINITY;
+			left = 0;
+		}
+		double next = bound < INFINITY ? bound : octave + fmax(step, least);
+		if (bound < INFINITY && left * steep < before && bound - octave > least)
+			next = (octave + bound) / 2;
+		double bytes = relax_within(s, &lambda, next);
+		if (next >= bound) {
+			left = bytes;
+		} else if (bytes * steep < before && next - octave > least) {
+			bound = next;
+			left = bytes;
+			continue;
+		}
+		octave = next;
+		if (bytes * ratio > before) {
+			step = fmin(2 * fmax(step, least), LOD_SWEEP_STEP_MOST);
 		} else if (bytes > 0) {
 			code = hand_over(s, lambda, budget, &missing, error);
 			before = bytes;
-			step = least;
+			step = fmin(octave - last, LOD_SWEEP_STEP_MOST);
+			last = octave;
 			if (m->cost.vertices < LOD_SWEEP_VERTICES * (double)budget)
 				lambda = fmax(lowest, LOD_SWEEP_LAMBDA * lambda);
 		} else {
