@@ -16,10 +16,6 @@ static void add_at(struct lod_cost *cost, const struct lod_hull *hull, double we
 	const struct lod_hull_point *a = &hull->points[whole], *b = part > 0 ? a + 1 : a;
 	cost->alike += weight_px * (a->alike + part * (b->alike - a->alike));
 	cost->open += weight_px * (a->open + part * (b->open - a->open));
-	cost->fp += weight_px * (a->fp + part * (b->fp - a->fp));
-	cost->fn += weight_px * (a->fn + part * (b->fn - a->fn));
-	cost->above_fp += weight_px * (a->above_fp + part * (b->above_fp - a->above_fp));
-	cost->above_fn += weight_px * (a->above_fn + part * (b->above_fn - a->above_fn));
 	cost->vertices += (double)a->vertices + part * (double)(b->vertices - a->vertices);
 }
 
@@ -134,21 +130,6 @@ static void relax_slot(struct lod_allocation *m, struct lod_slot_choice *slot_ch
 		relax_whole(m, slot_choice);
 }
 
-void lod_allocation_sum(struct lod_allocation *m)
-{
-	for (uint32_t s = 0; s < m->p->visible.slot_count; s++) {
-		struct lod_slot_choice *choice = &m->slot_choices[s];
-		sum_slot(m, choice);
-		if (choice->whole_count)
-			blend_whole(m, choice);
-		choice->cells = (struct lod_cost){ 0 };
-		choice->cells_weight_px = 0;
-		lod_allocation_unsettle(m, s);
-	}
-	lod_uses_sum_cells(m);
-	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count);
-}
-
 /* Bytes are none of a slot's costs, so at the same lambda it chooses the same at any price. Returns the
  * choices looked at. */
 static uint64_t relax_slots(struct lod_allocation *m)
@@ -158,7 +139,6 @@ static uint64_t relax_slots(struct lod_allocation *m)
 		struct lod_slot_choice *slot_choice = &m->slot_choices[s];
 		bool organs_off = lod_prices_organs_off(m, m->p->visible.slots[s].plant);
 		slot_choice->cells = (struct lod_cost){ 0 };
-		slot_choice->cells_weight_px = 0;
 		if (slot_choice->lambda == m->lambda && slot_choice->organs_off == organs_off)
 			continue;
 		relax_slot(m, slot_choice);
@@ -491,23 +471,57 @@ static void set_drawn(struct lod_allocation *m)
 		+ (summaries > 0) * LOD_WORK_CELL * (uint64_t)screen->columns * screen->rows);
 }
 
-/* Wrong pixels of a plant of the slot, over those that it covers. */
+/* Adds to one of [2] what a choice leaves at its position. */
+static void add_wrong(struct lod_slot_wrong *sum, int near, const struct lod_ladder_choice *choice, double share)
+{
+	const uint32_t whole = (uint32_t)choice->position;
+	const double part = choice->position - whole, px = share * choice->weight_px;
+	const struct lod_hull_point *a = &choice->hull.points[whole], *b = part > 0 ? a + 1 : a;
+	sum->at[near].fp += px * (a->fp + part * (b->fp - a->fp));
+	sum->at[near].fn += px * (a->fn + part * (b->fn - a->fn));
+	sum->above[near].fp += px * (a->above_fp + part * (b->above_fp - a->above_fp));
+	sum->above[near].fn += px * (a->above_fn + part * (b->above_fn - a->above_fn));
+}
+
+static void sum_slot_wrong(struct lod_allocation *m, uint32_t s)
+{
+	const struct lod_slot_choice *slot_choice = &m->slot_choices[s];
+	struct lod_slot_wrong *sum = &m->slot_wrong[s];
+	const double organs = slot_choice->whole_count ? 1 - slot_choice->whole_share : 1;
+	*sum = (struct lod_slot_wrong){ .px = { slot_choice->weight_px[0], slot_choice->weight_px[1] } };
+	for (uint32_t i = 0; i < slot_choice->ladder_choice_count; i++) {
+		const struct lod_ladder_choice *choice = &m->ladder_choices[slot_choice->ladder_choice_first + i];
+		if (choice->when < LOD_NEAR)
+			add_wrong(sum, 0, choice, organs);
+		if (choice->when == LOD_ALWAYS || choice->when == LOD_NEAR)
+			add_wrong(sum, 1, choice, 1);
+	}
+	if (organs < 1)
+		add_wrong(sum, 0, &m->ladder_choices[slot_choice->whole], 1 - organs);
+}
+
+static void add_cells_wrong(struct lod_allocation *m, const struct lod_use *use)
+{
+	const struct lod_slot_wrong *cell = &m->slot_wrong[use->slot];
+	struct lod_slot_wrong *whole = &m->slot_wrong[use->whole];
+	const double each = m->counts[use->whole] ? use->count / (double)m->counts[use->whole] : 0;
+	whole->px[1] += each * cell->px[1];
+	whole->at[1].fp += each * cell->at[1].fp;
+	whole->at[1].fn += each * cell->at[1].fn;
+	whole->above[1].fp += each * cell->above[1].fp;
+	whole->above[1].fn += each * cell->above[1].fn;
+}
+
 static void set_slot_wrong(struct lod_allocation *m, uint32_t s)
 {
 	const struct lod_slot *slot = &m->p->visible.slots[s];
-	const struct lod_slot_choice *choice = &m->slot_choices[s];
 	struct lod_slot_wrong *wrong = &m->slot_wrong[s];
 	wrong->near_end = lod_near_end(m->p->gates[slot->plant], slot->band);
 	for (int near = 0; near < 2; near++) {
-		double count = near ? (double)m->counts[s] : 0, weight_px = choice->weight_px[near];
-		struct lod_cost cost = choice->cost[near];
-		if (count > 0) {
-			lod_cost_add(&cost, &choice->cells, 1, 0, 1 / count);
-			weight_px += choice->cells_weight_px / count;
-		}
-		double each = weight_px > 0 ? 1 / weight_px : 0, lost = m->scratch[s] / 2;
-		wrong->at[near] = (struct lod_wrong){ each * (cost.fp + lost), each * (cost.fn + lost) };
-		wrong->above[near] = (struct lod_wrong){ each * cost.above_fp, each * cost.above_fn };
+		const double each = wrong->px[near] > 0 ? 1 / wrong->px[near] : 0, lost = m->scratch[s] / 2;
+		const struct lod_wrong at = wrong->at[near], above = wrong->above[near];
+		wrong->at[near] = (struct lod_wrong){ each * (at.fp + lost), each * (at.fn + lost) };
+		wrong->above[near] = (struct lod_wrong){ each * above.fp, each * above.fn };
 	}
 }
 
@@ -548,10 +562,15 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 	find_drawn_by(m);
 	lod_prices_lost_of(m, m->scratch);
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
+		sum_slot_wrong(m, s);
+	for (uint32_t i = 0; i < m->uses.cell_count; i++)
+		add_cells_wrong(m, &m->uses.cells[i]);
+	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
 		if (!m->p->visible.slots[s].cell)
 			set_slot_wrong(m, s);
 	set_drawn(m);
-	lod_planner_work(m->p, LOD_WORK_VISIBILITY / 4 * (uint64_t)m->p->screen.count
+	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
+		+ LOD_WORK_VISIBILITY / 4 * (uint64_t)m->p->screen.count
 		+ LOD_WORK_CELL * m->cells / 8);
 	return lod_screen_expect(&m->p->screen, drawn_of, m, prediction, error);
 }

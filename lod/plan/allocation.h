@@ -44,7 +44,6 @@ enum lod_when {
 struct lod_cost {                    /* errors seen (hull.h); a slot choice's open one is without its weight */
 	double alike, open, vertices;
 	double bytes;                /* of tiles, where these have a price; not of what plants share */
-	double fp, fn, above_fp, above_fn;   /* wrong pixels, for predictions; the same seen from above */
 };
 
 /* Adds the cost of `times` plants; errors times `seen`, the open one times its weight. */
@@ -53,10 +52,6 @@ static inline void lod_cost_add(struct lod_cost *sum, const struct lod_cost *cos
 {
 	sum->alike += seen * cost->alike;
 	sum->open += seen * open * cost->open;
-	sum->fp += seen * cost->fp;
-	sum->fn += seen * cost->fn;
-	sum->above_fp += seen * cost->above_fp;
-	sum->above_fn += seen * cost->above_fn;
 	sum->vertices += times * cost->vertices;
 	sum->bytes += cost->bytes;
 }
@@ -94,12 +89,12 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	                              * changed since */
 	bool organs_off;             /* lod_prices_organs_off then */
 	struct lod_cost cells;       /* at the last lambda: all cells of all its plants */
-	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
 
-/* Wrong pixels of a slot's whole plants over those that they cover, while a picture is predicted: [1] of
- * those with a hash below near_end, which draw cells; seen from the side, and from above. */
-struct lod_slot_wrong { uint32_t near_end; struct lod_wrong at[2], above[2]; };
+/* While a picture is predicted: pixels that a plant or cell of a slot covers, and what of these is wrong, seen from the
+ * side and from above; of whole plants a share of the pixels in the end. [1] of those with a hash below near_end, which
+ * draw cells. */
+struct lod_slot_wrong { uint32_t near_end; double px[2]; struct lod_wrong at[2], above[2]; };
 
 struct lod_impostor_use {            /* levels of a plant's impostor, lod/plan/texture_levels.h */
 	uint32_t levels;             /* that some plant may draw */
@@ -224,8 +219,7 @@ void lod_allocation_set_impostors(struct lod_allocation *allocation, const doubl
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
 /* The same of slots and gates alone, within the limits that there are: tiles stay as they are. */
 void lod_allocation_relax_plants(struct lod_allocation *allocation, double lambda);
-/* Costs of slots at the positions that their choices have: the next relaxation chooses anew. */
-void lod_allocation_sum(struct lod_allocation *allocation);
+/* What is expected at the positions that choices have. */
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
 	struct eco_error *error);
 
@@ -274,8 +268,7 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 /* After the tiles and slots of the allocation were made. */
 enum eco_code lod_uses_make(struct lod_allocation *allocation, struct eco_error *error);
 
-/* Adds up the cells of each slot's whole plants; the sums are 0 before: slot_choice.cells,
- * .cells_weight_px. */
+/* Adds up the cells of each slot's whole plants; the sums are 0 before: slot_choice.cells. */
 void lod_uses_sum_cells(struct lod_allocation *allocation);
 /* Sets near and each, once gates are. */
 void lod_uses_set_each(struct lod_allocation *allocation);

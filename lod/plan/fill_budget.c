@@ -562,11 +562,12 @@ enum eco_code lod_fill_predict(struct lod_fill *fill, struct eco_prediction *pre
 	struct lod_allocation *m = fill->allocation;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		const struct lod_candidate *c = &fill->candidates[i];
-		if (c->ladder_choice != ECO_NONE)
+		if (c->ladder_choice != ECO_NONE) {
 			m->ladder_choices[c->ladder_choice].position = c->step + part_of(c);
-		else if (c->hull == &m->tile_choices[c->node].summary.hull)
+			lod_allocation_unsettle(m, m->ladder_choices[c->ladder_choice].slot);
+		} else if (c->hull == &m->tile_choices[c->node].summary.hull) {
 			m->tile_choices[c->node].position = c->step + part_of(c);
+		}
 	}
-	lod_allocation_sum(m);
 	return lod_allocation_predict(m, prediction, error);
 }

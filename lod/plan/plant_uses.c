@@ -79,7 +79,6 @@ void lod_uses_sum_cells(struct lod_allocation *m)
 		const struct lod_slot_choice *cell = &m->slot_choices[use->slot];
 		struct lod_slot_choice *whole = &m->slot_choices[use->whole];
 		lod_cost_add(&whole->cells, &cell->cost[1], 1, use->count, use->count);
-		whole->cells_weight_px += use->count * cell->weight_px[1];
 	}
 }
 
