@@ -461,10 +461,11 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 		.weight_px = choice->weight_px };
 	view.wide = 2 * across * px;
 	view.high = 2 * lod_height_seen(across, up, from_eye) * px;
-	struct lod_hull_point *room = lod_arena_try(&m->memory, 2 * LOD_SUMMARY_HULL_POINTS_MAX, sizeof *room);
+	const uint32_t points = lod_summary_hull_count(p->scene->lists[list].primitive_count);
+	struct lod_hull_point *room = lod_arena_try(&m->memory, 2 * (size_t)points, sizeof *room);
 	if (!room)
 		return false;
-	choice->limited.points = room + LOD_SUMMARY_HULL_POINTS_MAX;
+	choice->limited.points = room + points;
 	lod_summary_hull_make(&choice->summary, &view, part, fmin(1, choice->pixels / choice->weight_px),
 		fmin(1, choice->unoccluded / choice->pixels), room);
 	lod_planner_work(p, LOD_WORK_SUMMARY);

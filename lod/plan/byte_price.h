@@ -20,7 +20,7 @@
 #include "lod/plan/allocation.h"
 
 /* Finds what everything in view would cost. `kept`: chunks that come anyway, sooner or later, so that all
- * others count `times` their bytes; NULL: all count once. It must outlive the prices. */
+ * others count `times` their bytes; NULL: all count once. */
 enum eco_code lod_prices_make(struct lod_allocation *allocation, const struct eco_holdings *kept,
 	double times, struct eco_error *error);
 void lod_prices_free(struct lod_allocation *allocation);      /* none made: fine */

@@ -12,8 +12,7 @@
 /* Chunks [from, to) of a list that the client lacks. */
 double lod_prices_missing(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
-	uint32_t held = eco_holdings_chunks(m->p->input->holdings, list);
-	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;
+	const uint32_t held = m->prices->held[list], kept = m->prices->kept[list];
 	double sum = 0;
 	for (uint32_t c = from > held ? from : held; c < to; c++)
 		sum += (c < kept ? 1 : m->prices->factor) * eco_wire_chunk_bytes(m->p->scene, list, c);
@@ -223,6 +222,18 @@ void lod_prices_work(struct lod_allocation *m)
 	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count);
 }
 
+/* Chunks per list; `others` of those that have none. NULL: no memory, which the arena knows. */
+static uint32_t *chunks_of(struct lod_arena *a, const struct eco_scene *scene, const struct eco_holdings *holdings,
+	uint32_t others)
+{
+	uint32_t *chunks = lod_arena_try(a, scene->list_count, sizeof *chunks);
+	for (uint32_t i = 0; chunks && others && i < scene->list_count; i++)
+		chunks[i] = others;
+	for (uint32_t i = 0; chunks && holdings && i < holdings->count; i++)
+		chunks[holdings->items[i].list] = holdings->items[i].chunks;
+	return chunks;
+}
+
 enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holdings *kept, double times,
 	struct eco_error *error)
 {
@@ -232,8 +243,9 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 	bool good = prices;
 	if (prices) {
 		struct lod_arena *a = &prices->memory;
-		prices->kept = kept;
 		prices->factor = times;
+		prices->held = chunks_of(a, m->p->scene, m->p->input->holdings, 0);
+		prices->kept = chunks_of(a, m->p->scene, kept, kept ? 0 : UINT32_MAX);
 		prices->organs_off = lod_arena_try(a, plants, sizeof *prices->organs_off);
 		prices->saved = lod_arena_try(a, plants, sizeof *prices->saved);
 		prices->spent = lod_arena_try(a, plants, sizeof *prices->spent);

@@ -55,7 +55,7 @@ struct image_price {
 
 struct lod_prices {
 	struct lod_arena memory;     /* of all of it */
-	const struct eco_holdings *kept;     /* chunks that come anyway; NULL: all count alike */
+	uint32_t *held, *kept;       /* per list: chunks that the client has; that come anyway */
 	double factor;               /* times their bytes, that others count */
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;

@@ -115,16 +115,15 @@ double lod_summary_hull_scale(const struct lod_summary_hull *summary, uint64_t v
 }
 
 void lod_summary_hull_make(struct lod_summary_hull *summary, const struct lod_summary_view *view, double part,
-	double pixels, double open, struct lod_hull_point room[LOD_SUMMARY_HULL_POINTS_MAX])
+	double pixels, double open, struct lod_hull_point *room)
 {
 	struct lod_hull *hull = &summary->hull;
 	*summary = (struct lod_summary_hull){ .view = *view, .part = part, .pixels = pixels,
 		.hull = { .points = room, .count = 1, .open = open, .impostor = ECO_NONE } };
 	summary->view.crowded = summary_crowded(view);
 	room[0] = (struct lod_hull_point){ .alike = 1 };
-	for (int shift = LOD_SUMMARY_OCTAVES * (LOD_SUMMARY_HULL_POINTS_MAX - 2); shift >= 0; shift -= LOD_SUMMARY_OCTAVES)
-		if ((uint64_t)view->points >> shift)
-			best_scale(summary, (uint64_t)view->points >> shift, &room[hull->count++]);
+	for (uint32_t i = lod_summary_hull_count((uint32_t)view->points) - 1; i-- > 0;)
+		best_scale(summary, (uint64_t)view->points >> LOD_SUMMARY_OCTAVES * i, &room[hull->count++]);
 	lod_hull_reduce(hull, 1);
 }
 

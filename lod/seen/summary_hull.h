@@ -35,6 +35,15 @@ struct lod_summary_hull {
 /* Area of the first `vertices` points, over that of all leaves, with which the least is wrong. */
 double lod_summary_hull_scale(const struct lod_summary_hull *summary, uint64_t vertices);
 
-/* `room` is the caller's, and must outlive the hull. */
+/* At most so many points has the hull of a summary with so many; up to LOD_SUMMARY_HULL_POINTS_MAX. */
+static inline uint32_t lod_summary_hull_count(uint32_t points)
+{
+	uint32_t count = 1;
+	for (; points; points >>= LOD_SUMMARY_OCTAVES)
+		count++;
+	return count;
+}
+
+/* `room` is the caller's, for lod_summary_hull_count points, and must outlive the hull. */
 void lod_summary_hull_make(struct lod_summary_hull *summary, const struct lod_summary_view *view, double part,
-	double pixels, double open, struct lod_hull_point room[LOD_SUMMARY_HULL_POINTS_MAX]);
+	double pixels, double open, struct lod_hull_point *room);
