@@ -3,8 +3,8 @@
  *   forms    the elements of one list in several forms: lod/forms.h
  *   levels   points or lines first, then the triangles or the levels of wood; a level that draws no more vertices
  *            than the one before it is skipped. Samples of the curve may stand between two of these
- *   splats   one list of points in levels: splats give way to their children one by one; then leaves, or else wood,
- *            before the last level, which shrinks behind them */
+ *   splats   one list of points in levels: splats give way to their children one by one; then leaves, those of the
+ *            whole plant before those of its cells, or else wood, before the last level, which shrinks behind them */
 #include "lod/ladder.h"
 
 #include <assert.h>
@@ -446,6 +446,25 @@ static uint32_t forms_cuts(const struct lod_forms *forms, uint64_t vertices, flo
 		lod_forms_range_end(forms, s.stage, s.e), scale);
 }
 
+/* The first `triangles` of what stands before splats; of cells an equal share. */
+static uint32_t front_cuts(const struct lod_way *way, uint64_t triangles, struct eco_cut cuts[1 + ECO_FRONT_MAX])
+{
+	const struct eco_ladder *ladder = way->ladder;
+	uint32_t lists[ECO_FRONT_MAX];
+	uint64_t own = primitives(way->scene, ladder->triangles), from = own > ladder->total ? own - ladder->total : 0,
+		before = 0, all = ladder->total + from - own;
+	uint32_t count = put(cuts, ladder->triangles, from, triangles < own - from ? from + triangles : own, 1);
+	if (triangles <= own - from)
+		return count;
+	triangles -= own - from;
+	for (uint32_t i = 0, cells = eco_ladder_front(way->scene, ladder, lists); i < cells; i++) {
+		uint64_t here = before + primitives(way->scene, lists[i]);
+		count += put(cuts + count, lists[i], 0, triangles * here / all - triangles * before / all, 1);
+		before = here;
+	}
+	return count;
+}
+
 static uint32_t splats_cuts(const struct lod_way *way, uint64_t vertices, double above,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
 {
@@ -456,13 +475,19 @@ static uint32_t splats_cuts(const struct lod_way *way, uint64_t vertices, double
 		return put(cuts, ladder->points, 0, vertices, 1);
 	if (vertices > splats_all(ladder)) {
 		float scale = lod_ladder_curve_seen(way->scene, ladder, lod_way_share(way, vertices), above).scale;
-		uint64_t from = primitives(way->scene, ladder->triangles) - ladder->total;
-		count = put(cuts, ladder->triangles, from, from + (vertices - splats_all(ladder)) / 3, 1);
+		count = front_cuts(way, (vertices - splats_all(ladder)) / 3, cuts);
 		return count + put(cuts + count, ladder->points, first, end, scale);
 	}
 	if (s.p)
 		count = put(cuts, ladder->points, end, end + (splat_step(ladder, s.level) + 1ull) * s.p, 1);
 	return count + put(cuts + count, ladder->points, first + s.p, end, 1);
+}
+
+uint32_t lod_way_cuts_bound(const struct lod_way *way)
+{
+	const struct eco_ladder *ladder = way->ladder;
+	uint64_t alone = way->has_splats ? splats_all(ladder) + 3 * primitives(way->scene, ladder->triangles) : way->full;
+	return way->full > alone ? LOD_LADDER_CUTS_MAX : 2;
 }
 
 uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above,

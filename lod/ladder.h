@@ -36,13 +36,14 @@ uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices);
  * ladders. */
 uint64_t lod_way_level_above(const struct lod_way *way, uint64_t vertices);
 
-/* The cuts that draw exactly `vertices` (a value that floor returns), to the primitive: writes at most 2 cuts
- * with list, first, end and scale, the rest zero; returns their number. `density`, in (0, 1], is the share of
- * the region's elements (or lines) that the picture shows in any form, the coarse list included: each is
- * scaled to stand for 1 / density. It is lod_way_density, except for a whole-plant list beside cells that
- * show more: there it is theirs. `above` is that of lod_ladder_curve_seen. Splats have density 1, and
- * scale 1 without leaves. */
-#define LOD_LADDER_CUTS_MAX 2
+/* The cuts that draw exactly `vertices` (a value that floor returns), to the primitive: writes cuts with list, first,
+ * end and scale, the rest zero; returns their number, at most lod_way_cuts_bound, which is at most
+ * LOD_LADDER_CUTS_MAX. `density`, in (0, 1], is the share of the region's elements (or lines) that the picture shows
+ * in any form, the coarse list included: each is scaled to stand for 1 / density. It is lod_way_density, except for a
+ * whole-plant list beside cells that show more: there it is theirs. `above` is that of lod_ladder_curve_seen. Splats
+ * have density 1, and scale 1 without leaves. */
+#define LOD_LADDER_CUTS_MAX (2 + ECO_FRONT_MAX)
+uint32_t lod_way_cuts_bound(const struct lod_way *way);
 uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
 double lod_way_density(const struct lod_way *way, uint64_t vertices);

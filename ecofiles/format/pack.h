@@ -101,8 +101,9 @@ struct eco_seen { uint16_t color[ECO_SEEN_SIZES][2], contrast[ECO_SEEN_SIZES][2]
  *           before it, and splats [m i, m (i + 1)) stand for splat i of that one. The first p of a level
  *           give way to their children: [0, m p) of the next level with [p, all) of this one. Then, with
  *           `triangles`, the first p/3 of the last `total` of these with all of the last level, at the curve's
- *           scale. With `impostor` one vertex is a level of it in place of a splat, up to LOD_IMPOSTOR_PIXELS
- *           (lod/impostor.h)
+ *           scale. Where `total` is more than there are, the rest are those of the plant's cells, an equal
+ *           share of each (eco_ladder_front), and the ladder is the plant's last. With `impostor` one vertex is
+ *           a level of it in place of a splat, up to LOD_IMPOSTOR_PIXELS (lod/impostor.h)
  * lod/ladder.h turns (ladder, vertices) into cuts. Absent lists are ECO_NONE; a FAR ladder may have lines
  * only. */
 struct eco_ladder {
@@ -276,6 +277,11 @@ static inline bool eco_ladder_has_splats(const struct eco_scene *scene, const st
 {
 	return ladder->points != ECO_NONE && (scene->lists[ladder->points].attributes & ECO_ATTR_SPLAT);
 }
+
+/* The lists of triangles that stand before a ladder's splats when its own are drawn: those of the plant's cells, of the
+ * same organ and texture. Returns their number. */
+#define ECO_FRONT_MAX 64u
+uint32_t eco_ladder_front(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t lists[ECO_FRONT_MAX]);
 
 /* The needs that a list gives a scene; cells, cut-outs and placements come from elsewhere. */
 uint32_t eco_list_needs(const struct eco_list *list);

@@ -245,14 +245,26 @@ static bool ladder_form_fits(const struct eco_scene *s, uint32_t list, uint32_t 
 	return list == ECO_NONE || s->lists[list].partner == ECO_NONE || s->lists[list].partner == triangles;
 }
 
+/* The last of a plant's ladders may go on in its cells, which were checked before it. */
+static bool front_fits(const struct eco_scene *s, const struct eco_ladder *l)
+{
+	const struct eco_plant *p = &s->plants[l->plant];
+	uint32_t lists[ECO_FRONT_MAX], own = s->lists[l->triangles].primitive_count, count =
+		l + 1 == s->ladders + p->ladder_first + p->ladder_count ? eco_ladder_front(s, l, lists) : 0;
+	uint64_t all = own;
+	while (count > 0)
+		all += s->lists[lists[--count]].primitive_count;
+	return l->total <= own || l->total == all;
+}
+
 /* Each level has a whole multiple of the splats of the one before it; together they are the list. */
 static const char *splat_levels_fault(const struct eco_scene *s, const struct eco_ladder *l)
 {
 	uint32_t before = 0, first = 0;
 	if (l->lines != ECO_NONE || l->simple != ECO_NONE)
 		return "it has other lists than triangles beside its splats";
-	if (l->triangles != ECO_NONE && l->total > s->lists[l->triangles].primitive_count)
-		return "it has fewer triangles before its splats";
+	if (l->triangles != ECO_NONE && !front_fits(s, l))
+		return "it has fewer triangles before its splats, or more";
 	for (uint32_t i = 0; i < l->level_count; i++) {
 		uint32_t size = l->level_end[i] - first;
 		if (before && (size % before != 0 || size == before))

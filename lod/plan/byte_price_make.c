@@ -36,10 +36,11 @@ static uint32_t list_of(struct ladder_price *l, uint32_t list)
 	return i;
 }
 
-static void need(const struct lod_allocation *m, struct ladder_price *l, struct chunks *needs, uint32_t list,
-	uint32_t end)
+/* as: the list that pays for it. */
+static void need(const struct lod_allocation *m, struct ladder_price *l, struct chunks *needs, uint32_t as,
+	uint32_t list, uint32_t end)
 {
-	uint32_t i = list_of(l, list), chunks = lod_plan_chunks_for(m->p->scene, list, end);
+	uint32_t i = list_of(l, as), chunks = lod_plan_chunks_for(m->p->scene, list, end);
 	needs->of[i] = chunks > needs->of[i] ? chunks : needs->of[i];
 }
 
@@ -63,17 +64,21 @@ static uint32_t find_needs(const struct lod_allocation *m, const struct lod_way 
 {
 	struct chunks *needs = &step->needs;
 	uint32_t image = ECO_NONE, drawn = 0, textured = 0;
+	uint32_t cells[ECO_FRONT_MAX];
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	step->vertices = vertices;
 	if (vertices == 0)
 		return ECO_NONE;
 	if (vertices == 1 && lod_hull_impostor_levels(way)) {
-		need(m, l, needs, way->ladder->impostor, 1);
+		need(m, l, needs, way->ladder->impostor, way->ladder->impostor, 1);
 		return ECO_NONE;
 	}
 	uint32_t count = lod_way_cuts(way, vertices, lod_way_density(way, vertices), 0, cuts);
+	if (count > 2)
+		eco_ladder_front(m->p->scene, way->ladder, cells);
 	for (uint32_t i = 0; i < count; i++) {
-		need(m, l, needs, cuts[i].list, cuts[i].end);
+		/* cells before splats are drawn alike: one list pays for all */
+		need(m, l, needs, i && i + 1 < count ? cells[0] : cuts[i].list, cuts[i].list, cuts[i].end);
 		drawn += cuts[i].end - cuts[i].first;
 		if (m->p->scene->lists[cuts[i].list].image == ECO_NONE)
 			continue;
@@ -112,14 +117,29 @@ static void find_steps(const struct lod_allocation *m, struct ladder_price *l)
 /* Prices of all prefixes of a ladder's lists. */
 static bool find_prefixes(struct lod_allocation *m, struct ladder_price *l)
 {
+	const struct eco_scene *scene = m->p->scene;
+	const struct eco_ladder *ladder = &scene->ladders[l->ladder];
+	uint32_t cells[ECO_FRONT_MAX], cell_count = eco_ladder_has_splats(scene, ladder)
+		? eco_ladder_front(scene, ladder, cells) : 0;
 	for (uint32_t k = 0; k < l->list_count; k++) {
-		uint32_t chunks = m->p->scene->lists[l->lists[k]].chunk_count;
+		const uint32_t *lists = &l->lists[k];
+		uint32_t count = 1, chunks = 0;
+		if (cell_count && *lists == cells[0]) {
+			lists = cells;
+			count = cell_count;
+		}
+		for (uint32_t i = 0; i < count; i++)
+			chunks = scene->lists[lists[i]].chunk_count > chunks ? scene->lists[lists[i]].chunk_count : chunks;
 		double *to = lod_arena_try(&m->prices->memory, chunks + 1u, sizeof *to);
 		if (!to)
 			return false;
 		l->prefixes[k] = to;
-		for (uint32_t c = 0; c < chunks; c++)
-			to[c + 1] = to[c] + lod_prices_missing(m, l->lists[k], c, c + 1);
+		for (uint32_t c = 0; c < chunks; c++) {
+			to[c + 1] = to[c];
+			for (uint32_t i = 0; i < count; i++)
+				if (c < scene->lists[lists[i]].chunk_count)
+					to[c + 1] += lod_prices_missing(m, lists[i], c, c + 1);
+		}
 	}
 	return true;
 }

@@ -290,10 +290,13 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 {
 	const struct eco_view *view = &p->input->request->view;
 	uint32_t groups = 0;
+	size_t cuts = 1;
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
 		if (p->visible.nodes[n].state == LOD_OPEN)
 			groups += p->scene->tiles[p->visible.nodes[n].tile].group_count;
-	plan->cuts = malloc((2 * LOD_LADDER_CUTS_MAX * (size_t)p->entry_count + 1) * sizeof *plan->cuts);
+	for (uint32_t i = 0; i < p->entry_count; i++)
+		cuts += p->entries[i].slot == ECO_NONE ? 1 : 2 * lod_way_cuts_bound(lod_planner_way(p, p->entries[i].ladder));
+	plan->cuts = malloc(cuts * sizeof *plan->cuts);
 	plan->runs = malloc((groups + 1) * sizeof *plan->runs);
 	plan->gates = malloc((p->scene->plant_count + 1) * sizeof *plan->gates);
 	plan->placements = malloc(p->visible.placement_count * sizeof *plan->placements);

@@ -257,6 +257,19 @@ static void check_error(const struct eco_curve *sample, const struct lod_plant_o
 		fail_msg("%s: an error of %g, not %g", cut ? "splats" : "impostor", measured, drawn);
 }
 
+/* Triangles of all leaves, in cells or not, that stand before splats. */
+static uint32_t leaves_before(const struct eco_ladder *whole)
+{
+	uint32_t sum = 0, organ = ECO_ORGAN_COUNT;
+	for (uint32_t i = 0; i < plant.ladder_count; i++) {
+		const struct eco_ladder *ladder = &plant.ladders[i];
+		if (ladder != whole && ladder->triangles == whole->triangles)
+			organ = ladder->organ;
+		sum += ladder != whole && ladder->organ == organ ? plant.lists[ladder->triangles].list.primitive_count : 0;
+	}
+	return sum;
+}
+
 /* The first samples are levels of the impostor, those after them splats. Errors are of the whole plant, in
  * one with cells, too, whose whole-plant lists do not stand for what the cells hold. */
 static void check_samples(const struct lod_plant_options *options)
@@ -270,6 +283,7 @@ static void check_samples(const struct lod_plant_options *options)
 	while (last && plant.curves[whole->curve_first + last].share > (float)(splats / full))
 		last--;
 	assert_int_equal(whole->impostor, plant.list_count);
+	assert_int_equal(whole->total, leaves_before(whole));
 	assert_true(count > levels);
 	for (uint32_t from = 0; from < eco_ladder_samples(whole); from += count) {
 		const struct eco_curve *samples = plant.curves + whole->curve_first + from;

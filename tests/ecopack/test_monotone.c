@@ -1,5 +1,5 @@
 /* More vertices look no worse, each plant alone with 1, 2, 4, ... vertices: a generated tree of cards and
- * fields of blades. */
+ * fields of blades; nor do they stay unused. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -176,6 +176,40 @@ UNIT_TEST(fields_of_blades_hold)
 		for (int k = 0; k < 3; k++)
 			assert_true(q_at(&walked, 1.0 / (8 << k)) > fields[i].q[k]);
 	}
+}
+
+/* ---- Vertices ---- */
+
+#define LEAST 4u                 /* vertices */
+#define BUDGETS 24u
+#define USED_LEAST 0.9           /* of a budget */
+
+/* Whatever the budget, most of it is used: leaves of cells stand before splats, too. */
+UNIT_TEST(a_plant_with_cells_uses_its_budget)
+{
+	struct eco_error error = { 0 };
+	OWNED(eco_pack) *pack;
+	struct plant_view plant;
+	file_write_text(ROOT "/spruce.json", "{\"plants\": {\"spruce\": {\"library\": \"spruce\", \"height_m\": 22}}, "
+		"\"instances\": [{\"plant\": \"spruce\", \"at\": [0, 0, 0]}]}");
+	if (make_pack(&(struct make_options){ .scene = ROOT "/spruce.json", .pack = ROOT "/spruce.eco", .jobs = 1,
+			.draft = true }, &error))
+		fail_msg("%s", error.text);
+	assert_ok(eco_pack_open(&pack, ROOT "/spruce.eco", &error), error);
+	assert_true(pack->scene.plants[0].anchor_count > 4);
+	assert_good(plant_view_open(&plant, pack, 0, PIXELS, &cause));
+	look(&plant, 3);
+	double step = pow((double)plant.full / LEAST, 1.0 / (BUDGETS - 1)), budget = LEAST;
+	for (uint32_t i = 0; i < BUDGETS; i++, budget *= step) {
+		uint64_t most = (uint64_t)(budget + 0.5);
+		struct plant_view_drawing drawing;
+		assert_good(plant_view_drawing_make(&drawing, &plant, most, &cause));
+		if (drawing.vertices > most || (double)drawing.vertices < USED_LEAST * (double)most)
+			fail_msg("%llu of %llu vertices are used", (unsigned long long)drawing.vertices,
+				(unsigned long long)most);
+		plant_view_drawing_free(&drawing);
+	}
+	plant_view_close(&plant);
 }
 
 UNIT_MAIN(make_models, NULL)

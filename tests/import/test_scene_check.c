@@ -20,7 +20,7 @@
 	}
 #define BREAK(id, what) BREAK_OF(false, id, what)
 #define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
-#define BREAKS 169
+#define BREAKS 171
 
 static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
@@ -229,6 +229,9 @@ BREAK_SPLATS(splats_level_rest, l->ladders[WHOLE].level_end[3] = 36)
 BREAK_SPLATS(splats_levels, l->ladders[WHOLE].level_count = ECO_LEVELS_MAX + 1)
 BREAK_SPLATS(splats_no_level, l->ladders[WHOLE].level_count = 0; memset(l->ladders[WHOLE].level_end, 0,
 	sizeof l->ladders[WHOLE].level_end))
+BREAK_SPLATS(leaves_before_splats, l->ladders[WHOLE].triangles = WOOD; l->ladders[WHOLE].total = 51)
+BREAK_SPLATS(leaves_of_cells, l->ladders[WHOLE].triangles = WOOD; l->ladders[WHOLE].total = 99;
+	struct eco_ladder cell = l->ladders[ORGAN]; cell.anchor = 1; cell.flags = ECO_LADDER_NEAR; scene_add_ladder(l, cell))
 BREAK_SPLATS(splats_reach, l->curves[0].reach = 0.5f)
 BREAK_SPLATS(impostor_kind, l->ladders[WHOLE].impostor = WOOD)
 BREAK_SPLATS(impostor_of_organ, l->ladders[ORGAN].impostor = IMPOSTOR)

@@ -147,10 +147,11 @@ UNIT_TEST(splats_give_way_to_their_children)
 	assert_true(tried > 2000);
 }
 
-/* Beyond its splats a ladder draws leaves from the first on, with all splats of the last level at the curve's scale. */
+/* Beyond its splats a ladder draws leaves from the first on, then an equal share of those of each cell, with all splats
+ * of the last level at the curve's scale. At the end all leaves are drawn. */
 UNIT_TEST(leaves_stand_before_splats)
 {
-	uint32_t tried = 0;
+	uint32_t tried = 0, of_cells = 0;
 	for (uint64_t seed = 1; seed < 60; seed++) {
 		random_scene_splats(&scene, seed, 0);
 		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
@@ -160,21 +161,33 @@ UNIT_TEST(leaves_stand_before_splats)
 			const struct lod_way *way = way_of(ladder);
 			uint64_t splats = lod_way_stage_end(way), v = splats;
 			scene.curves[ladder->curve_first + ladder->curve_count - 1].scale = 0.5f;
-			uint32_t from = scene.lists[ladder->triangles].primitive_count - ladder->total;
+			uint32_t own = scene.lists[ladder->triangles].primitive_count, from = own > ladder->total
+				? own - ladder->total : 0, cells = ladder->total + from - own, seen = 0;
 			assert_int_equal(way->full, splats + 3 * ladder->total);
 			while ((v = lod_way_next(way, v)) != UINT64_MAX) {
 				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-				double share = lod_way_share(way, v);
-				assert_int_equal(lod_way_cuts(way, v, 1, 0, cuts), 2);
+				uint32_t count = lod_way_cuts(way, v, 1, 0, cuts), last = count - 1;
+				uint64_t leaves = (v - splats) / 3, left = leaves < own - from ? 0 : leaves - (own - from);
+				assert_true(count <= lod_way_cuts_bound(way));
+				assert_int_equal(drawn(cuts, count), v);
 				assert_true(cuts[0].list == ladder->triangles && cuts[0].first == from && cuts[0].scale == 1
-					&& 3 * (cuts[0].end - from) == v - splats);
-				assert_true(cuts[1].list == ladder->points && cuts[1].end - cuts[1].first == splats
-					&& cuts[1].scale == lod_ladder_curve(&scene.scene, ladder, share).scale);
+					&& cuts[0].end - from == leaves - left);
+				for (uint32_t i = 1; i < last; i++) {
+					const struct eco_list *list = &scene.lists[cuts[i].list];
+					double part = (double)left * list->primitive_count / cells;
+					assert_true(cuts[i].first == 0 && cuts[i].scale == 1 && list->owner == ladder->plant
+						&& cuts[i].end < part + 1 && cuts[i].end > part - 1);
+				}
+				assert_true(cuts[last].list == ladder->points && cuts[last].end - cuts[last].first == splats
+					&& cuts[last].scale == lod_ladder_curve(&scene.scene, ladder, lod_way_share(way, v)).scale);
+				seen = count - 2;
+				of_cells += left > 0;
 				tried++;
 			}
+			assert_true(cells ? seen + 1 == scene.scene.plants[ladder->plant].anchor_count : !seen);
 		}
 	}
-	assert_true(tried > 1000);
+	assert_true(tried > 1000 && of_cells > 1000);
 }
 
 /* Wood with lines and two levels. A sample of the curve stands between two of these: the first of the finer one with

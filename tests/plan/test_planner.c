@@ -226,13 +226,18 @@ UNIT_TEST(splats_that_are_as_right_and_sharper_are_drawn)
 	eco_plan_free(&plan);
 }
 
-/* Whether a cut is what stands before the splats of a list. */
+/* Whether a cut is what stands before the splats of a list: leaves of the whole plant, or of its cells. */
 static bool stands_before(const struct eco_cut *cut, uint32_t splats)
 {
 	for (uint32_t i = 0; i < scene.scene.ladder_count; i++) {
 		const struct eco_ladder *l = &scene.ladders[i];
-		if (l->points == splats && l->triangles == cut->list)
-			return cut->first == scene.lists[cut->list].primitive_count - l->total && cut->scale == 1;
+		uint32_t cells[ECO_FRONT_MAX], all = scene.lists[cut->list].primitive_count;
+		if (l->points != splats || l->triangles == ECO_NONE)
+			continue;
+		bool before = l->triangles == cut->list && cut->first == (all > l->total ? all - l->total : 0);
+		for (uint32_t k = eco_ladder_front(&scene.scene, l, cells); k-- > 0;)
+			before |= cells[k] == cut->list && cut->first == 0;
+		return before && cut->scale == 1;
 	}
 	return false;
 }

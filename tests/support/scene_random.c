@@ -151,9 +151,9 @@ static void add_impostor(struct scene_builder *b, struct eco_ladder *l, uint32_t
 	l->curve_count += levels;
 }
 
-/* A few levels, some with leaves behind them, and a curve that ends with an error, a small one or a large one. With
+/* A few levels, some with leaves before them, those of cells too, and a curve that ends with an error, a small one or a large one. With
  * more splats some miss more and cover less that is wrong. */
-static void add_splats(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor)
+static void add_splats(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor, uint32_t leaves)
 {
 	struct eco_ladder l = scene_ladder(b->scene.plant_count - 1, anchor, ECO_ORGAN_FOLIAGE);
 	uint32_t size = 1 + random_below(b, 1 + sizes->elements / 16), end = 0,
@@ -170,8 +170,13 @@ static void add_splats(struct scene_builder *b, const struct random_sizes *sizes
 	uint32_t full = end;
 	l.total = end;
 	if (end % 2) {
-		l.triangles = b->ladders[b->scene.ladder_count - 2].triangles;
-		l.total = (1 + b->lists[l.triangles].primitive_count) / 2;
+		uint32_t cells = 0;
+		for (uint32_t i = leaves + 1; i < b->scene.ladder_count; i++)
+			if (b->ladders[i].organ != ECO_ORGAN_WOOD)
+				cells += b->lists[b->ladders[i].triangles].primitive_count;
+		l.triangles = b->ladders[leaves].triangles;
+		l.total = b->lists[l.triangles].primitive_count;
+		l.total = cells ? l.total + cells : (1 + l.total) / 2;
 		full = end - (levels > 1 ? l.level_end[levels - 2] : 0) + 3 * l.total;
 	}
 	if (end > 1 && random_below(b, 2))
@@ -197,10 +202,9 @@ static void add_plant(struct scene_builder *b, const struct random_sizes *sizes)
 	float h = (float)random_real(b, 0.3, 25);
 	scene_add_plant(b, (struct eco_plant){ .height_m = h });
 	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, h / 2 }, h / 2 });
+	uint32_t whole = anchor, leaves = b->scene.ladder_count;
 	add_ladder(b, sizes, anchor, kind, 0, 0);
 	add_ladder(b, sizes, anchor, WOOD, cells ? ECO_LADDER_FAR : 0, 0);
-	if (sizes->splats && random_below(b, 4))
-		add_splats(b, sizes, anchor);
 	for (uint32_t c = 0; c < cells; c++) {
 		anchor =
 			scene_add_anchor(b,
@@ -210,6 +214,8 @@ static void add_plant(struct scene_builder *b, const struct random_sizes *sizes)
 		add_ladder(b, sizes, anchor, kind, ECO_LADDER_NEAR, random_below(b, 40));
 		add_ladder(b, sizes, anchor, WOOD, ECO_LADDER_NEAR, 0);
 	}
+	if (sizes->splats && random_below(b, 4))
+		add_splats(b, sizes, whole, leaves);
 }
 
 /* ---- Tiles ---- */

@@ -149,17 +149,19 @@ static void sample_levels(struct lod_curve_organ *curve)
 	add_sample(curve, 1, false);
 }
 
-#define BEFORE_STEP 1.4142135623730951   /* of vertices, from a number of leaves before splats to the next */
+/* Of vertices, from a number of leaves before splats to the next. */
+#define BEFORE_STEP 1.4142135623730951
+#define BEFORE_STEP_DRAFT 2.0
 
 /* Splats, then leaves before the last level, whose scale is searched. */
 static void sample_splats(struct lod_curve_organ *curve)
 {
 	struct lod_way way;
 	lod_way_begin(&way, &curve->probe->scene, lod_curve_member(curve, 0));
-	double splats = (double)lod_way_stage_end(&way);
+	double splats = (double)lod_way_stage_end(&way), step = curve->draft ? BEFORE_STEP_DRAFT : BEFORE_STEP;
 	sample_geometrically(curve, splats, 1 / curve->full);
 	add_sample(curve, splats / curve->full, false);
-	for (double v = BEFORE_STEP * splats; v < curve->full; v *= BEFORE_STEP)
+	for (double v = step * splats; v < curve->full; v *= step)
 		add_sample(curve, v / curve->full, true);
 }
 

@@ -108,7 +108,7 @@ void lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, cons
 	make_rasters(probe);
 	take_arrays(probe);
 	probe->scene = (struct eco_scene){ .lists = probe->lists, .list_count = plant->list_count,
-		.ladders = plant->ladders,
+		.plants = &plant->plant, .plant_count = 1, .ladders = plant->ladders,
 		.ladder_count = plant->ladder_count, .curves = plant->curves,
 		.curve_count = plant->curve_count, .chunks = probe->chunks };
 	for (uint32_t i = 0; i < plant->list_count; i++) {

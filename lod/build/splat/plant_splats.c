@@ -239,6 +239,7 @@ static struct lod_list_draft *add_list(struct lod_plant *plant, const struct eco
 static void add_front(const struct lod_plant *plant, struct eco_ladder *whole)
 {
 	bool leaves = false;
+	const struct eco_ladder *front = NULL;
 	for (uint32_t i = 0; i < plant->ladder_count; i++) {
 		const struct eco_ladder *l = &plant->ladders[i];
 		bool wood = l->organ == ECO_ORGAN_WOOD;
@@ -249,8 +250,15 @@ static void add_front(const struct lod_plant *plant, struct eco_ladder *whole)
 		if (count > whole->total || leaves == wood) {
 			whole->triangles = l->triangles;
 			whole->total = count;
+			front = l;
 		}
 		leaves |= !wood;
+	}
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
+		const struct eco_ladder *l = &plant->ladders[i];
+		if (front && l->flags & ECO_LADDER_NEAR && l->organ == front->organ && l->triangles != ECO_NONE
+				&& plant->lists[l->triangles].list.image == plant->lists[front->triangles].list.image)
+			whole->total += plant->lists[l->triangles].list.primitive_count;
 	}
 }
 
