@@ -332,7 +332,7 @@ static uint64_t fill_part(struct lod_fill *fill, struct lod_candidate *candidate
 {
 	uint64_t low = candidate->low,
 		to = candidate->count == 1 ? lod_way_floor(way_of(fill, candidate), low + left) : 0;
-	if (to <= low || !(lod_fill_error(fill, candidate, to) < lod_fill_error(fill, candidate, low)))
+	if (to <= low || lod_fill_error(fill, candidate, to) > lod_fill_error(fill, candidate, low))
 		return 0;
 	lod_candidate_reach(candidate, to);
 	return to - low;
