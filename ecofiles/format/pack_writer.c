@@ -210,7 +210,7 @@ static enum eco_code encode(struct eco_encoded *encoded, const struct eco_list *
 		chunk->elements = end - first;
 		chunk->primitives = count_primitives(elements, first, end);
 		code = partner ? eco_chunk_encode_form(&input, list, elements, &chunk->bytes, &chunk->size, error)
-			: eco_chunk_encode(&input, &chunk->bytes, &chunk->size, NULL, error);
+			: eco_chunk_encode(&input, &chunk->bytes, &chunk->size, error);
 	}
 	return code;
 }

@@ -1,9 +1,11 @@
 #include "lod/build/draft.h"
 
 #include <assert.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "lod/light.h"
 
 #define SMALLEST_CHUNK 32u       /* elements: small first chunks draw coarse plants from few bytes */
@@ -101,8 +103,44 @@ static void put_fine(const struct lod_mesh *mesh, struct eco_elements *e, uint32
 	put_corner(e, mesh->grid + 3 * (size_t)vertex, uv);
 }
 
+static void put_fans(struct lod_draft *draft, struct lod_list_draft *list, const struct lod_element *elements,
+	const uint8_t *growth, const uint32_t *items, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_element *e = &elements[items[i]];
+		int32_t uv[2 * ECO_CORNERS_MAX], *extra = begin_element(&list->elements, e->corners);
+		lod_element_uv(e, draft->mesh, uv);
+		for (uint32_t k = 0; k < e->corners; k++)
+			put_fine(draft->mesh, &list->elements, e->vertex[k], uv + 2 * k);
+		if (list->list.image == ECO_NONE) {
+			uint8_t rgb[3];
+			lod_organs_mean(draft->organs, e->triangle, e->corners - 2u, rgb);
+			*extra++ = (int32_t)lod_palette_index(draft->palette, rgb);
+		}
+		if (growth)
+			*extra = growth[items[i]];
+	}
+}
+
+/* Sorts `items` as they are decoded: what is measured is what clients draw. */
+static void take_order(const struct lod_list_draft *list, uint32_t *items)
+{
+	for (uint32_t c = 0, first = 0; c < list->end_count; first = list->ends[c++]) {
+		const struct eco_chunk_input input = { &list->list, &list->elements, first, list->ends[c], c };
+		uint32_t count = list->ends[c] - first, *order = eco_alloc(count, sizeof *order),
+			*sorted = eco_alloc(count, sizeof *sorted);
+		if (!eco_chunk_order(&input, order, NULL)) {     /* else packing says what does not fit */
+			for (uint32_t i = 0; i < count; i++)
+				sorted[i] = items[first + order[i]];
+			memcpy(items + first, sorted, count * sizeof *sorted);
+		}
+		free(sorted);
+		free(order);
+	}
+}
+
 uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *elements, const uint8_t *growth,
-	const uint32_t *items, uint32_t count, uint32_t image)
+	uint32_t *items, uint32_t count, uint32_t image)
 {
 	uint32_t corners = 0;
 	if (count == 0)
@@ -112,21 +150,12 @@ uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *eleme
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS,
 		(image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV) | (growth ? ECO_ATTR_GROWTH : 0), count,
 		corners, image, true });
-	for (uint32_t i = 0; i < count; i++) {
-		const struct lod_element *e = &elements[items[i]];
-		int32_t uv[2 * ECO_CORNERS_MAX], *extra = begin_element(&list->elements, e->corners);
-		lod_element_uv(e, draft->mesh, uv);
-		for (uint32_t k = 0; k < e->corners; k++)
-			put_fine(draft->mesh, &list->elements, e->vertex[k], uv + 2 * k);
-		if (image == ECO_NONE) {
-			uint8_t rgb[3];
-			lod_organs_mean(draft->organs, e->triangle, e->corners - 2u, rgb);
-			*extra++ = (int32_t)lod_palette_index(draft->palette, rgb);
-		}
-		if (growth)
-			*extra = growth[items[i]];
-	}
-	return finish_in_chunks(draft, list);
+	put_fans(draft, list, elements, growth, items, count);
+	uint32_t number = finish_in_chunks(draft, list);
+	take_order(list, items);
+	list->elements.element_count = list->elements.corner_count = list->elements.primitive_count = 0;
+	put_fans(draft, list, elements, growth, items, count);
+	return number;
 }
 
 /* ---- Other forms ---- */

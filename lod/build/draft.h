@@ -25,9 +25,9 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft);
  * `image`: of the plant, or ECO_NONE. */
 
 /* Elements items[0..count) as fans, with texture coordinates if there is an image, else with colours;
- * `growth`: a code for each of all elements, or NULL. */
+ * `growth`: a code for each of all elements, or NULL. `items` get the order in which they are decoded. */
 uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *elements, const uint8_t *growth,
-	const uint32_t *items, uint32_t count, uint32_t image);
+	uint32_t *items, uint32_t count, uint32_t image);
 
 /* Other forms of the elements of list `partner`, one each, in its order: those of `items`. */
 

@@ -402,7 +402,7 @@ static uint8_t level_of(const struct lod_build *b, const uint32_t *items, uint32
 
 /* The lists of items[0..count) under `ladder`. */
 static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder,
-	const uint32_t *items, uint32_t count)
+	uint32_t *items, uint32_t count)
 {
 	struct lod_arena_piece *mark = b->arena.last;
 	ladder->triangles = lod_draft_fans(&b->draft, b->elements.items, b->growth, items, count, group->image);

@@ -458,7 +458,7 @@ UNIT_TEST(coarse_heights_are_rounded_inside_only)
 				.element_count = e.element_count };
 			FREED_MEMORY uint8_t *bytes;
 			size_t size;
-			assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+			assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL), ECO_OK);
 			*(pass ? &rounded_bytes : &exact_bytes) += t->level > 0 ? size : 0;
 			chunk.size_bytes = (uint32_t)size;
 			assert_int_equal(eco_chunk_decode(&w.lists[i], &chunk, 0, bytes, size, &back, NULL),

@@ -202,6 +202,25 @@ static void check_form(const struct lod_list_draft *form)
 		<= 3 * fans->list.primitive_count);
 }
 
+static const int32_t *first_corner(const struct eco_elements *e, uint32_t element)
+{
+	uint32_t at = 0;
+	for (uint32_t i = 0; i < element; i++)
+		at += e->corners[i];
+	return e->position + 3 * (size_t)at;
+}
+
+/* Leaves are measured in the order in which clients decode them: elements that change places begin in one corner. */
+static void check_order(const struct eco_chunk_input *input)
+{
+	uint32_t count = input->end - input->first;
+	FREED_MEMORY uint32_t *order = malloc(count * sizeof *order);
+	assert_good(eco_chunk_order(input, order, &cause));
+	for (uint32_t i = 0; i < count; i++)
+		assert_true(order[i] == i || !memcmp(first_corner(input->elements, input->first + i),
+			first_corner(input->elements, input->first + order[i]), 3 * sizeof(int32_t)));
+}
+
 static void check_coded(const struct lod_list_draft *draft)
 {
 	const struct lod_list_draft *of = draft->list.coder == ECO_CODER_FORM ? &plant.lists[draft->list.partner]
@@ -211,7 +230,9 @@ static void check_coded(const struct lod_list_draft *draft)
 			{ &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
 		FREED_MEMORY uint8_t *bytes;
 		size_t size;
-		assert_good(of == draft ? eco_chunk_encode(&input, &bytes, &size, NULL, &cause)
+		if (of->list.coder == ECO_CODER_ELEMENTS && of->list.kind == ECO_LIST_TRIANGLES)
+			check_order(&input);
+		assert_good(of == draft ? eco_chunk_encode(&input, &bytes, &size, &cause)
 			: eco_chunk_encode_form(&input, &draft->list, &draft->elements, &bytes, &size, &cause));
 	}
 }

@@ -24,7 +24,7 @@ UNIT_TEST(every_truncation_is_refused)
 		struct eco_chunk chunk;
 		uint8_t *bytes, *copy;
 		size_t size;
-		assert_int_equal(kind_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		assert_int_equal(kind_encode(&input, &bytes, &size, NULL), ECO_OK);
 		chunk = kind_chunk(&in, 0, count, size);
 		for (size_t cut = 0; cut < size; cut++) {
 			struct eco_chunk shorter = chunk;
@@ -67,7 +67,7 @@ UNIT_TEST(every_flipped_bit_is_refused_or_bounded)
 		struct eco_chunk chunk;
 		FREED_MEMORY uint8_t *bytes;
 		size_t size;
-		assert_int_equal(kind_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		assert_int_equal(kind_encode(&input, &bytes, &size, NULL), ECO_OK);
 		chunk = kind_chunk(&in, 0, count, size);
 		for (size_t bit = 0; bit < 8 * size; bit++) {
 			bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
@@ -91,7 +91,7 @@ UNIT_TEST(counts_must_be_those_of_the_record)
 	struct eco_chunk chunk, wrong;
 	FREED_MEMORY uint8_t *bytes;
 	size_t size;
-	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL), ECO_OK);
 	chunk = kind_chunk(&in, 0, 50, size);
 	wrong = chunk;
 	wrong.element_count++;
@@ -124,7 +124,7 @@ UNIT_TEST(values_out_of_bounds_are_refused)
 	size_t size;
 	for (int i = 0; i < 2; i++) {
 		in.position[3 * 30] = values[i];
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_TOO_LARGE);
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL), ECO_TOO_LARGE);
 		assert_null(bytes);
 	}
 }

@@ -38,7 +38,7 @@ UNIT_TEST(connected_wood_is_small_and_keeps_its_texture)
 	struct eco_chunk chunk;
 	FREED_MEMORY uint8_t *bytes;
 	size_t size;
-	assert_good(eco_chunk_encode(&input, &bytes, &size, NULL, &cause));
+	assert_good(eco_chunk_encode(&input, &bytes, &size, &cause));
 	assert_int_equal(bytes[1], ECO_CODER_MESH);
 	/* Under 2 bytes a vertex for the positions and as much for texture and colours. */
 	assert_true(size < 41 * 41 * 4);
@@ -57,12 +57,12 @@ UNIT_TEST(parts_of_wood_keep_their_order)
 	const struct eco_chunk_input input = { &list, &in, 0, in.element_count, 2 };
 	FREED_MEMORY uint8_t *bytes;
 	size_t size, without;
-	assert_good(eco_chunk_encode(&input, &bytes, &without, NULL, &cause));
+	assert_good(eco_chunk_encode(&input, &bytes, &without, &cause));
 	free(bytes);
 	in.part = malloc(in.element_count * sizeof *in.part);
 	for (uint32_t i = 0; i < in.element_count; i++)
 		in.part[i] = (int32_t)(i / 400);
-	assert_good(eco_chunk_encode(&input, &bytes, &size, NULL, &cause));
+	assert_good(eco_chunk_encode(&input, &bytes, &size, &cause));
 	assert_int_equal(bytes[1], ECO_CODER_MESH);
 	assert_true(size < without + 200);       /* half a bit a triangle */
 	struct eco_chunk chunk = kind_chunk(&in, 0, in.element_count, size);
@@ -104,7 +104,7 @@ UNIT_TEST(no_wood_triangle_is_lost)
 		size_t size;
 		for (int c = 0; c < 12; c++)
 			memcpy(position + 3 * c, corners[cases[i][c / 3][c % 3]], 12);
-		assert_good(eco_chunk_encode(&input, &bytes, &size, NULL, &cause));
+		assert_good(eco_chunk_encode(&input, &bytes, &size, &cause));
 		chunk = kind_chunk(&in, 0, 4, size);
 		assert_good(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &cause));
 		assert_same_elements(&k, &in, 0, 4, &out, NULL);

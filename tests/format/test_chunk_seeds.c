@@ -22,7 +22,7 @@ static void write_seed(const char *name, const struct eco_list *list, const stru
 	FREED_MEMORY uint8_t *bytes;
 	char path[128];
 	size_t size;
-	assert_good(kind_encode(&input, &bytes, &size, NULL, &cause));
+	assert_good(kind_encode(&input, &bytes, &size, &cause));
 	eco_write_bytes(&w, head, sizeof head);
 	eco_write_bytes(&w, bytes, size);
 	snprintf(path, sizeof path, FOLDER "%s", name);

@@ -95,7 +95,9 @@ static void make_crown(struct crown *c, double steps, uint32_t every)
 static void encode(const struct crown *c, uint8_t **bytes, size_t *size, uint32_t *order)
 {
 	const struct eco_chunk_input input = { &c->list, &c->elements, 0, LEAVES, 3 };
-	assert_good(eco_chunk_encode(&input, bytes, size, order, &cause));
+	assert_good(eco_chunk_encode(&input, bytes, size, &cause));
+	if (order)
+		assert_good(eco_chunk_order(&input, order, &cause));
 }
 
 static enum eco_code decode(const struct crown *c, const uint8_t *bytes, size_t size,

@@ -61,7 +61,7 @@ static void encode_again(const struct eco_list *list, const struct eco_elements 
 	struct eco_error error = { 0 };
 	uint8_t *bytes;
 	size_t size;
-	assert(kind_encode(&input, &bytes, &size, NULL, &error) == ECO_OK);
+	assert(kind_encode(&input, &bytes, &size, &error) == ECO_OK);
 	free(bytes);
 }
 

@@ -125,7 +125,7 @@ struct eco_chunk kind_chunk(const struct eco_elements *e, uint32_t first, uint32
 	return chunk;
 }
 
-enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size, uint32_t *order,
+enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size,
 	struct eco_error *error)
 {
 	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS };
@@ -135,7 +135,7 @@ enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, 
 	const struct eco_chunk_input partner = { &fans, &of, input->first, input->end, input->ordinal };
 	enum eco_code code;
 	if (input->list->coder != ECO_CODER_FORM)
-		return eco_chunk_encode(input, bytes, size, order, error);
+		return eco_chunk_encode(input, bytes, size, error);
 	of.corners = malloc(count);
 	of.position = calloc(count, 36);
 	memset(of.corners, 3, count);

@@ -28,7 +28,7 @@ struct eco_list kind_list(const struct kind *k);
 struct eco_elements kind_elements(const struct kind *k, uint32_t count, uint64_t seed);
 struct eco_chunk kind_chunk(const struct eco_elements *e, uint32_t first, uint32_t end, size_t size);
 /* Forms are coded as those of triangles that all lie in one place, which keeps their order. */
-enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size, uint32_t *order,
+enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size,
 	struct eco_error *error);
 /* The decoded elements are [first, end) of those encoded: in `order`, or in any. */
 void assert_same_elements(const struct kind *k, const struct eco_elements *in, uint32_t first, uint32_t end,

@@ -276,7 +276,7 @@ static void encode_list(struct scene_builder *b, uint32_t id)
 		uint32_t elements = ends.ends[i] - input.first;
 		uint8_t *payload;
 		size_t size;
-		if (like == id ? eco_chunk_encode(&input, &payload, &size, NULL, NULL)
+		if (like == id ? eco_chunk_encode(&input, &payload, &size, NULL)
 				: eco_chunk_encode_form(&input, list, e, &payload, &size, NULL))
 			abort();
 		put_chunk(b, id, payload, size, e->corners[0] > 2 ? elements * (e->corners[0] - 2u)

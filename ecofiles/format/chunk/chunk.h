@@ -54,16 +54,19 @@
 /* Encodes elements [first, end) of `elements` as chunk number `ordinal` of `list` (kind, coder and
  * attributes must be set). ELEMENTS and KD sort inside the chunk (by corner count, then Morton; small
  * chunks at the start of a list keep their order, see chunk_encode.c) and the decoder permutes, so
- * decoding gives a permutation of the input. `order`, if not NULL, receives end - first indices: order[i]
- * is the input index, relative to first, of the i-th decoded element. It must be NULL for KD and MESH,
- * whose coders decide the order. Not for FORM. *bytes is malloc'ed. */
+ * decoding gives a permutation of the input. Not for FORM. *bytes is malloc'ed. */
 struct eco_chunk_input {
 	const struct eco_list *list;
 	const struct eco_elements *elements;
 	uint32_t first, end, ordinal;
 };
 enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes,
-	uint32_t *order, struct eco_error *error);
+	struct eco_error *error);
+
+/* Sets end - first indices: order[i] is the input index, relative to first, of the i-th decoded element. Only for
+ * ELEMENTS, and for ROWS, which keep the input's order: the coders KD and MESH decide theirs. Elements that are
+ * encoded in this order are decoded in it, but for those whose first corners are the same. */
+enum eco_code eco_chunk_order(const struct eco_chunk_input *input, uint32_t *order, struct eco_error *error);
 
 /* Whether elements [first, end) as a chunk of coder ELEMENTS are decoded in the order of the input, if all
  * have the same number of corners. */

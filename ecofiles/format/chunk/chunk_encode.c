@@ -180,18 +180,6 @@ static void add_streams(struct eco_payload *payload, const struct eco_chunk_inpu
 	}
 }
 
-/* order[i]: the input element that is decoded as the i-th. */
-static void report_order(const struct eco_chunk_input *input, const struct eco_stored *stored, uint32_t *order)
-{
-	uint32_t count = input->end - input->first;
-	for (uint32_t i = 0; i < count; i++)
-		order[i] = i;
-	if (input->list->coder == ECO_CODER_ELEMENTS)
-		eco_chunk_permutation(input->ordinal, count, order);
-	for (uint32_t i = 0; i < count; i++)
-		order[i] = stored[order[i]].element;
-}
-
 /* The payload's bytes in `best`, if nothing is there or they are fewer. Frees its streams. */
 static void keep_smaller(struct eco_writer *best, struct eco_payload *payload)
 {
@@ -240,21 +228,35 @@ static enum eco_code give(struct eco_writer *w, uint8_t **bytes, size_t *size_by
 		ECO_CHUNK_BYTES_MAX);
 }
 
+enum eco_code eco_chunk_order(const struct eco_chunk_input *input, uint32_t *order, struct eco_error *error)
+{
+	struct eco_stored *stored;
+	uint32_t count = input->end - input->first;
+	enum eco_code code = find_elements(input, &stored, error);
+	for (uint32_t i = 0; i < count; i++)
+		order[i] = i;
+	if (!code && input->list->coder == ECO_CODER_ELEMENTS) {
+		sort_elements(input, stored);
+		eco_chunk_permutation(input->ordinal, count, order);
+		for (uint32_t i = 0; i < count; i++)
+			order[i] = stored[order[i]].element;
+	}
+	free(stored);
+	return code;
+}
+
 enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes,
-	uint32_t *order, struct eco_error *error)
+	struct eco_error *error)
 {
 	uint8_t coder = input->list->coder;
 	struct eco_stored *stored;
 	struct eco_writer w = { 0 };
 	assert(coder != ECO_CODER_FORM && coder != ECO_CODER_BYTES);
-	assert(!order || coder == ECO_CODER_ELEMENTS || coder == ECO_CODER_ROWS);
 	enum eco_code code = find_elements(input, &stored, error);
 	if (!code) {
 		if (coder == ECO_CODER_ELEMENTS || coder == ECO_CODER_MESH)
 			sort_elements(input, stored);
 		encode_elements(input, stored, &w);
-		if (order)
-			report_order(input, stored, order);
 	}
 	free(stored);
 	enum eco_code given = give(&w, bytes, size_bytes, error);

@@ -83,7 +83,7 @@ static void feed_made(struct paper_scene *s, uint32_t id, const struct eco_list 
 		.element_count = made->element_count };
 	uint8_t *bytes;
 	size_t size;
-	paper_must(eco_chunk_encode(&input, &bytes, &size, NULL, paper_error));
+	paper_must(eco_chunk_encode(&input, &bytes, &size, paper_error));
 	chunk.size_bytes = (uint32_t)size;
 	chunk.id = eco_chunk_hash(bytes, size);
 	paper_must(view_store_events.list(s->store, id, list, (const uint8_t (*)[3])like->palette, NULL,
