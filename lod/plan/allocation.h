@@ -219,7 +219,7 @@ void lod_allocation_set_impostors(struct lod_allocation *allocation, const doubl
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
 /* The same of slots and gates alone, within the limits that there are: tiles stay as they are. */
 void lod_allocation_relax_plants(struct lod_allocation *allocation, double lambda);
-/* What is expected at the positions that choices have. */
+/* The picture that is expected at the positions that choices have. */
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
 	struct eco_error *error);
 
@@ -244,7 +244,7 @@ struct lod_lambda_search {
 };
 
 void lod_search_free(struct lod_lambda_search *s);       /* NULL is fine */
-/* Of the grid; 0 from LOD_LAMBDA_COUNT on. */
+/* A lambda of the grid; 0 from LOD_LAMBDA_COUNT on. */
 double lod_lambda_at(int index);
 #define LOD_LAMBDA_LEAST lod_lambda_at(LOD_LAMBDA_COUNT - 1)
 

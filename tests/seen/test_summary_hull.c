@@ -24,7 +24,7 @@ static struct lod_summary_view random_view(uint64_t *state)
 	return view;
 }
 
-/* What the first `points` save at a lambda: those of a summary that has no more. */
+/* The first `points` save so much at a lambda: those of a summary that has no more. */
 static double saved(const struct lod_summary_hull *summary, uint64_t points, double lambda)
 {
 	struct lod_summary_view view = summary->view;
