@@ -61,7 +61,7 @@ struct srv_sources;
 	X(response_max, 1ull << 31, "bytes of an answer") \
 	X(answers_max, 256u << 20, "memory of all answers that are being sent") \
 	X(plan_cache_bytes, 64u << 20, "of answers that are kept for repeated requests") \
-	X(plan_times, 5, "work of a plan, over an ordinary one of its scene (stream.h)") \
+	X(plan_times, 7, "work of a plan, over an ordinary one of its scene (stream.h)") \
 	X(keep_s, 600, "that chunks of a replaced pack are still served")
 
 struct srv_config {                      /* what it points to outlives the daemon */

@@ -127,11 +127,11 @@ uint64_t srv_work_left(const struct srv_stream *stream);         /* of the answe
 /* Work of the median request (struct lod_planner_stats), found at the first call, which takes about
  * SRV_TYPICAL_REQUESTS ordinary plans. Random requests to a wide scene mostly see little of it, and those
  * that see all need more than a few times that (lod/EXPERIMENTS.md, Wide scenes from the air). Therefore it
- * is at least a look at each plant, from SRV_TYPICAL_WORK_LEAST (.7 milliseconds) to SRV_TYPICAL_WORK_WIDE.
+ * is at least a look at each plant, from SRV_TYPICAL_WORK_LEAST (.5 milliseconds) to SRV_TYPICAL_WORK_WIDE.
  * Any thread. */
 #define SRV_TYPICAL_REQUESTS 63u
-#define SRV_TYPICAL_WORK_LEAST 100000u
-#define SRV_TYPICAL_WORK_WIDE 1000000u
+#define SRV_TYPICAL_WORK_LEAST 72000u
+#define SRV_TYPICAL_WORK_WIDE 720000u
 /* 0: *cancelled (may be NULL) was set meanwhile, and it was not found. */
 uint64_t srv_typical_find(struct srv_scene *scene, const atomic_bool *cancelled);
 /* Finds that of all scenes of a store. */

@@ -250,7 +250,7 @@ enum eco_code srv_send_rest(struct srv_stream *stream, struct eco_error *error)
 #define WORK_MOST 4000000u       /* of one of them: a scene so large is not asked for more */
 #define BYTES_EVERY 4u           /* requests with a byte budget */
 #define FAILED_MOST 4u           /* requests that need more tiles or plants than any may */
-#define PLANT_WORK 40u           /* least that is ordinary, for each plant of the scene */
+#define PLANT_WORK 29u           /* least that is ordinary, for each plant of the scene */
 
 static double between(uint64_t *state, double low, double high)
 {

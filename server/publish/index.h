@@ -28,7 +28,7 @@
 #define SRV_INDEX_MAGIC "ECOINDEX"
 #define SRV_INDEX_TABLE_MOST (1u << 26)  /* bytes of a table's records: a browser holds five times as many to read it */
 #define SRV_INDEX_NO_ROWS 1u             /* bytes of blocks that are not published, fewer than any block has */
-#define SRV_INDEX_PLAN_TIMES 5u          /* work of a plan, over that of an ordinary one: ecoserve's default */
+#define SRV_INDEX_PLAN_TIMES 7u          /* work of a plan, over that of an ordinary one: ecoserve's default */
 
 struct srv_index {
 	struct srv_scene scene;          /* holders, files, rows and outlook are not known */

@@ -120,7 +120,7 @@ static double q_within(struct eco_request request, uint64_t bytes)
 	struct srv_stream stream;
 	request.bytes = bytes;
 	assert_good(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = &request,
-		.work_max = srv_typical_find(sample, NULL) }, &cause));
+		.work_max = SCARCE / 3 }, &cause));
 	double q = eco_predicted_q(&stream.steps[stream.step_count - 1].plan.prediction);
 	srv_stream_free(&stream);
 	return q;
