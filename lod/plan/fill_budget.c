@@ -10,8 +10,6 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
-#define LAMBDA_MOST 1e60         /* beyond any at which something gains */
-
 /* ---- Candidates ---- */
 
 static double drawn_share(const struct lod_node *node) { return 1 - (double)node->left / ECO_SHARE_ONE; }
@@ -156,9 +154,9 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 	fill->lambda = 0;
 	if (fill->vertices > budget)
 		lod_fill_at(fill, fill->lambda = lambda);
-	for (double more = LOD_LAMBDA_STEP; fill->vertices > budget && fill->lambda < LAMBDA_MOST; more *= LOD_LAMBDA_FASTER)
+	for (double more = LOD_LAMBDA_STEP; fill->vertices > budget && fill->lambda < LOD_LAMBDA_MOST; more *= LOD_LAMBDA_FASTER)
 		lod_fill_at(fill, fill->lambda *= 1 + more);
-	fill->converged = fill->lambda < LAMBDA_MOST;
+	fill->converged = fill->lambda < LOD_LAMBDA_MOST;
 	sum_wrong(fill);
 }
 

@@ -13,6 +13,8 @@
 #include "lod/plan/allocation.h"
 #include "lod/plan/explain.h"
 
+#define LOD_LAMBDA_MOST 1e60     /* beyond any at which something gains, whatever a pack says */
+
 struct lod_candidate {               /* a ladder choice for the plants of its slot that are drawn, or a tile's
                                       * summary */
 	uint32_t ladder_choice, node; /* one of them is ECO_NONE */

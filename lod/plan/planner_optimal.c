@@ -109,7 +109,7 @@ static enum eco_code fix_structure(const struct lod_lambda_search *s, double lam
 	enum eco_code code = lod_fill_make(fill, s->allocation, error);
 	if (code)
 		return code;
-	lod_fill_search(fill, fmax(lambda, LOD_LAMBDA_LEAST), budget);
+	lod_fill_search(fill, fmin(fmax(lambda, LOD_LAMBDA_LEAST), lod_lambda_at(0)), budget);
 	*wrong = fill->vertices <= budget ? fill->wrong + closed_wrong(s->allocation) : INFINITY;
 	return ECO_OK;
 }
@@ -142,7 +142,7 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 	if (!code && !(wrong < INFINITY)) { /* hull points are whole, so a lambda that fits in the mean may
 	                                     * not fit; choosing nothing does */
 		lod_fill_free(&fill);
-		code = fix_structure(s, lod_lambda_at(0), budget, &fill, &wrong, error);
+		code = fix_structure(s, LOD_LAMBDA_MOST, budget, &fill, &wrong, error);
 	}
 	if (!code && s->exact && lambda > 0)
 		code = lod_fill_few(&fill, budget, error);

@@ -243,6 +243,30 @@ static struct eco_holdings summaries_of(const struct eco_scene *scene)
 	return held;
 }
 
+static struct eco_view view_of_bushes(struct scene_builder *b, double farthest)
+{
+	const double away = random_real(b, 50, farthest), turn = random_real(b, 0, 6.28);
+	return (struct eco_view){ .target = { 40, 40, 0 }, .eye = { 40 + away * cos(turn), 40 + away * sin(turn),
+		0.4 * away }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 1920, .height = 1080 };
+}
+
+/* At the highest lambda of the grid plants of such a pack still gain: no tile and no gate may need them. */
+UNIT_TEST(plants_of_the_greatest_importance_stay_within_the_vertices)
+{
+	uint64_t bytes = 0;
+	struct scene_builder b = { 0 };
+	make_bushes(&b);
+	for (uint32_t i = 0; i < b.scene.ladder_count; i++)
+		b.ladders[i].importance = 1e9f;
+	for (int i = 0; i < 100; i++) {
+		const struct eco_view view = view_of_bushes(&b, 350);
+		bytes += bytes_of(&b.scene, &view, UINT64_C(1) << random_below(&b, 10), i % 2 ? ECO_BYTES_UNBOUNDED : 9000,
+			NULL, NULL);
+	}
+	scene_free(&b);
+	assert_true(bytes > 0);
+}
+
 /* Whether the choice of a tile with a summary draws a part of both. */
 static bool draws_both(const struct lod_allocation *m, uint32_t n)
 {
