@@ -10,7 +10,7 @@
 
 #define CELLS_MOST (1u << 26)            /* of plants, whatever a pack says */
 
-/* Deussen's rule knows no bytes: vertices are searched for it. */
+/* Deussen's rule knows no bytes: it is asked again for less. */
 static bool knows_bytes(const struct lod_planner_input *input)
 {
 	return !input->rule || input->rule == lod_rule_optimal || input->request->bytes == ECO_BYTES_UNBOUNDED;
@@ -118,7 +118,8 @@ static enum eco_code add_coarser(struct lod_planner *p, const struct eco_plan *p
 	return code;
 }
 
-static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_input *input,
+/* `image_price`: of the ground's image, for a rule that knows no bytes. */
+static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_input *input, double image_price,
 	struct lod_planner_stats *stats, struct eco_error *error)
 {
 	struct lod_planner p;
@@ -126,8 +127,7 @@ static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_i
 	if (input->explanation)
 		lod_explain_begin(input->explanation, input->work_max);
 	enum eco_code code = lod_planner_begin(&p, input, error);
-	if (!code && !knows_bytes(input))
-		p.image_price = LOD_IMAGE_PRICE;
+	p.image_price = image_price;
 	if (!code)
 		code = plan_by_rule(&p, plan, error);
 	*stats = (struct lod_planner_stats){ p.looks, p.visible.places, 0, p.cheapest, p.level,
@@ -143,6 +143,33 @@ static enum eco_code plan_once(struct eco_plan *plan, const struct lod_planner_i
 	return code;
 }
 
+/* For a rule that knows no bytes: plans with a share of the vertices, and an image as much dearer. It falls until a
+ * plan fits, faster each time, as bytes of textures hardly fall with vertices; then halves the way to more. */
+static enum eco_code search_share(struct eco_plan *plan, const struct lod_planner_input *input,
+	struct eco_request *request, struct lod_planner_stats *stats, struct eco_error *error)
+{
+	const uint64_t all = plan->vertices;
+	uint64_t work = stats->work;
+	double share = 1, part = 1, fits = 0, over = 1;
+	enum eco_code code = ECO_OK;
+	request->ground_px = plan->ground_px;
+	for (uint32_t left = LOD_SEARCH_PART - 1; !code && left > 0; left--) {
+		const double used = (double)stats->bytes / (double)request->bytes;
+		*(used <= 1 ? &fits : &over) = share;
+		if (used <= 1 && (used >= LOD_SEARCH_MOST || left == 1))
+			break;
+		part *= fmin(LOD_SEARCH_MOST, LOD_SEARCH_MOST / used);
+		share = left == 1 ? fits : fits > 0 ? sqrt(fits * over) : share * part;
+		request->vertices = (uint64_t)(share * (double)all);
+		eco_plan_free(plan);
+		code = plan_once(plan, input, fmin(LOD_IMAGE_PRICE / share, ldexp(1, (int)LOD_PRICE_HIGHEST)), stats, error);
+		work += stats->work;
+		left = request->vertices ? left : 1;
+	}
+	stats->work = work;
+	return code;
+}
+
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
 {
 	struct lod_planner_stats stats;
@@ -151,18 +178,9 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	assert(request.vertices <= ECO_VERTICES_MAX);
 	within.request = &request;
 	within.work_max /= knows_bytes(input) ? 1 : LOD_SEARCH_PART;
-	enum eco_code code = plan_once(plan, &within, &stats, error);
-	uint64_t work = stats.work;
-	/* a rule that knows no bytes has fewer vertices, about as many times as the bytes are too many, and none at last */
-	for (uint32_t left = LOD_SEARCH_PART; !code && left-- > 0 && request.vertices && !knows_bytes(input)
-			&& stats.bytes > request.bytes; work += stats.work) {
-		double part = fmin(LOD_SEARCH_MOST, LOD_SEARCH_MOST * (double)request.bytes / (double)stats.bytes);
-		request.vertices = left > 1 ? (uint64_t)(part * (double)plan->vertices) : 0;
-		request.ground_px = plan->ground_px;
-		eco_plan_free(plan);
-		code = plan_once(plan, &within, &stats, error);
-	}
-	stats.work = work;
+	enum eco_code code = plan_once(plan, &within, knows_bytes(input) ? 0 : LOD_IMAGE_PRICE, &stats, error);
+	if (!code && stats.bytes > request.bytes && !knows_bytes(input))
+		code = search_share(plan, &within, &request, &stats, error);
 	if (code)
 		eco_plan_free(plan);
 	if (input->stats)

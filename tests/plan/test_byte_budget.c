@@ -267,6 +267,29 @@ UNIT_TEST(plants_of_the_greatest_importance_stay_within_the_vertices)
 	assert_true(bytes > 0);
 }
 
+/* Within half of the bytes of a plan a rule that knows none draws less of the ground's image and fewer vertices. */
+UNIT_TEST(a_rule_that_knows_no_bytes_uses_most_of_them)
+{
+	double used = 0;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, 1, 3);
+		struct eco_request request = { .view = random_view(&pack->r), .vertices = 2000,
+			.bytes = ECO_BYTES_UNBOUNDED };
+		const struct lod_planner_input input = { .scene = &pack->pack.scene, .request = &request,
+			.rule = lod_rule_deussen, .sent = true };
+		struct eco_plan plan;
+		request.bytes = plan_make(&plan, input).bytes / 2;
+		eco_plan_free(&plan);
+		const uint64_t bytes = plan_make(&plan, input).bytes;
+		assert_true(bytes <= request.bytes && plan.vertices > 0);
+		used += (double)bytes / (double)request.bytes;
+		eco_plan_free(&plan);
+		random_pack_free(pack);
+	}
+	print_message("%.3f of the bytes\n", used / SCENES);
+	assert_true(used > 0.75 * SCENES);
+}
+
 /* Whether the choice of a tile with a summary draws a part of both. */
 static bool draws_both(const struct lod_allocation *m, uint32_t n)
 {
