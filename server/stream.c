@@ -1,4 +1,4 @@
-/* Longer than 600 lines: steps, byte budgets and ground are made of one another's. */
+/* See server/stream.h. */
 #include "server/stream.h"
 
 #include <assert.h>

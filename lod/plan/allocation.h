@@ -91,9 +91,9 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	struct lod_cost cells;       /* at the last lambda: all cells of all its plants */
 };
 
-/* While a picture is predicted: pixels that a plant or cell of a slot covers, and what of these is wrong, seen from the
- * side and from above; of whole plants a share of the pixels in the end. [1] of those with a hash below near_end, which
- * draw cells. */
+/* While a picture is predicted: pixels that a plant or cell of a slot covers, and wrong ones, seen from the side and
+ * from above; in the end wrong ones of whole plants are over those that they cover. [1]: those with a hash below
+ * near_end, which draw cells. */
 struct lod_slot_wrong { uint32_t near_end; double px[2]; struct lod_wrong at[2], above[2]; };
 
 struct lod_impostor_use {            /* levels of a plant's impostor, lod/plan/texture_levels.h */
@@ -102,7 +102,7 @@ struct lod_impostor_use {            /* levels of a plant's impostor, lod/plan/t
 };
 
 struct lod_tile_choice {
-		bool open, has_summary;      /* its plants were counted; it has a summary that can be drawn */
+	bool open, has_summary;      /* its plants were counted; it has a summary that can be drawn */
 	double closed_most;          /* share of its plants that may be left to the summary */
 	bool opened;                 /* at the last lambda: share is at least a half */
 	double share;                /* at the last lambda: how far the summary has given way to plants and
@@ -223,7 +223,8 @@ void lod_allocation_relax_plants(struct lod_allocation *allocation, double lambd
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
 	struct eco_error *error);
 
-/* After relax: what a tile's plants and children save at lambda, vertices paid, and what its summary saves. The tile is open and has a summary. */
+/* After relax: what a tile's plants and children save at lambda, vertices paid, and what its summary saves. The tile
+ * is open and has a summary. */
 void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants,
 	double *summary);
 
@@ -272,7 +273,7 @@ enum eco_code lod_uses_make(struct lod_allocation *allocation, struct eco_error 
 void lod_uses_sum_cells(struct lod_allocation *allocation);
 /* Sets near and each, once gates are. */
 void lod_uses_set_each(struct lod_allocation *allocation);
-/* The cost of a tile's own plants, without bytes and what is seen from above. */
+/* The cost of a tile's own plants, without bytes. */
 struct lod_cost lod_uses_cost(const struct lod_allocation *allocation, uint32_t node);
 /* Sets drawn and seen, once tiles have chosen. */
 void lod_uses_sum_drawn(struct lod_allocation *allocation);

@@ -40,7 +40,7 @@ plan: the last option that fits, not the best @ s,if (wrong < to\[b\]),if (wrong
 @ test_visibility lod/seen/visibility.c
 plan: crowns take no light @ s,row\[c\] \*= 1 - taken;,row[c] *= 1;,
 @ test_summary_hull lod/seen/summary_hull.c
-plan: half of a summary's points are never drawn @ s,shift >= 0; shift -=,shift > 0; shift -=,
+plan: a quarter of a summary's points is the most @ s,- 1; i-- > 0;),- 1; i-- > 1;),
 @ test_best lod/plan/fill_few.c
 few plants: no ladder for the whole plant @ s,for (uint32_t k = 0\, id = s->ladder_choice_first,for (uint32_t k = s->whole_count\, id = s->ladder_choice_first,
 few plants: hull points alone @ s,if (k + 1 < hull->count),if (k + 1 < hull->count \&\& k > hull->count),
