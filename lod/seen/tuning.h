@@ -151,7 +151,7 @@
 
 /* ---- Search for lambda, and levels of detail ---- */
 #define LOD_LAMBDA_HIGHEST 30  /* octaves: more pixels than a picture can have */
-#define LOD_LAMBDA_TRIES 5  /* halvings between two grid lambdas, ... */
+#define LOD_LAMBDA_TRIES 6  /* halvings between two grid lambdas, ... */
 #define LOD_LAMBDA_SLACK 0.001  /* ... which ends when no more than this share of the budget is unused */
 #define LOD_LAMBDA_UNUSED 0.01  /* a larger share asks for other tiles and gates, of few plants in view */
 #define LOD_TILES_PX 0.5  /* sample distance to which tiles are opened, ... */
