@@ -11,6 +11,8 @@
  *                                                    for all after it; high where it does for none */
 #pragma once
 
+#include <stdint.h>
+
 #define ECO_ORDER_BY(name, type, order) \
 	static int name(const void *one, const void *two) \
 	{ \
@@ -24,6 +26,22 @@
 	ECO_ORDER_BY(name, type, x first != y first ? ECO_RISES(x, y, first) : ECO_RISES(x, y, second))
 #define ECO_ORDER_FALLING_TWO(name, type, first, second) \
 	ECO_ORDER_BY(name, type, x first != y first ? ECO_RISES(y, x, first) : ECO_RISES(x, y, second))
+
+/* Along a Morton curve through cells of `axes` numbers, without interleaving bits: the axis whose highest
+ * differing bit is highest decides (Chan 2002), of equals the first. */
+static inline int eco_order_cells(const uint32_t *a, const uint32_t *b, int axes)
+{
+	uint32_t most = 0;
+	int axis = 0;
+	for (int i = 0; i < axes; i++) {
+		uint32_t d = a[i] ^ b[i];
+		if (most < d && most < (most ^ d)) {
+			most = d;
+			axis = i;
+		}
+	}
+	return ECO_RISES(a, b, [axis]);
+}
 
 #define ECO_LEAST(low, high, i, holds) \
 	while (low < high) { \

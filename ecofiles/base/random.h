@@ -35,13 +35,8 @@ static inline uint32_t eco_random_slot(uint32_t a, uint32_t b, uint32_t c)
 	return (uint32_t)(h >> 32);
 }
 
-/* One of `count` models of a plant, and a yaw in 1/65536 turns: independent bits of one hash. */
+/* One of `count` models of a plant. */
 static inline uint32_t eco_random_variant(uint64_t seed, uint64_t number, uint32_t count)
 {
 	return count <= 1 ? 0 : (uint32_t)((eco_random(seed, number) >> 32) % count);
-}
-
-static inline uint16_t eco_random_angle16(uint64_t seed, uint64_t number)
-{
-	return (uint16_t)eco_random(seed, number);
 }

@@ -86,7 +86,7 @@ struct make_plant {              /* a model on its way into the pack */
 struct make_place {
 	double at[3], scale;
 	uint32_t plant, species, file, row, line, cells;
-	uint16_t turn;
+	double yaw_deg;              /* NaN: any */
 	uint8_t width;               /* a code for eco_place_width */
 	uint32_t tint;               /* of eco_tints_value while rows are read, then a class of the eco file's */
 };

@@ -117,7 +117,7 @@ static void place_instances(struct make *m, uint32_t source)
 			.at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
 			.scale = scale_for(m, plant, instance->scale, instance->height_m),
 			.species = species_of(m, source, instance->plant, NULL),
-			.turn = eco_angle16_from_deg(instance->yaw_deg) });
+			.yaw_deg = instance->yaw_deg });
 	}
 }
 
@@ -213,7 +213,7 @@ static void read_rows(struct make *m, uint32_t source, struct eco_positions *rea
 		struct make_place place = { .plant = plant,
 			.at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
 			.scale = row_scale(m, plant, &row), .species = species_of(m, source, row.plant, row.species),
-			.turn = eco_angle16_from_deg(row.yaw_deg) };
+			.yaw_deg = row.yaw_deg };
 		place.width = row_width(m, plant, &row, place.scale);
 		place.tint = eco_tints_value(&m->ecos[source].tints, &spec->tint, row.tint);
 		note_row(m, &place, reader, number + 1, &row);
@@ -279,7 +279,7 @@ static void place_scatters(struct make *m, uint32_t source)
 				.at = { row.at[0], row.at[1], on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
 				.scale = scale_for(m, plant, 1, row.height_m),
 				.species = species_of(m, source, row.plant, NULL),
-				.turn = eco_angle16_from_deg(row.yaw_deg) });
+				.yaw_deg = NAN });
 		}
 		eco_scatter_report(scatter, note, path);
 		eco_scatter_close(scatter);

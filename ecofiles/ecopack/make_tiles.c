@@ -8,6 +8,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/angle16.h"
@@ -20,16 +21,16 @@
 /* Plants of one leaf, in order: eco->places[items[0 .. count)]. */
 struct stand {
 	const struct make_eco *eco;
-	const uint32_t *items;
+	uint32_t *items;
 	uint32_t tile, count, group_first, group_count;      /* groups: of the scene's table */
 };
 
 /* Their list, and the same as a range of the scene's places. */
 struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; };
 
-#define HEIGHT_STEPS 2048.0      /* of the smallest plant's height, at least */
-#define TURN_STEP 8u             /* of 65536: a plant as wide as high moves by its height / 5215 at its rim */
-#define SCALE_BITS 13
+#define HEIGHT_STEPS 512.0       /* of the smallest plant's height, at least */
+#define TURN_STEP 32u            /* of 65536: a plant as wide as high moves by its height / 1304 at its rim */
+#define SCALE_BITS 11
 
 /* One grid for all. A plant at [0, 0, 0] stands there exactly. */
 static void instance_grid(const struct make *m, const struct stand *stand, struct eco_list *list)
@@ -50,11 +51,47 @@ static void instance_grid(const struct make *m, const struct stand *stand, struc
 	lod_grid_place(list, low, high, step);
 }
 
-/* Turns and scales are as exact as places: off by less than a plant's height / 4096, half a pixel where it
- * fills a picture 2048 pixels high (lod/EXPERIMENTS.md, Coarser grids). */
-static int32_t round_turn(uint16_t turn)
+static int32_t round_to(const struct eco_list *list, const double at[3], int axis)
 {
-	return (uint16_t)((turn + TURN_STEP / 2) / TURN_STEP * TURN_STEP);
+	return (int32_t)floor((at[axis] - list->grid_origin[axis]) / list->grid_step[axis] + 0.5);
+}
+
+struct standing { uint32_t item, plant, cell[2]; };
+
+static int by_plant_and_cell(const void *one, const void *two)
+{
+	const struct standing *a = one, *b = two;
+	int cells = eco_order_cells(a->cell, b->cell, 2);
+	return a->plant != b->plant ? ECO_RISES(a, b, ->plant) : cells ? cells : ECO_RISES(a, b, ->item);
+}
+
+/* Each plant's in the order in which places take fewest bits (chunk_columns.h). */
+static void sort_stand(const struct stand *stand, const struct eco_list *list)
+{
+	struct standing *all = eco_alloc(stand->count, sizeof *all);
+	int32_t low[2] = { INT32_MAX, INT32_MAX };
+	for (int pass = 0; pass < 2; pass++)
+		for (uint32_t k = 0; k < stand->count; k++) {
+			const struct make_place *p = &stand->eco->places[stand->items[k]];
+			int32_t x = round_to(list, p->at, 0), y = round_to(list, p->at, 1);
+			low[0] = x < low[0] ? x : low[0];
+			low[1] = y < low[1] ? y : low[1];
+			all[k] = (struct standing){ stand->items[k], p->plant,
+				{ (uint32_t)(x - low[0]), (uint32_t)(y - low[1]) } };
+		}
+	qsort(all, stand->count, sizeof *all, by_plant_and_cell);
+	for (uint32_t k = 0; k < stand->count; k++)
+		stand->items[k] = all[k].item;
+	free(all);
+}
+
+/* Turns and scales are as exact as places: off by less than a plant's height / 1024, half a pixel where it
+ * fills a picture 512 pixels high (lod/EXPERIMENTS.md, Coarser grids). */
+static int32_t turn_of(const struct make_place *place, const int32_t position[3])
+{
+	if (isnan(place->yaw_deg))
+		return eco_place_turn(position);
+	return (uint16_t)((eco_angle16_from_deg(place->yaw_deg) + TURN_STEP / 2) / TURN_STEP * TURN_STEP);
 }
 
 static int32_t round_scale(double scale)
@@ -95,19 +132,18 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	}
 	e.extra_count = eco_list_extra_count(&made->list);
 	instance_grid(m, stand, &made->list);
+	sort_stand(stand, &made->list);
 	for (uint32_t k = 0; k < count; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];
 		e.corners[k] = 1;
 		for (size_t axis = 0; axis < 3; axis++)
-			e.position[3 * (size_t)k + axis] =
-				(int32_t)floor((p->at[axis] - made->list.grid_origin[axis])
-				/ made->list.grid_step[axis] + 0.5);
+			e.position[3 * (size_t)k + axis] = round_to(&made->list, p->at, (int)axis);
 		int32_t *extra = e.extra + (size_t)k * e.extra_count;
 		if (made->list.attributes & ECO_ATTR_COLOR)
 			*extra++ = (int32_t)p->tint;
 		if (made->list.attributes & ECO_ATTR_WIDTH)
 			*extra++ = p->width;
-		extra[0] = round_turn(p->turn);
+		extra[0] = turn_of(p, e.position + 3 * (size_t)k);
 		extra[1] = round_scale(p->scale);
 		struct eco_place twin = eco_place_of(&made->list, &e, k);
 		eco_record_write(&made->twin, ECO_SECTION_PLACES, &twin);

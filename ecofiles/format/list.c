@@ -1,4 +1,5 @@
 /* Properties of lists that need no decoding. */
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/list.h"
 
 #include <assert.h>
@@ -146,6 +147,11 @@ const struct eco_group *eco_list_groups(const struct eco_scene *scene, uint32_t 
 		group++;
 	assert(group < end);
 	return group;
+}
+
+uint16_t eco_place_turn(const int32_t at[3])
+{
+	return (uint16_t)(eco_random_slot((uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]) >> 26 << 10);
 }
 
 struct eco_place eco_place_of(const struct eco_list *list, const struct eco_elements *instances, uint32_t index)

@@ -176,6 +176,9 @@ static inline bool eco_list_is_wood(const struct eco_list *list)
 	return list->coder == ECO_CODER_MESH || (list->kind == ECO_LIST_LINES && list->coder == ECO_CODER_ELEMENTS);
 }
 
+/* The turn of an instance whose yaw nobody gave: one of 64, by its position on the list's grid. */
+uint16_t eco_place_turn(const int32_t position[3]);
+
 /* Vertices of one primitive of the list: 1, 2 or 3; 0 for instances, ground and images. */
 uint32_t eco_list_vertices(const struct eco_list *list);
 

@@ -40,7 +40,7 @@
 
 #include "ecofiles/format/list.h"
 
-#define ECO_PACK_VERSION 27u
+#define ECO_PACK_VERSION 28u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #define LENGTH_ONE 64            /* code of a half axis as long as the unit */
+#define TURN_NONE 16
 
 static int32_t clamp(int32_t code, uint32_t count)
 {
@@ -47,7 +48,7 @@ void eco_splat_read(struct eco_splat *splat, const int32_t code[ECO_SPLAT_CODES]
 {
 	float v[3], square = 0;
 	for (int k = 0; k < 3; k++) {
-		v[k] = (float)(clamp(code[3 + k], ECO_SPLAT_TURNS) - 64) / ECO_SPLAT_TURN;
+		v[k] = (float)(clamp(code[3 + k], ECO_SPLAT_TURNS) - TURN_NONE) / ECO_SPLAT_TURN;
 		square += v[k] * v[k];
 	}
 	float w = square < 1 ? sqrtf(1 - square) : 0, x = v[0], y = v[1], z = v[2];
@@ -144,7 +145,7 @@ void eco_splat_write(int32_t code[ECO_SPLAT_CODES], const struct eco_splat *spla
 		int i = (k + 1) % 3, j = (k + 2) % 3;
 		float v = (turned[i][j] - turned[j][i]) / (4 * w);
 		code[k] = length_code(unit > 0 ? length[orders[chosen][k]] / unit : 0);
-		code[3 + k] = clamp((int32_t)floorf(v * ECO_SPLAT_TURN + 0.5f) + 64, ECO_SPLAT_TURNS);
+		code[3 + k] = clamp((int32_t)floorf(v * ECO_SPLAT_TURN + 0.5f) + TURN_NONE, ECO_SPLAT_TURNS);
 	}
 	code[6] = clamp((int32_t)floorf(splat->opacity * ECO_SPLAT_OPACITIES + 0.5f) - 1,
 		ECO_SPLAT_OPACITIES) + (splat->wood ? (int32_t)ECO_SPLAT_OPACITIES : 0);

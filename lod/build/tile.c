@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "lod/build/summary.h"
 
 #define BOUND_STEPS 256.0        /* of a leaf, by which its bounds may be wider */
@@ -25,15 +26,6 @@ struct build {
 	uint32_t most, node_capacity;
 	uint32_t *scratch;           /* as long as order */
 };
-
-/* Interleaves the bits of two coordinates, x lowest. */
-static uint64_t morton(uint32_t x, uint32_t y)
-{
-	uint64_t code = 0;
-	for (int bit = 0; bit < 32; bit++)
-		code |= (uint64_t)(x >> bit & 1) << (2 * bit) | (uint64_t)(y >> bit & 1) << (2 * bit + 1);
-	return code;
-}
 
 static uint32_t add_node(struct build *b, uint32_t first, uint32_t count)
 {
@@ -65,36 +57,17 @@ static void part(struct build *b, uint32_t first, uint32_t count, double x, doub
 
 /* ---- Leaves ---- */
 
-struct sorting { uint32_t plant, item; uint64_t key; };
+struct sorting { uint32_t plant, item; };
+ECO_ORDER_TWO(by_plant, struct sorting, ->plant, ->item)
 
-static int by_plant_and_place(const void *a, const void *b)
-{
-	const struct sorting *x = a, *y = b;
-	if (x->plant != y->plant)
-		return x->plant < y->plant ? -1 : 1;
-	if (x->key != y->key)
-		return x->key < y->key ? -1 : 1;
-	return x->item < y->item ? -1 : x->item > y->item;
-}
-
-static uint32_t grid16(double v, double low, double side)
-{
-	double cell = side > 0 ? floor((v - low) / side * 65536.0) : 0;
-	return cell < 0 ? 0 : cell > 65535 ? 65535 : (uint32_t)cell;
-}
-
-static void sort_leaf(struct build *b, uint32_t first, uint32_t count, const struct square *square)
+static void sort_leaf(struct build *b, uint32_t first, uint32_t count)
 {
 	struct sorting *sorting = eco_alloc(count, sizeof *sorting);
 	uint32_t *order = b->tiles->order + first;
-	for (uint32_t i = 0; i < count; i++) {
-		const struct lod_tile_item *item = &b->items[order[i]];
-		sorting[i] = (struct sorting){ item->plant, order[i],
-			morton(grid16(item->at[0], square->x, square->side),
-			grid16(item->at[1], square->y, square->side)) };
-	}
+	for (uint32_t i = 0; i < count; i++)
+		sorting[i] = (struct sorting){ b->items[order[i]].plant, order[i] };
 	if (count > 1)
-		qsort(sorting, count, sizeof *sorting, by_plant_and_place);
+		qsort(sorting, count, sizeof *sorting, by_plant);
 	for (uint32_t i = 0; i < count; i++)
 		order[i] = sorting[i].item;
 	free(sorting);
@@ -143,10 +116,9 @@ static bool few(const struct build *b, uint32_t first, uint32_t count)
 }
 
 /* Items that no square separates, in equal parts, plant by plant. */
-static void part_evenly(struct build *b, uint32_t first, uint32_t count, const struct square *square,
-	uint32_t ends[4])
+static void part_evenly(struct build *b, uint32_t first, uint32_t count, uint32_t ends[4])
 {
-	sort_leaf(b, first, count, square);
+	sort_leaf(b, first, count);
 	for (uint32_t q = 0; q < 4; q++)
 		ends[q] = first + (uint32_t)((uint64_t)count * (q + 1) / 4);
 }
@@ -158,12 +130,12 @@ static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct sq
 	for (;; depth++) {
 		if (few(b, first, count)) {
 			uint32_t leaf = add_node(b, first, count);
-			sort_leaf(b, first, count, &square);
+			sort_leaf(b, first, count);
 			hold_items(b, &b->tiles->nodes[leaf]);
 			return leaf;
 		}
 		if (depth >= DEPTH_MAX) {
-			part_evenly(b, first, count, &square, ends);
+			part_evenly(b, first, count, ends);
 			break;
 		}
 		double half = square.side / 2;

@@ -2,7 +2,7 @@
  * 2002, 6.2); items at one place are split by their number.
  *
  *   lod_tiles_build(&tiles, items, count, 128);
- *   for each node, parents first: bounds, children; a leaf's items, by plant, each plant's in Morton order
+ *   for each node, parents first: bounds, children; a leaf's items, by plant, then by number
  *   lod_tiles_free(&tiles);
  *
  * An item belongs to the tile of its foot; bounds hold whole bodies. */

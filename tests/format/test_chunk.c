@@ -1,5 +1,7 @@
 /* Chunks: what is encoded is decoded, whatever the coder, in the order that was promised; the format is
  * fixed. */
+#include "ecofiles/base/order.h"
+#include "ecofiles/base/random.h"
 #include "tests/support/chunk_kinds.h"
 
 UNIT_TEST(what_goes_in_comes_out)
@@ -24,6 +26,58 @@ UNIT_TEST(what_goes_in_comes_out)
 		assert_int_equal(out.primitive_count, chunk.primitive_count);
 		assert_same_elements(k, &in, first, end, &out, order);
 	}
+}
+
+#define PLACES 128u
+
+static int by_cell(const void *a, const void *b) { return eco_order_cells(a, b, 2); }
+
+/* Bytes of plants at those x, y and z, which come back as they are. */
+static size_t bytes_of_places(const uint32_t (*at)[3], bool turned)
+{
+	const struct eco_list list = { .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS,
+		.attributes = ECO_ATTR_PLACE, .image = ECO_NONE, .partner = ECO_NONE };
+	uint8_t corners[PLACES];
+	int32_t position[3 * PLACES], extra[2 * PLACES];
+	const struct eco_elements in = { .element_count = PLACES, .corner_count = PLACES,
+		.primitive_count = PLACES, .corners = corners, .position = position, .extra = extra, .extra_count = 2 };
+	const struct eco_chunk_input input = { &list, &in, 0, PLACES, 0 };
+	FREED(eco_elements) out;
+	FREED_MEMORY uint8_t *bytes;
+	size_t size;
+	memset(corners, 1, sizeof corners);
+	for (uint32_t i = 0; i < PLACES; i++) {
+		memcpy(position + 3 * (size_t)i, at[i], sizeof *at);
+		extra[2 * i] = turned ? (uint16_t)(eco_random(2, i) << 10) : eco_place_turn(position + 3 * (size_t)i);
+		extra[2 * i + 1] = 65536;
+	}
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+	const struct eco_chunk chunk = kind_chunk(&in, 0, PLACES, size);
+	assert_int_equal(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, NULL), ECO_OK);
+	assert_memory_equal(out.position, position, sizeof position);
+	assert_memory_equal(out.extra, extra, sizeof extra);
+	return size;
+}
+
+/* In columns 41 bits: 28 of x and y, of which a free order is worth log2(128!) / 128, 6, and 13 of z, which a
+ * slope says. */
+UNIT_TEST(places_in_the_order_of_cells_take_few_bits)
+{
+	uint32_t at[PLACES][3];
+	for (uint32_t i = 0; i < PLACES; i++)
+		for (uint32_t k = 0; k < 2; k++)
+			at[i][k] = (uint32_t)eco_random(1, 2 * i + k) >> 18;
+	for (uint32_t i = 0; i < PLACES; i++)
+		at[i][2] = 5000 + at[i][0] / 4 - at[i][1] / 8;
+	size_t mixed = bytes_of_places(at, false);
+	qsort(at, PLACES, sizeof *at, by_cell);
+	size_t sorted = bytes_of_places(at, false);
+	print_message("%.1f bits a place, %.1f in any order\n", sorted * 8.0 / PLACES, mixed * 8.0 / PLACES);
+	assert_true(8 * sorted < 33 * PLACES && 8 * mixed < 36 * PLACES && sorted < mixed);
+	assert_in_range(8 * (bytes_of_places(at, true) - sorted), 6 * PLACES, 7 * PLACES);
+	for (uint32_t i = 0; i < PLACES; i++)
+		memcpy(at[i], (uint32_t[3]){ 7, 7, 7 }, sizeof *at);
+	assert_true(bytes_of_places(at, false) < 64);
 }
 
 /* Forms are coded in the partner's stored order; twin: the partner's own report of its draw order. */

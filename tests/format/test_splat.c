@@ -25,7 +25,7 @@ UNIT_TEST(degenerate_ellipsoids_have_codes)
 
 UNIT_TEST(codes_out_of_range_are_named_and_read_without_harm)
 {
-	const int32_t good[ECO_SPLAT_CODES] = { 64, 0, 127, 64, 0, 127, 15 };
+	const int32_t good[ECO_SPLAT_CODES] = { 64, 0, 127, 16, 0, 31, 15 };
 	assert_true(eco_splat_good(good));
 	for (uint32_t i = 0; i < ECO_SPLAT_CODES; i++)
 		for (int bad = 0; bad < 4; bad++) {

@@ -13,7 +13,9 @@
 #include "ecofiles/base/random.h"
 
 #define PAYLOAD_VERSION 1u
-#define PAYLOAD_ALONE 3u
+#define PAYLOAD_ALONE 3u         /* low bits of a byte that also has coder and corners */
+#define CODER_AT 2
+#define CORNERS_AT 5
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 
@@ -120,13 +122,14 @@ const char *eco_list_coding_fault(const struct eco_list *list)
 		? "its kind cannot have its attributes" : NULL;
 }
 
-/* The rest behind the version of PAYLOAD_ALONE. */
-static enum eco_code read_alone(struct eco_payload *payload, struct eco_reader *r, struct eco_error *error)
+/* The rest behind the first byte. */
+static enum eco_code read_alone(struct eco_payload *payload, uint8_t first, struct eco_reader *r,
+	struct eco_error *error)
 {
 	struct eco_stream *s = &payload->streams[0];
-	payload->coder = eco_read_u8(r);
+	payload->coder = first >> CODER_AT & 7;
 	payload->stream_count = 1;
-	s->corners = eco_read_u8(r);
+	s->corners = first >> CORNERS_AT;
 	s->zeros = eco_read_u8(r);
 	uint8_t flags = eco_read_u8(r);
 	s->shift = flags >> 1 & 7;
@@ -147,8 +150,8 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	struct eco_reader r = { .bytes = bytes, .size = size };
 	uint8_t version = eco_read_u8(&r), last_corners = 0, reserved;
 	memset(payload, 0, sizeof *payload);
-	if (!r.failed && version == PAYLOAD_ALONE)
-		return read_alone(payload, &r, error);
+	if (!r.failed && (version & 3) == PAYLOAD_ALONE)
+		return read_alone(payload, version, &r, error);
 	payload->coder = eco_read_u8(&r);
 	payload->stream_count = eco_read_u8(&r);
 	reserved = eco_read_u8(&r);
@@ -188,9 +191,7 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 static void write_alone(struct eco_writer *w, const struct eco_payload *payload)
 {
 	const struct eco_stream *s = &payload->streams[0];
-	eco_write_u8(w, PAYLOAD_ALONE);
-	eco_write_u8(w, payload->coder);
-	eco_write_u8(w, s->corners);
+	eco_write_u8(w, (uint8_t)(PAYLOAD_ALONE | payload->coder << CODER_AT | s->corners << CORNERS_AT));
 	eco_write_u8(w, s->zeros);
 	eco_write_u8(w, (uint8_t)(s->shift << 1 | s->uv_shift << 4));
 	if (s->corners > 2)

@@ -2,7 +2,7 @@
  * shapes, connected wood by Draco's edgebreaker.
  *
  * Payload (all little-endian). BYTES: the file itself. Everything else:
- *   0   u8   1; 3: rows of one stream, below
+ *   0   u8   1; 3 in the low 2 bits: rows of one stream, below
  *   1   u8   coder (enum eco_coder)
  *   2   u8   stream count s: 2..4; MESH 1 or 2; SHAPES 0
  *   3   u8   0, or the bytes left off at the end (SHAPES)
@@ -10,14 +10,14 @@
  *            corners ascending
  *   .   s streams, in that order, nothing after them
  * Rows of one stream, all of a chunk of FORM, KD or ROWS, and of ELEMENTS with one number of corners:
- *   0   u8   3      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
- *   4   u8   flags; then u16 predictors if corners > 2; then the stream
+ *   0   u8   3 + 4 coder + 32 corners     1   u8   the bytes left off at the end
+ *   2   u8   flags; then u16 predictors if corners > 2; then the stream
  *
  * A stream is range-coded: its columns (chunk_columns.h), or of ground its samples, with flags 0. Flags: bit
  * 0 is 0, bits 1 to 3 `shift`, bits 4 to 7 `uv_shift`.
  *   ELEMENTS  one row an element of that many corners; columns, flags and predictors as in chunk_rows.h
  *   FORM      as ELEMENTS, but the rows are in the stored order of the partner's chunk
- *   ROWS      corners = 1; predictors 0; split columns
+ *   ROWS      corners = 1; predictors 0; split columns, but of instances
  *   KD        corners = 1; predictors 0
  *   MESH      corners = 3: the triangles' positions, by edgebreaker. Where the list has COLOR or UV, a stream
  *             of corners = 1 comes before it: one row a triangle in the order that the mesh decodes to;

@@ -1,8 +1,10 @@
 #include "ecofiles/format/chunk/chunk_columns.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/base/range.h"
 
 #define WAY_BITS 3u
@@ -271,7 +273,7 @@ struct cell { uint32_t first, end, at[AXES], bits[AXES]; };
 struct counts {
 	struct eco_range *range;
 	struct eco_chunk_rows *rows;
-	uint32_t low[AXES];
+	uint32_t axes, low[AXES], shift[AXES];
 	struct eco_bit few[FEW + 1][AXES][1u << FEW_BITS], many[32][1u << TOP_BITS];
 	struct cell cells[CELLS_MAX];
 	uint32_t cell_count;
@@ -296,7 +298,7 @@ static void start_few(struct eco_bit models[1u << FEW_BITS], uint32_t n)
 static void start_counts(struct counts *c)
 {
 	for (uint32_t n = 2; n <= FEW && n <= c->rows->stream.elements; n++)
-		for (uint32_t a = 0; a < AXES; a++)
+		for (uint32_t a = 0; a < c->axes; a++)
 			start_few(c->few[n][a], n);
 	eco_bits_start(&c->many[0][0], sizeof c->many / sizeof **c->many);
 }
@@ -308,7 +310,7 @@ static int32_t *place(const struct counts *c, uint32_t row)
 
 static uint32_t coordinate(const struct counts *c, uint32_t row, uint32_t axis)
 {
-	return (uint32_t)place(c, row)[axis] - c->low[axis];
+	return ((uint32_t)place(c, row)[axis] - c->low[axis]) >> c->shift[axis];
 }
 
 static void swap_rows(struct eco_chunk_rows *rows, uint32_t a, uint32_t b)
@@ -351,10 +353,10 @@ static uint32_t code_count(struct counts *c, uint32_t n, uint32_t axis, uint32_t
 
 static void code_point(struct counts *c, uint32_t row, const struct cell *cell)
 {
-	for (uint32_t a = 0; a < AXES; a++) {
+	for (uint32_t a = 0; a < c->axes; a++) {
 		uint32_t v = c->range->writer ? coordinate(c, row, a) & ((1u << cell->bits[a]) - 1) : 0;
 		v = (uint32_t)eco_range_raw(c->range, cell->bits[a], v) | cell->at[a] << cell->bits[a];
-		place(c, row)[a] = (int32_t)(v + c->low[a]);
+		place(c, row)[a] = (int32_t)((v << c->shift[a]) + c->low[a]);
 	}
 }
 
@@ -378,47 +380,154 @@ static void halve(struct counts *c, struct cell cell, uint32_t axis)
 static struct cell code_root(struct counts *c)
 {
 	struct cell root = { .end = c->rows->stream.elements };
-	for (uint32_t a = 0; a < AXES; a++) {
+	for (uint32_t a = 0; a < c->axes; a++) {
 		bool writes = c->range->writer;
 		int32_t low = writes ? place(c, 0)[a] : 0, high = low;
+		uint32_t any = 0;
 		for (uint32_t i = 0; writes && i < root.end; i++) {
 			low = place(c, i)[a] < low ? place(c, i)[a] : low;
 			high = place(c, i)[a] > high ? place(c, i)[a] : high;
 		}
-		uint32_t span = (uint32_t)high - (uint32_t)low;
-		root.bits[a] = (uint32_t)eco_range_raw(c->range, 5, eco_bit_length(span));
+		for (uint32_t i = 0; writes && c->rows->placed && i < root.end; i++)
+			any |= (uint32_t)place(c, i)[a] - (uint32_t)low;
+		uint32_t span = (uint32_t)high - (uint32_t)low, zeros = any ? (uint32_t)__builtin_ctz(any) : 0;
+		if (c->rows->placed)
+			zeros = (uint32_t)eco_range_raw(c->range, 5, zeros);
+		root.bits[a] = (uint32_t)eco_range_raw(c->range, 5, eco_bit_length(span >> zeros));
+		c->shift[a] = zeros;
 		c->low[a] = code_signed(c->range, (uint32_t)low);
 	}
 	return root;
 }
 
+static void code_cells(struct counts *c, struct cell root)
+{
+	c->cells[0] = root;
+	c->cell_count = 1;
+	while (c->cell_count > 0) {
+		struct cell cell = c->cells[--c->cell_count];
+		uint32_t axis = 0;
+		for (uint32_t a = 1; a < c->axes; a++)
+			axis = cell.bits[a] > cell.bits[axis] ? a : axis;
+		if (cell.end - cell.first > 1 && cell.bits[axis])
+			halve(c, cell, axis);
+		else
+			for (uint32_t i = cell.first; i < cell.end; i++)
+				code_point(c, i, &cell);
+	}
+}
+
 /* Writes or reads column 0, of 3 components. Writing puts all rows into the order in which they are read. */
 static void code_counts(struct eco_range *range, struct eco_chunk_rows *rows)
 {
-	struct counts c = { .range = range, .rows = rows, .cell_count = 1 };
+	struct counts c = { .range = range, .rows = rows, .axes = AXES };
 	start_counts(&c);
-	c.cells[0] = code_root(&c);
-	while (c.cell_count > 0) {
-		struct cell cell = c.cells[--c.cell_count];
-		uint32_t axis = 0;
-		for (uint32_t a = 1; a < AXES; a++)
-			axis = cell.bits[a] > cell.bits[axis] ? a : axis;
-		if (cell.end - cell.first > 1 && cell.bits[axis])
-			halve(&c, cell, axis);
-		else
-			for (uint32_t i = cell.first; i < cell.end; i++)
-				code_point(&c, i, &cell);
+	code_cells(&c, code_root(&c));
+}
+
+/* ---- Places of plants ---- */
+
+#define NEAR_ROWS 128u           /* rows before a row, by which its height is guessed */
+#define RUN_BITS 5u
+#define TURNS(rows) ((rows)->column_count - 2)   /* the last columns are turns and scales */
+
+/* Whether row may follow the row before it in the order of cells. */
+static bool follows(const struct counts *c, uint32_t row)
+{
+	return eco_order_cells((uint32_t[]){ coordinate(c, row - 1, 0), coordinate(c, row - 1, 1) },
+		(uint32_t[]){ coordinate(c, row, 0), coordinate(c, row, 1) }, 2) <= 0;
+}
+
+/* The height of the plane through the rows before: weights are 1 / (1 + the square of a row's distance). */
+static int32_t guess_height(const struct counts *c, uint32_t row)
+{
+	double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+	const int32_t *to = place(c, row), *base = place(c, row - 1);
+	for (uint32_t i = row > NEAR_ROWS ? row - NEAR_ROWS : 0; i < row; i++) {
+		const int32_t *at = place(c, i);
+		double dx = (double)at[0] - to[0], dy = (double)at[1] - to[1], dz = (double)at[2] - base[2],
+			share = 1 / (1 + dx * dx + dy * dy);
+		w += share;
+		x += share * dx;
+		y += share * dy;
+		z += share * dz;
+		xx += share * dx * dx;
+		xy += share * dx * dy;
+		yy += share * dy * dy;
+		xz += share * dx * dz;
+		yz += share * dy * dz;
 	}
+	xx -= x * x / w;
+	xy -= x * y / w;
+	yy -= y * y / w;
+	xz -= x * z / w;
+	yz -= y * z / w;
+	double ridge = 1.0 / 128 * (xx + yy) + 1e-9, most = 1u << 30;
+	xx += ridge;
+	yy += ridge;
+	double slopes = (x * (xz * yy - yz * xy) + y * (yz * xx - xz * xy)) / (xx * yy - xy * xy);
+	double guess = base[2] + floor((z - slopes) / w + 0.5);
+	return guess > -most && guess < most ? (int32_t)guess : base[2];
+}
+
+static void code_heights(struct counts *c)
+{
+	struct eco_near near;
+	struct eco_scale kind;
+	eco_near_start(&near, &kind, 1);
+	place(c, 0)[2] = (int32_t)code_signed(c->range, (uint32_t)place(c, 0)[2]);
+	for (uint32_t row = 1; row < c->rows->stream.elements; row++) {
+		uint32_t guess = (uint32_t)guess_height(c, row);
+		int32_t *at = &place(c, row)[2];
+		int32_t miss = eco_range_near(c->range, &near, &kind, (int32_t)((uint32_t)*at - guess));
+		*at = (int32_t)(guess + (uint32_t)miss);
+	}
+}
+
+/* Whether turns are those that follow from the places; then they are not coded. */
+static bool code_turns(struct counts *c, struct eco_column *turns)
+{
+	bool given = false;
+	for (uint32_t row = 0; c->range->writer && row < c->rows->stream.elements && !given; row++)
+		given = turns->values[row] != eco_place_turn(place(c, row));
+	given = eco_range_raw(c->range, 1, given);
+	for (uint32_t row = 0; row < c->rows->stream.elements && !given; row++)
+		turns->values[row] = eco_place_turn(place(c, row));
+	return given;
+}
+
+/* The same of rows whose order stays: runs of them that are in the order of cells. */
+static bool code_places(struct eco_range *range, struct eco_chunk_rows *rows, bool *turned)
+{
+	struct counts c = { .range = range, .rows = rows, .axes = 2 };
+	struct eco_bit runs[1u << RUN_BITS];
+	eco_bits_start(runs, 1u << RUN_BITS);
+	start_counts(&c);
+	struct cell root = code_root(&c);
+	for (const uint32_t end = root.end; root.first < end; root.first = root.end) {
+		uint32_t run = 1;
+		while (range->writer && root.first + run < end && follows(&c, root.first + run))
+			run++;
+		run = (uint32_t)eco_range_size(range, runs, RUN_BITS, run - 1) + 1;
+		if (run - 1 >= end - root.first)
+			return false;
+		root.end = root.first + run;
+		code_cells(&c, root);
+	}
+	code_heights(&c);
+	*turned = code_turns(&c, &rows->columns[TURNS(rows)]);
+	return true;
 }
 
 /* ---- Both ---- */
 
-/* Components of the columns that are coded one by one: a kd-tree's positions are not. */
-static void list_components(struct columns *columns, const struct eco_chunk_rows *rows)
+/* Components of the columns that are coded one by one: not of positions by counts, nor of turns that are not
+ * given. */
+static void list_components(struct columns *columns, const struct eco_chunk_rows *rows, bool turned)
 {
 	columns->count = 0;
-	for (uint32_t i = rows->cloud; i < rows->column_count; i++)
-		for (uint32_t k = 0; k < rows->columns[i].components; k++)
+	for (uint32_t i = rows->cloud || rows->placed; i < rows->column_count; i++)
+		for (uint32_t k = 0; k < rows->columns[i].components && (turned || i != TURNS(rows)); k++)
 			columns->items[columns->count++] = (struct component){
 				.values = rows->columns[i].values + k, .rows = rows->stream.elements,
 				.apart = rows->columns[i].components,
@@ -427,9 +536,10 @@ static void list_components(struct columns *columns, const struct eco_chunk_rows
 
 static bool code_columns(struct columns *columns, struct eco_chunk_rows *rows)
 {
-	bool good = true;
+	bool turned = true, good = !rows->placed || code_places(&columns->range, rows, &turned);
 	if (rows->cloud)
 		code_counts(&columns->range, rows);
+	list_components(columns, rows, turned);
 	for (uint32_t i = 0; i < columns->count && good; i++) {
 		struct head h = { .way = VALUES };
 		if (columns->range.writer)
@@ -443,7 +553,6 @@ void eco_columns_encode(struct eco_chunk_rows *rows, struct eco_stream *stream)
 {
 	struct eco_writer w = { 0 };
 	struct columns columns;
-	list_components(&columns, rows);
 	eco_range_write(&columns.range, &w);
 	code_columns(&columns, rows);
 	eco_range_raw(&columns.range, END_BITS, END_MARK);
@@ -457,7 +566,6 @@ void eco_columns_encode(struct eco_chunk_rows *rows, struct eco_stream *stream)
 enum eco_code eco_columns_decode(struct eco_chunk_rows *rows, struct eco_error *error)
 {
 	struct columns columns;
-	list_components(&columns, rows);
 	eco_range_read(&columns.range, rows->stream.bytes, rows->stream.size);
 	if (code_columns(&columns, rows) && eco_range_raw(&columns.range, END_BITS, 0) == END_MARK
 			&& eco_range_end(&columns.range) == rows->stream.zeros)

@@ -60,3 +60,13 @@ enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, struct eco_error *e
  * A count up to 16 points is a tree of 5 bits, with models for each n and axis that begin as if three tenths
  * of the cells had any count and the others a binomial one, and count as 6 seen: a chunk of a dozen points
  * has no time to learn. A larger n of m bits: floor(count 2^m / (n + 1)) as a field of m bits, 3 modelled. */
+
+/* Places of plants: instances keep their order, but what is in the order of cells takes fewer bits.
+ *
+ *   for x and y: 5 bits, s: low bits that are 0 in all less the least; 5 bits, b: others; the least, a number
+ *   then runs of rows in the order of cells, as long as each is (eco_order_cells): how many rows it has less
+ *   1 (eco_range_size, 5 bits), then x and y by counts, as above, from the cell of all rows on
+ *   z of the first row, a number; of each other row the miss of a guess: eco_range_near. The guess is the
+ *   plane through up to 128 rows before, each with the weight 1 / (1 + d^2), d: its distance in x and y
+ *   1 bit   0: turns are those of eco_place_turn and not in a column; 1: they are
+ *   then the other columns */

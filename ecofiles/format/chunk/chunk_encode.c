@@ -13,32 +13,23 @@
 #include <string.h>
 
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/order.h"
 #include "ecofiles/format/chunk/chunk_columns.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
 
 #define KEPT_FIRST 96u           /* a chunk that begins before this element keeps its order */
 #define KEPT_MOST 64u            /* if it has at most so many elements */
 
-/* Compares along a Morton curve without interleaving bits: the axis whose highest differing bit is highest
- * decides (Chan 2002). */
 static int compare_stored(const void *left, const void *right)
 {
 	const struct eco_stored *a = left, *b = right;
-	uint32_t difference = 0;
-	int axis = -1;
 	if (a->corners != b->corners)
 		return a->corners < b->corners ? -1 : 1;
 	if (a->part != b->part)
 		return a->part < b->part ? -1 : 1;
-	for (int i = 0; i < 3; i++) {
-		uint32_t d = a->key[i] ^ b->key[i];
-		if (difference < d && difference < (difference ^ d)) {
-			difference = d;
-			axis = i;
-		}
-	}
-	if (axis >= 0)
-		return a->key[axis] < b->key[axis] ? -1 : 1;
+	int order = eco_order_cells(a->key, b->key, 3);
+	if (order)
+		return order;
 	return a->element < b->element ? -1 : a->element > b->element;
 }
 

@@ -92,7 +92,8 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_list *
 {
 	*rows = (struct eco_chunk_rows){ .cloud = coder == ECO_CODER_KD,
 		.extra_count = (uint8_t)eco_list_extra_count(list), .uv = list->attributes & ECO_ATTR_UV,
-		.split = coder == ECO_CODER_ROWS,
+		.placed = list->kind == ECO_LIST_INSTANCES,
+		.split = coder == ECO_CODER_ROWS && list->kind != ECO_LIST_INSTANCES,
 		.ground_columns = list->kind == ECO_LIST_GROUND ? list->columns : 0, .stream = *stream };
 	assert(!rows->split || stream->corners == 1);
 	add_columns(rows, rows->split ? 3 : stream->corners, rows->split ? 1 : 3);

@@ -14,8 +14,8 @@
  *                                      zero
  *   extra (1 each)
  *
- * Split positions suit rows whose order is given. How columns are coded, and samples of ground, says
- * chunk_columns.h. */
+ * Positions are split where the order of rows is given, but of instances. chunk_columns.h says how columns,
+ * places and samples of ground are coded. */
 #pragma once
 
 #include <stddef.h>
@@ -46,7 +46,7 @@ struct eco_stream {
 
 struct eco_chunk_rows {
 	uint8_t extra_count;
-	bool cloud;                  /* of a KD list */
+	bool cloud, placed;          /* of a KD list; of instances */
 	bool uv, split;              /* split: one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
 	struct eco_stream stream;

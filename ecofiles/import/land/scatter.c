@@ -214,7 +214,6 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 	s->places[s->count] = (struct eco_scatter_place){
 		.plant = spec->plants[plant].plant + eco_random_variant(spec->seed, key,
 			spec->plants[plant].variant_count), .at = { at[0], at[1] },
-		.yaw_deg = ((uint16_t)bits >> 10) * (360.0 / 64),      /* as inventories */
 		.height_m = spec->height_low_m + (spec->height_high_m - spec->height_low_m) * share };
 	grid_put(&s->grid, s->places, (uint32_t)s->count++);
 	return ECO_OK;

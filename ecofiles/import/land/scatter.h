@@ -41,7 +41,7 @@ struct eco_scatter_spec {        /* texts are owned by the spec's maker; NULL: n
 struct eco_scatter_place {
 	uint32_t plant;              /* one of the plant's variants */
 	double at[2];                /* metres from the origin */
-	double yaw_deg, height_m;    /* NaN: the plant's own */
+	double height_m;             /* NaN: the plant's own */
 };
 
 struct eco_scatter;

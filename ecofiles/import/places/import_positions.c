@@ -310,8 +310,7 @@ static double read_yaw(struct eco_positions *p)
 	double yaw;
 	if (eco_text_number(eco_row_field(p, ECO_COLUMN_YAW), eco_row_decimal(p), &yaw) && fabs(yaw) <= 1e6)
 		return yaw;
-	/* any of 64: nobody sees more, and it takes 10 bits less */
-	return (eco_random_angle16(p->spec->seed, p->rows->row) >> 10) * (360.0 / 64);
+	return NAN;
 }
 
 static double read_scale(struct eco_positions *p)

@@ -134,7 +134,7 @@ struct eco_position {
 	uint32_t variant_first, variant_count;       /* the variants it was taken from */
 	double at[3];                /* metres from the origin; z is 0 if the row has none */
 	bool absolute;               /* at[2] counts from the origin, not from the ground */
-	double yaw_deg;              /* counter-clockwise */
+	double yaw_deg;              /* counter-clockwise; NaN: not given */
 	double height_m;             /* NaN: the plant's own, or by crown_radius_m */
 	double crown_radius_m;       /* NaN: not known */
 	bool crown_is_guess;         /* by the species */
