@@ -220,7 +220,7 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 	if (w->looked > INSTANCES_MAX)
 		return eco_fail(w->error, ECO_TOO_LARGE, "the plan looks at more than %u plants",
 			INSTANCES_MAX);
-	void *seen = realloc(w->seen, plant->plant.anchor_count * sizeof *w->seen);
+	void *seen = realloc(w->seen, plant->anchor_count * sizeof *w->seen);
 	if (!seen)
 		return no_memory(w);
 	w->seen = seen;
@@ -237,7 +237,7 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 		if (lod_open_hash(instance.hash) < left)
 			continue;
 		uint32_t count = lod_instance_anchors(w->eye, &instance.place, plant->anchors,
-			plant->plant.anchor_first, plant->plant.anchor_count, gate, instance.hash, w->seen);
+			plant->plant.anchor_first, plant->anchor_count, gate, instance.hash, w->seen);
 		if (!count)
 			continue;
 		double center[3];

@@ -134,30 +134,37 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 }
 
 static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
-	const struct eco_anchor *anchors, struct eco_error *error)
+	const struct eco_anchor *anchors, uint32_t anchor_count, struct eco_error *error)
 {
 	struct view_store *store = ctx;
-	if (store->options.counts || view_store_plant(store, id))
+	struct view_plant *known = (struct view_plant *)view_store_plant(store, id);
+	if (store->options.counts || (known && known->anchor_count >= anchor_count))
 		return ECO_OK;
 	if (plant->anchor_count == 0 || plant->anchor_first > UINT32_MAX - plant->anchor_count)
 		return BAD("plant %u has no anchors, or too many", id);
-	size_t anchor_bytes = (size_t)plant->anchor_count * sizeof *anchors;
+	size_t anchor_bytes = (size_t)anchor_count * sizeof *anchors;
 	ECO_PASS(describe(store, sizeof(struct view_plant) + anchor_bytes, error));
-	struct view_plant *copy = calloc(1, sizeof *copy);
-	if (!copy)
-		return eco_no_memory(error, "a plant");
-	copy->plant = *plant;
-	copy->anchors = malloc(anchor_bytes);
-	if (!copy->anchors || !eco_array_grow(&store->plants, &store->plant_room, store->plant_count,
+	struct view_plant *copy = known ? known : calloc(1, sizeof *copy);
+	struct eco_anchor *moved = copy ? realloc(copy->anchors, anchor_bytes) : NULL;
+	if (moved) {
+		copy->anchors = moved;
+		memcpy(copy->anchors, anchors, anchor_bytes);
+		copy->anchor_count = anchor_count;
+		copy->plant = *plant;
+		view_cache_charge_bytes(&store->cache, sizeof *copy + anchor_bytes);
+	}
+	if (moved && known)
+		return ECO_OK;
+	if (!moved || !eco_array_grow(&store->plants, &store->plant_room, store->plant_count,
 			sizeof *store->plants) ||
 		!view_table_put(&store->plant_table, id, store->plant_count)) {
-		free(copy->anchors);
-		free(copy);
+		if (copy && !known) {
+			free(copy->anchors);
+			free(copy);
+		}
 		return eco_no_memory(error, "a plant");
 	}
-	memcpy(copy->anchors, anchors, anchor_bytes);
 	store->plants[store->plant_count++] = copy;
-	view_cache_charge_bytes(&store->cache, sizeof *copy + anchor_bytes);
 	return ECO_OK;
 }
 

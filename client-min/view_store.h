@@ -20,7 +20,8 @@
 
 struct view_plant {
 	struct eco_plant plant;
-	struct eco_anchor *anchors;      /* plant.anchor_count */
+	struct eco_anchor *anchors;      /* anchor_count: 1 until cells are described, then plant.anchor_count */
+	uint32_t anchor_count;
 };
 
 struct view_store_stats {

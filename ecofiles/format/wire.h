@@ -57,7 +57,7 @@
 #include "ecofiles/format/wire_items.h"
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN, ECO_FRAME_END, ECO_FRAME_AHEAD };
-#define ECO_WIRE_VERSION 27u
+#define ECO_WIRE_VERSION 28u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
@@ -84,7 +84,8 @@ struct eco_wire_bundle {
 	struct eco_range range;
 };
 void eco_wire_bundle_begin(struct eco_wire_bundle *bundle, struct eco_wire_items *items);
-void eco_wire_bundle_plant(struct eco_wire_bundle *bundle, const struct eco_scene *scene, uint32_t plant);
+void eco_wire_bundle_plant(struct eco_wire_bundle *bundle, const struct eco_scene *scene, uint32_t plant,
+	bool cells);
 void eco_wire_bundle_list(struct eco_wire_bundle *bundle, const struct eco_scene *scene, uint32_t list);
 void eco_wire_bundle_chunk(struct eco_wire_bundle *bundle, const struct eco_scene *scene, uint32_t list,
 	uint32_t ordinal, bool named);
@@ -116,9 +117,10 @@ struct eco_wire_events {
 	 * ECO_NONE; no arrays */
 	enum eco_code (*scene)(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *pack_id,
 		struct eco_error *e);
-	/* set: name, height, anchor range; the rest is 0 */
+	/* set: name, height, anchor range; the rest is 0. `anchors`: the first, or all: those of cells come with
+	 * the first list of a cell, and the plant once more */
 	enum eco_code (*plant)(void *ctx, uint32_t id, const struct eco_plant *plant,
-		const struct eco_anchor *anchors, struct eco_error *e);
+		const struct eco_anchor *anchors, uint32_t anchor_count, struct eco_error *e);
 	/* groups: list->group_count, their place_first is 0; together they are the list */
 	enum eco_code (*list)(void *ctx, uint32_t id, const struct eco_list *list,
 		const uint8_t (*palette)[3], const struct eco_group *groups, struct eco_error *e);

@@ -10,23 +10,38 @@
 
 #define BUNDLE_BYTES (32u << 10)  /* from which on a bundle is full: it is drawn once it is whole */
 
+static void find_cells(struct eco_wire_body *body)
+{
+	const struct eco_scene *s = body->scene;
+	for (uint32_t i = 0; i < s->ladder_count; i++) {
+		const struct eco_ladder *l = &s->ladders[i];
+		const uint32_t lists[] = { l->points, l->lines, l->simple, l->triangles, l->impostor };
+		bool whole = l->anchor == s->plants[l->plant].anchor_first;
+		for (size_t k = 0; k < sizeof lists / sizeof *lists && !whole; k++)
+			if (lists[k] < s->list_count)
+				body->of_cell[lists[k]] = true;
+	}
+}
+
 enum eco_code eco_wire_body_init(struct eco_wire_body *body, const struct eco_scene *scene, const struct eco_pack *pack,
 	const struct eco_holdings *holdings, uint64_t name_from, struct eco_error *error)
 {
 	*body = (struct eco_wire_body){ .scene = scene, .pack = pack, .name_from = name_from };
 	body->have = malloc((scene->list_count + (size_t)1) * sizeof *body->have);
 	body->known = malloc((scene->plant_count + (size_t)1) * sizeof *body->known);
-	if (!body->have || !body->known) {
+	body->of_cell = calloc(scene->list_count + (size_t)1, sizeof *body->of_cell);
+	if (!body->have || !body->known || !body->of_cell) {
 		eco_wire_body_free(body);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory to follow %u lists", scene->list_count);
 	}
+	find_cells(body);
 	eco_wire_body_restart(body, holdings);
 	return ECO_OK;
 }
 
 void eco_wire_body_free(struct eco_wire_body *body)
 {
-	eco_free(body->have, body->known, body->payloads);
+	eco_free(body->have, body->known, body->of_cell, body->payloads);
 	eco_writer_free(&body->frames);
 	eco_wire_bundle_free(&body->bundle);
 	*body = (struct eco_wire_body){ 0 };
@@ -50,8 +65,8 @@ void eco_wire_body_restart(struct eco_wire_body *body, const struct eco_holdings
 		const struct eco_list *list = &scene->lists[item->list];
 		body->have[item->list] = item->chunks;
 		uint32_t plant = plant_of(scene, list);
-		if (item->chunks && plant != ECO_NONE)
-			body->known[plant] = true;
+		if (item->chunks && plant != ECO_NONE && body->known[plant] < 2)
+			body->known[plant] = body->of_cell[item->list] ? 2 : 1;
 	}
 	eco_wire_items_start(&body->items);
 	body->bundle_open = false;
@@ -174,13 +189,13 @@ static void emit_chunk(struct eco_wire_body *body, uint32_t list, uint32_t ordin
 		body->frames.failed = true;
 }
 
-static void emit_plant(struct eco_wire_body *body, uint32_t plant)
+static void emit_plant(struct eco_wire_body *body, uint32_t plant, bool cells)
 {
-	if (plant == ECO_NONE || body->known[plant])
+	if (plant == ECO_NONE || body->known[plant] > cells)
 		return;
 	begin_item(body);
-	eco_wire_bundle_plant(&body->bundle, body->scene, plant);
-	body->known[plant] = true;
+	eco_wire_bundle_plant(&body->bundle, body->scene, plant, cells);
+	body->known[plant] = cells ? 2 : 1;
 }
 
 /* Plants whose records a client must know to use a list. */
@@ -188,9 +203,9 @@ static void emit_plants(struct eco_wire_body *body, uint32_t list)
 {
 	const struct eco_scene *scene = body->scene;
 	const struct eco_list *l = &scene->lists[list];
-	emit_plant(body, plant_of(scene, l));
+	emit_plant(body, plant_of(scene, l), body->of_cell[list]);
 	for (uint32_t i = 0; i < l->group_count; i++)
-		emit_plant(body, eco_list_groups(scene, list)[i].plant);
+		emit_plant(body, eco_list_groups(scene, list)[i].plant, false);
 }
 
 static enum eco_code emit_list(struct eco_wire_body *body, uint32_t list, uint32_t chunks, struct eco_error *error)
@@ -224,8 +239,12 @@ static enum eco_code check(const struct eco_wire_body *body, struct eco_error *e
 enum eco_code eco_wire_body_needs(struct eco_wire_body *body, const struct eco_holdings *needs, struct eco_error *error)
 {
 	const struct eco_scene *scene = body->scene;
-	for (uint32_t i = 0; i < needs->count; i++)
-		emit_plants(body, needs->items[i].list);
+	/* those with cells first, so that none comes twice */
+	for (uint32_t i = 0; i < 2 * needs->count; i++) {
+		uint32_t list = needs->items[i % needs->count].list;
+		if (body->of_cell[list] == (i < needs->count))
+			emit_plants(body, list);
+	}
 	for (int round = 0; round < 3; round++)
 		for (uint32_t i = 0; i < needs->count; i++) {
 			const struct eco_holding *need = &needs->items[i];

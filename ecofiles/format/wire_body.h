@@ -25,7 +25,8 @@ struct eco_wire_body {
 	const struct eco_pack *pack;         /* NULL: a dry run */
 	const atomic_bool *cancelled;        /* looked at before each list; NULL, or set after init */
 	uint32_t *have;                      /* per list: chunks of its prefix that the client has by now */
-	bool *known;                         /* per plant: the client knows it */
+	uint8_t *known;                      /* per plant: 0; 1: the client knows it; 2: its cells, too */
+	bool *of_cell;                       /* per list: the client knows the cells of its plant */
 	struct eco_writer frames;            /* dry: the current frame only */
 	struct eco_wire_payload *payloads;        uint32_t payload_count, payload_capacity;
 	uint32_t number;                     /* of the next frame */

@@ -127,6 +127,7 @@ static void code_plant(struct eco_range *r, struct eco_wire_items *s, struct eco
 	p->anchor_first = code_step(r, s, &s->anchor_first, s->anchor_end, p->anchor_first);
 	p->anchor_count = code_number(r, s, &s->anchor_count, p->anchor_count);
 	s->anchor_end = p->anchor_first + p->anchor_count;
+	item->cells = p->anchor_count > 1 && eco_range_bit(r, &s->celled, item->cells);
 	p->leaf_width = (uint16_t)eco_range_raw(r, 16, p->leaf_width);
 	p->leaf_tone = (uint8_t)eco_range_raw(r, 8, p->leaf_tone);
 }

@@ -60,7 +60,7 @@ struct eco_wire_items {
 	struct eco_bit kinds[ECO_ITEM_KINDS][4], list_kind[ECO_ITEM_LIST_KINDS][16],
 		coder[ECO_ITEM_LIST_KINDS][8], attributes[ECO_ITEM_LIST_KINDS][256],
 		same[ECO_ITEM_LIST_KINDS][ECO_FIELDS], next, alike[ECO_ITEM_LIST_KINDS],
-		more[ECO_ITEM_LIST_KINDS][4], grid[ECO_ITEM_LIST_KINDS][4], named, letters[256];
+		more[ECO_ITEM_LIST_KINDS][4], grid[ECO_ITEM_LIST_KINDS][4], named, celled, letters[256];
 	struct eco_wire_number fields[ECO_ITEM_LIST_KINDS][ECO_FIELDS], plant_step, list_step, chunk_step,
 		letter_count, anchor_first, anchor_count, group_plant, group_count, ordinal, elements, extra,
 		size[ECO_ITEM_LIST_KINDS];
@@ -81,6 +81,7 @@ struct eco_wire_item {
 	enum eco_wire_item_kind kind;
 	uint32_t id;                             /* of the plant; of the list, or the chunk's */
 	struct eco_plant plant;                  /* name, height_m, anchor_first, anchor_count, leaf_* */
+	bool cells;                              /* all anchors follow, not the whole plant's alone */
 	struct eco_list list;                    /* chunk_first is 0 when it was read */
 	uint32_t ordinal;
 	struct eco_chunk chunk;                  /* counts and size; id if it is named */

@@ -102,11 +102,10 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_range *r,
 	const struct eco_wire_item *item, struct eco_error *e)
 {
-	uint32_t count = item->plant.anchor_count;
+	uint32_t all = item->plant.anchor_count, count = item->cells ? all : 1;
 	enum eco_code code = ECO_OK;
-	if (count == 0 || count > eco_wire_items_bits(r) / 4
-			|| item->plant.anchor_first > ECO_NONE - count)
-		return BAD("plant %u has %u anchors from %u, in %zu bytes", item->id, count,
+	if (all == 0 || count > eco_wire_items_bits(r) / 4 || item->plant.anchor_first > ECO_NONE - all)
+		return BAD("plant %u has %u anchors from %u, in %zu bytes", item->id, all,
 			item->plant.anchor_first, r->size);
 	struct eco_anchor *anchors = calloc(count, sizeof *anchors);
 	if (!anchors)
@@ -117,7 +116,7 @@ static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_range *r
 			code = BAD("anchor %u of plant %u is not a sphere", i, item->id);
 	}
 	if (!code && p->events.plant)
-		code = p->events.plant(p->ctx, item->id, &item->plant, anchors, e);
+		code = p->events.plant(p->ctx, item->id, &item->plant, anchors, count, e);
 	free(anchors);
 	return code;
 }

@@ -128,14 +128,15 @@ void eco_wire_bundle_begin(struct eco_wire_bundle *b, struct eco_wire_items *ite
 	eco_range_write(&b->range, &b->directory);
 }
 
-void eco_wire_bundle_plant(struct eco_wire_bundle *b, const struct eco_scene *scene, uint32_t plant)
+void eco_wire_bundle_plant(struct eco_wire_bundle *b, const struct eco_scene *scene, uint32_t plant,
+	bool cells)
 {
 	assert(plant < scene->plant_count);
 	const struct eco_plant *p = &scene->plants[plant];
-	struct eco_wire_item item = { .kind = ECO_ITEM_PLANT, .id = plant, .plant = *p };
+	struct eco_wire_item item = { .kind = ECO_ITEM_PLANT, .id = plant, .plant = *p, .cells = cells };
 	plain_name(item.plant.name, p->name);
 	eco_wire_item_code(&b->range, b->items, &item);
-	for (uint32_t i = 0; i < p->anchor_count; i++) {
+	for (uint32_t i = 0; i < (cells ? p->anchor_count : 1); i++) {
 		struct eco_anchor anchor = scene->anchors[p->anchor_first + i];
 		eco_wire_anchor_code(&b->range, b->items, &anchor);
 	}

@@ -130,6 +130,39 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	wire_put_end(w, &number, fault == END_DISAGREES, 0);
 }
 
+/* Anchors of cells come with the first list of a cell: the plant once more. */
+UNIT_TEST(cells_are_known_once_they_are_described)
+{
+	OWNED(view_store) *store;
+	struct view_store_options options = { 0 };
+	FREED(eco_writer) w = { 0 };
+	struct eco_error error = { 0 };
+	uint32_t number = 0;
+	scene_frame(&w, &grove, ECO_FRAME_SCENE, &number, 0, 0);
+	for (int turn = 0; turn < 3; turn++) {
+		struct eco_wire_bundle bundle;
+		struct eco_frame_mark mark = wire_bundle_begin(&w, &number, &bundle);
+		eco_wire_bundle_plant(&bundle, &grove.scene, 0, turn == 1);
+		wire_bundle_end(&w, mark, &bundle, NULL, 0);
+	}
+	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+	struct eco_wire_parser *parser;
+	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, store, &error), ECO_OK);
+	view_store_begin(store);
+	for (size_t at = 0, all = 0; at < w.size; at++) {
+		assert_int_equal(eco_wire_feed(parser, w.bytes + at, 1, &error), ECO_OK);
+		const struct view_plant *plant = view_store_plant(store, 0);
+		if (!plant)
+			continue;
+		assert_true(plant->anchor_count == 1 || plant->anchor_count == plant->plant.anchor_count);
+		assert_true(plant->anchor_count >= all && plant->plant.anchor_count == 3);
+		all = plant->anchor_count;
+		assert_memory_equal(plant->anchors, grove.scene.anchors, all * sizeof *plant->anchors);
+	}
+	assert_int_equal(view_store_plant(store, 0)->anchor_count, 3);
+	eco_wire_parser_free(parser);
+}
+
 UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 {
 	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "are held", "was not sent",

@@ -73,7 +73,7 @@ UNIT_TEST(never_above_the_bytes_most_of_them_used_and_more_predict_a_better_pict
 {
 	double used = 0, asked = 0;
 	uint32_t plans = 0, better = 0, worse = 0;
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+	for (uint64_t seed = 1; seed <= 2 * SCENES; seed++) {
 		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 1 + seed % 5);
 		const struct eco_scene *scene = &pack->pack.scene;
 		struct eco_view view = random_view(&pack->r);

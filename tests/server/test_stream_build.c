@@ -12,6 +12,7 @@
 
 #define ROUNDS 24u
 #define OWNED_MAX 64u
+#define PLANTS_MOST 16u
 
 /* A scene as the store of a server would hold it; a client that counts what comes, and fails where a chunk
  * comes twice or out of order, or a plan that draws what has not been sent; and what was made for them. */
@@ -22,11 +23,21 @@ struct bench {
 	uint64_t budget_vertices;
 	uint32_t plans, lists;               /* of the last stream */
 	uint64_t chunks;
+	uint32_t anchors[PLANTS_MOST];       /* of each plant that the client was told */
 	void *owned[OWNED_MAX];
 	uint32_t owned_count;
 };
 
 static struct bench *reading;
+
+static enum eco_code on_plant(void *store, uint32_t id, const struct eco_plant *plant,
+	const struct eco_anchor *anchors, uint32_t anchor_count, struct eco_error *error)
+{
+	assert_true(id < PLANTS_MOST);
+	if (anchor_count > reading->anchors[id])
+		reading->anchors[id] = anchor_count;
+	return view_store_events.plant(store, id, plant, anchors, anchor_count, error);
+}
 
 static enum eco_code on_list(void *store, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
 	const struct eco_group *groups, struct eco_error *error)
@@ -43,6 +54,13 @@ static enum eco_code on_plan(void *store, struct eco_plan *plan, struct eco_erro
 	for (uint32_t i = 0; i < needs.count; i++)
 		assert_true(needs.items[i].chunks <= eco_holdings_chunks(&held, needs.items[i].list));
 	assert_true(plan->vertices <= reading->budget_vertices);
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		for (uint32_t k = 0; k < reading->pack->pack.scene.plant_count; k++) {
+			const struct eco_plant *plant = &reading->pack->pack.scene.plants[k];
+			uint32_t anchor = plan->cuts[i].anchor - plant->anchor_first;
+			if (plan->cuts[i].anchor != ECO_NONE && anchor < plant->anchor_count)
+				assert_true(anchor < reading->anchors[k]);
+		}
 	reading->plans++;
 	free(needs.items);
 	free(held.items);
@@ -52,6 +70,7 @@ static enum eco_code on_plan(void *store, struct eco_plan *plan, struct eco_erro
 static void begin_client(struct bench *b)
 {
 	view_store_free(b->client);
+	memset(b->anchors, 0, sizeof b->anchors);
 	assert_good(view_store_new(&b->client, &(struct view_store_options){ .counts = true }, &cause));
 }
 
@@ -109,6 +128,7 @@ static void read_all(struct bench *b, const struct body *body, uint64_t vertices
 	struct eco_wire_events events = view_store_events;
 	struct eco_wire_parser *parser;
 	uint64_t before = view_store_stats(b->client).chunks;
+	events.plant = on_plant;
 	events.list = on_list;
 	events.plan = on_plan;
 	reading = b;

@@ -313,7 +313,7 @@ void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_f
 	}
 	struct eco_frame_mark mark = wire_bundle_begin(w, number, &bundle);
 	if (b == SCENE_PLANT) {
-		eco_wire_bundle_plant(&bundle, &s->scene, a);
+		eco_wire_bundle_plant(&bundle, &s->scene, a, true);
 	} else if (b == SCENE_RECORD) {
 		eco_wire_bundle_list(&bundle, &s->scene, a);
 	} else {

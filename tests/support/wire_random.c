@@ -229,7 +229,8 @@ void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, cons
 	plants[plant].anchor_count = anchor_count;
 	struct eco_wire_bundle bundle;
 	struct eco_frame_mark mark = wire_bundle_begin(w, number, &bundle);
-	eco_wire_bundle_plant(&bundle, &scene, plant);
+	for (int cells = 0; cells < (anchor_count > 1 ? 2 : 1); cells++)
+		eco_wire_bundle_plant(&bundle, &scene, plant, cells);
 	wire_bundle_end(w, mark, &bundle, NULL, 0);
 }
 
@@ -362,13 +363,14 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 }
 
 static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
-	const struct eco_anchor *anchors, struct eco_error *e)
+	const struct eco_anchor *anchors, uint32_t anchor_count, struct eco_error *e)
 {
 	struct wire_told *t = ctx;
-	assert(memchr(plant->name, 0, sizeof plant->name) && plant->anchor_count > 0);
+	assert(memchr(plant->name, 0, sizeof plant->name));
+	assert(anchor_count == 1 || anchor_count == plant->anchor_count);
 	eco_write_u32(&t->w, id);
 	eco_write_bytes(&t->w, plant->name, sizeof plant->name);
-	for (uint32_t i = 0; i < plant->anchor_count; i++) {
+	for (uint32_t i = 0; i < anchor_count; i++) {
 		assert(isfinite(anchors[i].center[0]) && anchors[i].radius >= 0);
 		eco_record_write(&t->w, ECO_SECTION_ANCHORS, &anchors[i]);
 	}

@@ -55,7 +55,8 @@ static void feed_pack(struct paper_scene *s)
 	paper_must(view_store_events.scene(s->store, scene, &s->pack->id, paper_error));
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		paper_must(view_store_events.plant(s->store, i, &scene->plants[i],
-			scene->anchors + scene->plants[i].anchor_first, paper_error));
+			scene->anchors + scene->plants[i].anchor_first,
+			scene->plants[i].anchor_count, paper_error));
 	/* forms come after what they are forms of */
 	for (int forms = 0; forms < 2; forms++)
 		for (uint32_t i = 0; i < scene->list_count; i++)
