@@ -249,6 +249,8 @@ void lod_search_free(struct lod_lambda_search *s);       /* NULL is fine */
 double lod_lambda_at(int index);
 #define LOD_LAMBDA_LEAST lod_lambda_at(LOD_LAMBDA_COUNT - 1)
 
+/* Bisects the grid for the last lambda whose vertices fit. */
+enum eco_code lod_search_grid(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
 /* Entries for the structure of a lambda, within so many vertices. */
 enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error);
@@ -256,7 +258,7 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 /* Finds the bytes of the answer that carries the entries: p->bytes. */
 enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error);
 /* Entries whose answer has at most the bytes asked for, and the prediction. */
-enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
+enum eco_code lod_bytes_fit(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
 /* After the answer: hands coarser ones to input->coarser. Entries are those of the last of them then. */
 enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct eco_plan *answer,
 	struct eco_error *error);

@@ -177,52 +177,38 @@ static enum eco_code needs_of_entries(const struct lod_planner *p, struct eco_ho
 	return code;
 }
 
-/* Fills the budget at a lambda without a price, with no more vertices than asked for. */
-static enum eco_code fill_few(const struct lod_lambda_search *s, double lambda, uint64_t vertices,
-	struct eco_error *error)
+/* Without a price, so many vertices at most. */
+static enum eco_code fill_few(struct lod_lambda_search *s, uint64_t vertices, struct eco_error *error)
 {
-	enum eco_code code = lod_planner_check(s->allocation->p, error);
-	code = code ? code : lod_search_fill(s, lambda, vertices, error);
+	enum eco_code code = lod_search_grid(s, vertices, error);
+	code = code ? code : lod_search_fill(s, lod_lambda_at(s->index), vertices, error);
 	return code ? code : lod_bytes_size(s->allocation->p, error);
 }
 
 /* Between two prices an answer may fall from too many bytes to nothing. Fewer vertices without a price draw
- * something then: those of the lowest lambda of the grid that fits, else a few of those of the next. Textures and
- * the image of the ground are as at the highest price. An empty answer that is left keeps the image that it has. */
-static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+ * something then, as many as fit. Textures and the image of the ground are as at the highest price. An empty answer that is left keeps
+ * the image that it has. */
+static enum eco_code fit_few(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
-	const uint64_t most = p->input->request->bytes;
-	int fits = 0, over = s->index < LOD_LAMBDA_COUNT ? s->index + 1 : LOD_LAMBDA_COUNT;
-	uint64_t few = 0, many = budget;
 	const double image_price = p->image_price;
+	uint64_t few = 0, many = budget;
 	enum eco_code code = ECO_OK;
-	lod_price_relax(m, lod_lambda_at(fits), LOD_PRICE_HIGHEST, NULL);
+	lod_price_relax(m, lod_lambda_at(0), LOD_PRICE_HIGHEST, NULL);
 	p->price = m->price;
 	lod_prices_lift(m);
 	m->price = 0;
-	while (!code && over - fits > 1) {
-		int middle = (fits + over) / 2;
-		lod_allocation_relax(m, lod_lambda_at(middle));
-		uint64_t vertices = (uint64_t)fmin((double)budget, m->cost.vertices);
-		code = fill_few(s, lod_lambda_at(middle), vertices, error);
-		bool within = p->bytes <= most;
-		*(within ? &fits : &over) = middle;
-		*(within ? &few : &many) = within && !p->vertices ? 0 : vertices;
+	for (uint64_t middle; !code && (middle = few + (many - few) / (few ? 2 : LOD_FEW_FALL)) > few + few / LOD_FEW_SLACK;) {
+		code = fill_few(s, middle, error);
+		*(p->bytes <= p->input->request->bytes ? &few : &many) = middle;
 	}
 	if (!code && few)
-		return fill_few(s, lod_lambda_at(fits), few, error);
-	while (!code && (many /= LOD_FEW_FALL) > 0) {
-		code = fill_few(s, lod_lambda_at(fits), many, error);
-		if (p->bytes <= most && p->vertices)
-			return code;
-	}
-	if (code)
-		return code;
-	lod_price_relax(m, lod_lambda_at(fits), LOD_PRICE_HIGHEST, NULL);
+		return fill_few(s, few, error);
+	lod_price_relax(m, lod_lambda_at(0), LOD_PRICE_HIGHEST, NULL);
 	p->image_price = image_price;
-	return fill_few(s, lod_lambda_at(fits), budget, error);
+	code = code ? code : lod_search_fill(s, lod_lambda_at(0), budget, error);
+	return code ? code : lod_bytes_size(p, error);
 }
 
 static void bound_work(struct lod_planner *p)
@@ -232,7 +218,7 @@ static void bound_work(struct lod_planner *p)
 		p->work_most = most;
 }
 
-enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+enum eco_code lod_bytes_fit(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;

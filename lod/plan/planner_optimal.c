@@ -69,9 +69,9 @@ static int next_to_evaluate(const struct lod_evaluation *here, const struct lod_
 	return here->at + (bound ? 3 * width / 4 : width / 2);
 }
 
-/* Bisects the grid from nothing to everything. Most lambdas are never evaluated, among them those of much smaller
- * budgets, which take the longest. */
-static enum eco_code search_grid(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+/* From nothing to everything. Most lambdas are never evaluated, among them those of much smaller budgets, which take the
+ * longest. */
+enum eco_code lod_search_grid(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_evaluation here = { 0, 0 }, next = { 0, INFINITY }, middle;
 	enum eco_code code = evaluate(s, LOD_LAMBDA_COUNT, &here, &next, &next, error);
@@ -204,7 +204,7 @@ static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planne
 	lod_allocation_free(s->allocation);
 	enum eco_code code = lod_planner_check(p, error);
 	code = code ? code : lod_allocation_make(s->allocation, p, error);
-	return code ? code : search_grid(s, p->input->request->vertices, error);
+	return code ? code : lod_search_grid(s, p->input->request->vertices, error);
 }
 
 /* Entries at one level, within both budgets. */

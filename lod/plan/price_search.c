@@ -7,8 +7,6 @@
 
 #include "lod/plan/byte_price.h"
 
-#define LOW_OCTAVES 10           /* no bytes are so far below any */
-
 #define LN_2 0.69314718055994530942
 
 /* 2^octave, the same on every machine. */
@@ -52,45 +50,16 @@ static double relax_alike(struct lod_allocation *m, double lambda, double octave
 	return bytes;
 }
 
-/* How far bytes are from a target, in octaves. */
-static double beyond(double bytes, double target)
-{
-	return bytes > 0 && target > 0 ? fabs(lod_octaves(bytes / target)) : LOW_OCTAVES;
-}
-
-/* The same at such a price; 1 where that was not tried. */
-static double beyond_at(const struct lod_allocation *m, double lambda, double target, double octave)
-{
-	for (uint32_t i = 0; i < m->tries.count; i++)
-		if (m->tries.at[i].lambda == lambda && m->tries.at[i].octave == octave)
-			return beyond(m->tries.at[i].bytes, target);
-	return 1;
-}
-
-/* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most
- * `target`: a secant on bytes, or their middle where that moves one end alone, until they are nearly that
- * many or the octaves are close together. */
+/* Halves between an octave `low`, at which there are too many bytes, and `high`, at which there are at most `target`,
+ * until they are nearly that many or the octaves are close together. */
 static double search_price(struct lod_allocation *m, double lambda, double target, double low, double high)
 {
-	double over = beyond_at(m, lambda, target, low), under = beyond_at(m, lambda, target, high), bytes = 0;
-	int side = 0;                    /* tries that moved the same end */
+	double bytes = 0;
 	for (int tries = 0; high - low > LOD_PRICE_STEP && bytes < target * (1 - LOD_PRICE_SLACK)
 			&& (tries < LOD_PRICE_SEARCHES || !lod_planner_over(m->p, 4)); tries++) {
-		double part = over / (over + under);
-		bool halves = high - low < LOD_PRICE_CLOSE || abs(side) > 1;
-		part = halves ? 0.5 : fmin(fmax(part, LOD_PRICE_PART), 1 - LOD_PRICE_PART);
-		double middle = low + part * (high - low);
-		double now = relax_alike(m, lambda, middle);
-		if (now > target) {
-			low = middle;
-			over = beyond(now, target);
-			side = side < 0 ? side - 1 : -1;
-		} else {
-			high = middle;
-			bytes = now;
-			under = beyond(now, target);
-			side = side > 0 ? side + 1 : 1;
-		}
+		double middle = 0.5 * (low + high), now = relax_alike(m, lambda, middle);
+		*(now > target ? &low : &high) = middle;
+		bytes = now > target ? bytes : now;
 	}
 	return high;
 }

@@ -107,8 +107,6 @@
 #define LOD_PRICE_NEAR 0.25  /* the same from a price that nearly fits */
 #define LOD_PRICE_USUAL -1.0  /* octave of the first price tried; the next is one further, then twice as far */
 #define LOD_PRICE_STEP 0.1  /* octaves to which a price is searched */
-#define LOD_PRICE_CLOSE 0.45  /* octaves: nearer than that bytes come at once, and are no line */
-#define LOD_PRICE_PART 0.1  /* of the way between two prices: each is tried no nearer to either by the secant */
 #define LOD_PRICE_SEARCHES 5  /* of a search, whatever work is done: the highest price draws nothing */
 
 /* ---- Kinds that share bytes ---- */
@@ -181,6 +179,7 @@
 /* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
  * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
 #define LOD_BYTES_WORK 6
+#define LOD_FEW_SLACK 8u  /* of the vertices that fit: 1 / so many may be missed */
 #define LOD_FEW_FALL 4  /* vertices of one try over those of the next, where hardly any fit */
 #define LOD_SIZE_MARGIN 0.002  /* of the bytes, since what is beside differs from one answer to the next */
 #define LOD_SIZE_TRIES 5  /* answers whose bytes are counted */
