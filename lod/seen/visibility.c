@@ -401,12 +401,16 @@ static void sort_visibilities(const struct lod_screen *screen, bool by_range, st
 /* Per cell: share of light let through so far. Per column: first row hidden by ground. */
 struct light { float *cells, *horizon; };
 
-/* The box LOD_SCREEN_AROUND times as wide and high; around the eye the picture. Returns its cells, in the picture or not. */
-static double surroundings(const struct lod_screen *screen, uint32_t index, struct span *across, struct span *down)
+/* The box so many times as wide and high as the crown, blurred by a square of `side` pixels; around the eye the picture.
+ * Returns its cells, in the picture or not. */
+static double box_around(const struct lod_screen *screen, uint32_t index, double times, double side, struct span *across,
+	struct span *down)
 {
 	const struct lod_outline *o = &screen->crowns[index];
 	double x = 0.5 * screen->columns + columns_of(screen, o->x), y = 0.5 * screen->rows - rows_of(screen, o->y),
-		wide = LOD_SCREEN_AROUND * BOX * columns_of(screen, o->wide), high = LOD_SCREEN_AROUND * BOX * rows_of(screen, o->high);
+		w = times * BOX * columns_of(screen, o->wide), h = times * BOX * rows_of(screen, o->high),
+		more_w = 0.5 * side / screen->cell_x, more_h = 0.5 * side / screen->cell_y,
+		wide = sqrt(w * w + more_w * more_w), high = sqrt(h * h + more_h * more_h);
 	if (o->around) {
 		x = wide = 0.5 * screen->columns;
 		y = high = 0.5 * screen->rows;
@@ -422,7 +426,7 @@ static double unoccluded_share(const struct lod_screen *screen, uint32_t index, 
 {
 	const struct lod_visibility *v = &screen->visibilities[index];
 	struct span across, down;
-	double seen = 0, all = surroundings(screen, index, &across, &down);
+	double seen = 0, all = box_around(screen, index, LOD_SCREEN_AROUND, 0, &across, &down);
 	for (int r = down.first; r < down.end; r++) {
 		const float *row = light + r * (int)screen->columns;
 		const struct lod_run *run = r >= v->crown.row && r < v->crown.end ? crown_run(screen, v, r) : NULL;
@@ -501,7 +505,7 @@ uint64_t lod_screen_cells(const struct lod_screen *screen)
 	uint64_t sum = 0;
 	struct span across, down;
 	for (uint32_t i = 0; i < screen->count; i++) {
-		surroundings(screen, i, &across, &down);
+		box_around(screen, i, LOD_SCREEN_AROUND, 0, &across, &down);
 		sum += (uint64_t)(across.end - across.first) * (uint64_t)(down.end - down.first);
 	}
 	return sum;
@@ -626,27 +630,21 @@ static void cover_cells(const struct lod_screen *screen, const struct cover *cov
 	}
 }
 
-/* Layers of splats, over the crown. False: no memory. */
-static bool add_splats(const struct lod_screen *screen, const struct cover *cover, const struct lod_splats *splats,
-	struct lod_splat_field *field)
+/* Layers of splats. The points of a summary are drawn at random from leaves of its plants, so splats lie on crowns by
+ * chance, and reach beyond them: a point is in none with probability e^-layers (Poisson). */
+static void add_splats(const struct lod_screen *screen, uint32_t index, const struct lod_splats *splats, float *layers)
 {
-	double all = (double)(cover->v->ellipse * cover->wider);
-	float *cells = lod_splat_field_of(field, splats->side),
-		layers = all > 0 ? (float)(splats->count * splats->side * splats->side / all) : 0;
-	for (int r = cover->v->crown.row; cells && r < cover->v->crown.end; r++) {
-		float height, *row = cells + r * (int)screen->columns;
-		struct span across = cover_run(screen, cover, r, &height);
+	struct span across, down;
+	const double all = box_around(screen, index, 1, splats->side, &across, &down) * screen->cell_x * screen->cell_y;
+	const float each = all > 0 ? (float)(splats->count * splats->side * splats->side / all) : 0;
+	for (int r = down.first; r < down.end; r++)
 		for (int c = across.first; c < across.end; c++)
-			row[c] += layers * height * inside(&across, c);
-	}
-	return cells;
+			layers[r * (int)screen->columns + c] += each * inside(&down, r) * inside(&across, c);
 }
 
-static bool cover_all(const struct lod_screen *screen, lod_drawn_fn drawn_of, void *ctx, lod_f4 *cells,
-	struct lod_splat_field *field)
+static void cover_all(const struct lod_screen *screen, lod_drawn_fn drawn_of, void *ctx, lod_f4 *cells, float *layers)
 {
-	bool good = true;
-	for (uint32_t i = 0; i < screen->count && good; i++) {
+	for (uint32_t i = 0; i < screen->count; i++) {
 		const struct lod_visibility *v = &screen->visibilities[i];
 		if (v->crown.row == v->crown.end)
 			continue;
@@ -656,16 +654,16 @@ static bool cover_all(const struct lod_screen *screen, lod_drawn_fn drawn_of, vo
 		bool splats = drawn.splats.count > 0;
 		cover_cells(screen, &cover, splats ? (lod_f4){ clear, 1, clear, 1 }
 			: uncovered_of((double)cover.shown, drawn.wrong), cells);
-		good = !splats || add_splats(screen, &cover, &drawn.splats, field);
+		if (splats)
+			add_splats(screen, i, &drawn.splats, layers);
 	}
-	return good;
 }
 
 static struct eco_prediction sum_up(const struct lod_screen *screen, const lod_f4 *cells, const float *layers)
 {
 	double tp = 0, fp = 0, fn = 0, pixels = screen->cell_x * screen->cell_y;
 	for (uint32_t i = 0; i < screen->columns * screen->rows; i++) {
-		double through = layers && layers[i] > 0 ? lod_exp_minus((double)layers[i]) : 1,
+		double through = layers[i] > 0 ? lod_exp_minus((double)layers[i]) : 1,
 			reference = (double)cells[i][REFERENCE], drawn = through * (double)cells[i][DRAWN];
 		double either = fmin(through * (double)cells[i][EITHER], fmin(reference, drawn));
 		fp += reference - either;
@@ -680,15 +678,16 @@ enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_drawn_fn dr
 {
 	uint32_t count = screen->columns * screen->rows;
 	lod_f4 *cells = malloc(count * sizeof *cells);
-	struct lod_splat_field field = { screen->columns, screen->rows, screen->cell_x, screen->cell_y,
-		NULL, NULL, 0 };
+	float *layers = calloc(count, sizeof *layers);
 	for (uint32_t i = 0; cells && i < count; i++)
 		cells[i] = lod_f4_all(1);
-	bool good = cells && cover_all(screen, drawn, ctx, cells, &field);
-	if (good)
-		*prediction = sum_up(screen, cells, lod_splat_field_blur(&field));
-	lod_splat_field_free(&field);
+	bool good = cells && layers;
+	if (good) {
+		cover_all(screen, drawn, ctx, cells, layers);
+		*prediction = sum_up(screen, cells, layers);
+	}
 	free(cells);
+	free(layers);
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells",
 		count);
 }
