@@ -10,7 +10,6 @@
 
 #include "lod/plan/byte_price_state.h"
 #include "lod/plan/knapsack.h"
-#include "lod/plan/price_search.h"
 
 static const double around[] = LOD_KIND_PRICES;
 #define PRICES (sizeof around / sizeof *around)

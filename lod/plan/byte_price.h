@@ -65,3 +65,14 @@ double lod_prices_bytes(struct lod_allocation *allocation);
 double lod_prices_lost(const struct lod_allocation *allocation);
 /* Pixels of one plant, per slot, that are covered wrongly as outlines are coarse. */
 void lod_prices_lost_of(const struct lod_allocation *allocation, double *lost);
+
+/* ---- The price that a number of bytes asks for: prices are log2 ---- */
+
+/* Relaxes at a price, with its own limits or, if `mix` is used, with those; lod_prices_make came before. Returns the
+ * bytes. */
+double lod_price_relax(struct lod_allocation *allocation, double lambda, double octave, const struct lod_mix *mix);
+/* Relaxes at a price whose bytes are at most `target`, and returns these bytes. near: log2 of a price that nearly fits;
+ * NAN: not known. */
+double lod_price_find(struct lod_allocation *allocation, double lambda, double target, double near, double *octave);
+/* Wrong pixels that the last relaxation leaves. */
+double lod_price_wrong(const struct lod_allocation *allocation);

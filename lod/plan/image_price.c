@@ -17,11 +17,6 @@ static double texel_px(const struct lod_allocation *m, const struct ladder_price
 	return lod_texel_px(m->p, m->prices->images[l->image].list, slot->anchor, slot->band);
 }
 
-static struct image_price image_price_of(const struct lod_allocation *m, uint32_t list)
-{
-	return (struct image_price){ .list = list, .outline = m->p->scene->lists[list].image };
-}
-
 /* The most levels that some choice of a ladder resolves. */
 static void count_levels(struct lod_allocation *m, const struct ladder_price *l)
 {
@@ -56,18 +51,19 @@ static uint32_t levels_of(const struct lod_allocation *m, uint32_t list)
 	return list == ECO_NONE ? 0 : m->p->scene->lists[list].primitive_count;
 }
 
+static bool is_of_cell(const struct lod_allocation *m, const struct ladder_price *l)
+{
+	const struct eco_ladder *ladder = &m->p->scene->ladders[l->ladder];
+	return ladder->anchor != m->p->scene->plants[ladder->plant].anchor_first;
+}
+
 /* A texture is asked of the ladders of whole plants that show it in equal parts, and of cells likewise. */
 static void share_images(struct lod_allocation *m)
 {
-	const struct eco_scene *scene = m->p->scene;
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
 		struct ladder_price *l = &m->prices->ladders[i];
-		const struct eco_ladder *ladder = &scene->ladders[l->ladder];
-		bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
-		if (l->textured == ECO_NONE)
-			continue;
-		const struct image_price *image = &m->prices->images[l->image];
-		l->image_part = image->bytes / image->users[cell];
+		const struct image_price *image = &m->prices->images[l->textured == ECO_NONE ? 0 : l->image];
+		l->image_part = l->textured == ECO_NONE ? 0 : image->bytes / image->users[is_of_cell(m, l)];
 	}
 }
 
@@ -76,35 +72,27 @@ bool lod_images_make(struct lod_allocation *m)
 	struct lod_prices *prices = m->prices;
 	const struct eco_scene *scene = m->p->scene;
 	prices->images = lod_arena_try(&prices->memory, prices->ladder_count, sizeof *prices->images);
+	uint32_t *of = lod_arena_try(&prices->memory, scene->list_count, sizeof *of);
 	if (!m->p->texture_levels)
 		m->p->texture_levels = calloc(scene->list_count + 1u, 1);
-	if (!m->p->texture_levels)
+	if (prices->memory.failed || !m->p->texture_levels)
 		return false;
-	uint32_t *of = lod_arena_try(&prices->memory, scene->list_count, sizeof *of);
-	for (int pass = 0; pass < 2 && of && prices->images; pass++)
-		for (uint32_t i = 0; i < prices->ladder_count; i++) {
-			struct ladder_price *l = &prices->ladders[i];
-			const struct eco_ladder *ladder = &scene->ladders[l->ladder];
-			bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
-			if (l->textured == ECO_NONE)
-				continue;
-			if (pass) {
-				count_levels(m, l);
-				continue;
-			}
-			if (!of[l->image]) {
-				of[l->image] = ++prices->image_count;
-				prices->images[prices->image_count - 1] = image_price_of(m, l->image);
-				prices->images[prices->image_count - 1].plant = ladder->plant;
-			}
-			l->image = of[l->image] - 1;
-			prices->images[l->image].users[cell]++;
+	for (uint32_t i = 0; i < prices->ladder_count; i++) {
+		struct ladder_price *l = &prices->ladders[i];
+		const uint32_t list = l->image;
+		if (l->textured == ECO_NONE)
+			continue;
+		if (!of[list]) {
+			of[list] = ++prices->image_count;
+			prices->images[of[list] - 1] = (struct image_price){ .list = list,
+				.outline = scene->lists[list].image, .plant = scene->ladders[l->ladder].plant };
 		}
-	if (prices->memory.failed)
-		return false;
+		l->image = of[list] - 1;
+		prices->images[l->image].users[is_of_cell(m, l)]++;
+		count_levels(m, l);
+	}
 	for (uint32_t i = 0; i < prices->image_count; i++)
-		set_levels(m, &prices->images[i], prices->images[i].most,
-			levels_of(m, prices->images[i].outline));
+		set_levels(m, &prices->images[i], prices->images[i].most, levels_of(m, prices->images[i].outline));
 	share_images(m);
 	return true;
 }
@@ -146,61 +134,52 @@ static void add_texel_costs(const struct lod_allocation *m, struct ladder_price 
 	l->bare_lost = l->seen_px > 0 ? l->bare_lost / l->seen_px : 0;
 }
 
-/* Levels of an outline that are worth their bytes where so many pixels are seen through it; *lost: wrong. */
-static uint32_t outline_levels(const struct lod_allocation *m, const struct image_price *image, double pixels,
-	double *lost)
+/* Levels of a list, up to `most`, that are worth their bytes; ties: the most. costs[n]: wrong pixels with n of them. */
+static uint32_t best_levels(const struct lod_allocation *m, uint32_t list, uint32_t most, const double *costs, double price)
 {
-	uint32_t outline = image->outline, all = levels_of(m, outline), best = all;
+	uint32_t best = most;
 	double least = INFINITY;
-	*lost = 0;
-	for (uint32_t n = all; n > 0 && pixels > 0; n--) {
-		double wrong = pixels * lod_outline_loss(m->p, outline, n),
-			cost = wrong + image->price * missing_levels(m, outline, n);
-		if (cost < least) {
-			least = cost;
-			best = n;
-			*lost = wrong;
-		}
+	for (uint32_t n = most; n > 0; n--) {
+		double cost = costs[n] + price * missing_levels(m, list, n);
+		best = cost < least ? n : best;
+		least = fmin(least, cost);
 	}
 	return best;
 }
 
-/* Levels of a texture that are worth their bytes; all where no plant draws it.
- * Returns what is lost of each pixel that shows it, and *outline of it for a coarse outline. */
-static double limit_texture(struct lod_allocation *m, uint32_t i, double *outline)
+/* Sets levels of a texture, all where no plant draws it, and for ladders that show it what is lost of each pixel. */
+static void limit_texture(struct lod_allocation *m, uint32_t i)
 {
 	struct lod_prices *prices = m->prices;
 	struct image_price *image = &prices->images[i];
-	uint32_t best = image->most;
-	double costs[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, least = INFINITY, pixels = 0, lost;
+	uint32_t best = image->most, all = levels_of(m, image->outline), border = all;
+	double costs[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, borders[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, pixels = 0;
 	for (uint32_t k = 0; k < prices->ladder_count; k++)
 		if (shows(&prices->ladders[k], i)) {
 			add_texel_costs(m, &prices->ladders[k], costs);
 			pixels += prices->ladders[k].seen_px;
 		}
-	for (uint32_t n = 1; n <= image->most && pixels > 0; n++) {
-		double cost = costs[n] + image->price * missing_levels(m, image->list, n);
-		best = cost < least ? n : best;
-		least = fmin(least, cost);
+	if (pixels > 0) {
+		for (uint32_t n = 1; n <= all; n++)
+			borders[n] = pixels * lod_outline_loss(m->p, image->outline, n);
+		best = best_levels(m, image->list, image->most, costs, image->price);
+		border = best_levels(m, image->outline, all, borders, image->price);
 	}
-	set_levels(m, image, best, outline_levels(m, image, pixels, &lost));
-	*outline = pixels > 0 ? lost / pixels : 0;
-	return pixels > 0 ? (lost + costs[best] - costs[image->most]) / pixels : 0;
+	set_levels(m, image, best, border);
+	for (uint32_t k = 0; k < prices->ladder_count; k++)
+		if (shows(&prices->ladders[k], i)) {
+			struct ladder_price *l = &prices->ladders[k];
+			l->outline_lost = pixels > 0 ? borders[border] / pixels : 0;
+			l->image_lost = pixels > 0 ? (borders[border] + costs[best] - costs[image->most]) / pixels : 0;
+		}
 }
 
 void lod_images_limit(struct lod_allocation *m)
 {
+	static const double times[LOD_KINDS_LEVELS] = LOD_KIND_TEXTURES;
 	for (uint32_t i = 0; i < m->prices->image_count; i++) {
-		static const double times[LOD_KINDS_LEVELS] = LOD_KIND_TEXTURES;
 		m->prices->images[i].price = m->price * (m->limited ? times[m->prices->images[i].level] : 1);
-		double outline, lost = limit_texture(m, i, &outline);
-		for (uint32_t k = 0; k < m->prices->ladder_count; k++) {
-			struct ladder_price *l = &m->prices->ladders[k];
-			if (!shows(l, i))
-				continue;
-			l->image_lost = lost;
-			l->outline_lost = outline;
-		}
+		limit_texture(m, i);
 	}
 	share_images(m);
 }

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
-#include "lod/plan/price_search.h"
 
 /* A trial plan records no reasons. */
 static enum eco_code emit_without_reasons(const struct lod_planner *p, struct eco_plan *plan,
@@ -97,25 +96,12 @@ static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct
 	return code ? code : lod_bytes_size(s->allocation->p, error);
 }
 
-/* Keeps arrays of a mix, too. */
-static void keep_fitted(const struct lod_planner *p, uint32_t ladders, struct fitted *best, const struct fitted *now)
-{
-	struct lod_mix mix = best->mix;
-	memcpy(mix.limits, now->mix.limits, ladders * sizeof *mix.limits);
-	memcpy(mix.off, now->mix.off, p->scene->plant_count);
-	memcpy(mix.levels, now->mix.levels, p->scene->plant_count);
-	mix.used = now->mix.used;
-	*best = *now;
-	best->mix = mix;
-}
-
 /* Records and the plan itself, which are not priced, are learnt from the answers tried. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget, struct fitted *now,
 	struct fitted *best, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
-	const uint32_t ladders = lod_prices_ladders(m);
 	enum eco_code code = ECO_OK;
 	double most = (double)p->input->request->bytes;
 	bool last = false;               /* the allocation is that of the best answer */
@@ -127,8 +113,11 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 		now->wrong = p->wrong;
 		bool fits = now->size <= most, fitted = best->size <= most;
 		last = !code && (fits && fitted ? now->wrong < best->wrong : now->size < best->size);
-		if (last)
-			keep_fitted(p, ladders, best, now);
+		if (last) {
+			const struct lod_mix spare = best->mix;
+			*best = *now;
+			now->mix = spare;
+		}
 		if (now->size == before || (now->size <= most && now->size >= most * (1 - LOD_PRICE_SLACK))
 				|| (best->size <= most && lod_planner_over(p, 4)
 				&& !(now->size > most && now->size < most * (1 + LOD_PRICE_SLACK)))

@@ -10,7 +10,7 @@
  *   (lod/plan/fill_budget.h)
  * - where few plants are in view, solve the knapsack of what all of them draw (fill_few.c), for these gates and
  *   tiles and for those of the next lambda
- * - where the answer has too many bytes, find a price for them and fill once more (lod/plan/price_search.h)
+ * - where the answer has too many bytes, find a price for them and fill once more (lod/plan/byte_price.h)
  *
  * The prediction is that of the entries: what the screen expects of the positions that the fill has left. */
 #include "lod/plan/planner_state.h"
@@ -20,7 +20,6 @@
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
-#include "lod/plan/price_search.h"
 #include "lod/plan/fill_budget.h"
 #include "lod/plan/allocation.h"
 

@@ -1,6 +1,4 @@
-/* See lod/plan/price_search.h. */
-#include "lod/plan/price_search.h"
-
+/* Search for the price of bytes: see lod/plan/byte_price.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,6 @@
 
 #include "lod/plan/byte_price.h"
 #include "lod/plan/byte_price_state.h"
-#include "lod/plan/price_search.h"
 #include "tests/support/plan_size.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
