@@ -317,7 +317,7 @@ static void relax_summary(struct lod_allocation *m, uint32_t n)
 {
 	struct lod_tile_choice *choice = &m->tile_choices[n];
 	const struct lod_hull *hull = &choice->summary.hull;
-	double each = m->price > 0 ? m->price * lod_prices_point(m, n) : 0;
+	double each = m->price > 0 ? m->price * m->prices->points[n] : 0;
 	m->p->looks++;
 	choice->position = lod_hull_position(hull, (m->lambda + each) / choice->weight_px, choice->position);
 	if (m->price > 0)
@@ -333,7 +333,7 @@ static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
 	for (uint32_t c = 0; c < node->child_count; c++)
 		lod_cost_add(&fine, &m->tile_choices[node->child_first + c].cost, 1, 1, 1);
 	if (m->price > 0)
-		lod_prices_instances(m, n, &fine);
+		fine.bytes += m->prices->instances[n];
 	return fine;
 }
 

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/plan/byte_price_state.h"
 #include "lod/plan/knapsack.h"
 
 static const double around[] = LOD_KIND_PRICES;
@@ -99,7 +98,7 @@ static bool choose(const struct kinds *k, double room)
 static void mix(const struct kinds *k, struct lod_mix *to)
 {
 	for (uint32_t i = 0; i < k->ladders; i++)
-		to->limits[i] = k->limits[k->chosen[lod_prices_kind(k->m, i)] / LEVELS * k->ladders + i];
+		to->limits[i] = k->limits[k->chosen[k->m->prices->ladders[i].plant] / LEVELS * k->ladders + i];
 	for (uint32_t i = 0; i < k->count; i++) {
 		to->off[i] = k->off[k->chosen[i] / LEVELS * k->count + i];
 		to->levels[i] = k->chosen[i] % LEVELS;

@@ -5,15 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/plan/byte_price_state.h"
 #include "lod/plan/allocation.h"
 
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
 
 /* ---- What is drawn ---- */
 
-/* The share of a slot's plants that draw a choice. `all`: of a ladder that shows the whole plant, as if no
- * organs were drawn. */
 double lod_prices_share(const struct lod_allocation *m, uint32_t ladder_choice, bool all)
 {
 	const struct lod_ladder_choice *choice = &m->ladder_choices[ladder_choice];
@@ -274,7 +271,7 @@ static void judge_organs(struct lod_allocation *m)
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
 		const struct ladder_price *l = &prices->ladders[i];
 		double bare;
-		uint32_t plant = m->p->scene->ladders[l->ladder].plant;
+		uint32_t plant = l->plant;
 		if (is_whole(m, l))
 			continue;
 		prices->spent[plant] += l->used + (l->shows ? texture_part(prices, l) : 0);
@@ -329,7 +326,7 @@ void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
 		judge_organs(m);
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
 		struct ladder_price *l = &prices->ladders[i];
-		bool off = prices->organs_off[m->p->scene->ladders[l->ladder].plant];
+		bool off = prices->organs_off[l->plant];
 		if (off && !is_whole(m, l))
 			l->limit = 0;
 		else
@@ -376,13 +373,6 @@ void lod_prices_lost_of(const struct lod_allocation *m, double *lost)
 	}
 }
 
-uint32_t lod_prices_ladders(const struct lod_allocation *m) { return m->prices->ladder_count; }
-
-uint32_t lod_prices_kind(const struct lod_allocation *m, uint32_t ladder)
-{
-	return m->p->scene->ladders[m->prices->ladders[ladder].ladder].plant;
-}
-
 static void forget_images(struct lod_allocation *m)
 {
 	for (uint32_t i = 0; i < m->prices->image_count; i++)
@@ -404,8 +394,8 @@ void lod_prices_of_kinds(struct lod_allocation *m, double *bytes, double *wrong)
 	forget_images(m);
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
 		find_used(m, &m->prices->ladders[i]);
-		bytes[lod_prices_kind(m, i)] += ladder_bytes(m, &m->prices->ladders[i]);
-		wrong[lod_prices_kind(m, i)] += ladder_lost(m, &m->prices->ladders[i]);
+		bytes[m->prices->ladders[i].plant] += ladder_bytes(m, &m->prices->ladders[i]);
+		wrong[m->prices->ladders[i].plant] += ladder_lost(m, &m->prices->ladders[i]);
 	}
 }
 

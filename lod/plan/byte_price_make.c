@@ -4,12 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lod/plan/byte_price_state.h"
 #include "lod/plan/allocation.h"
 
 /* ---- Bytes ---- */
 
-/* Chunks [from, to) of a list that the client lacks. */
 double lod_prices_missing(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
 	const uint32_t held = m->prices->held[list], kept = m->prices->kept[list];
@@ -158,6 +156,7 @@ static bool make_ladders(struct lod_allocation *m)
 		if (!of[ladder]) {
 			of[ladder] = ++prices->ladder_count;
 			prices->ladders[of[ladder] - 1].ladder = ladder;
+			prices->ladders[of[ladder] - 1].plant = m->p->scene->ladders[ladder].plant;
 		}
 		prices->ladders[of[ladder] - 1].count++;
 	}
@@ -213,12 +212,6 @@ static bool make_tiles(struct lod_allocation *m)
 	}
 	return true;
 }
-
-void lod_prices_instances(const struct lod_allocation *m, uint32_t node, struct lod_cost *cost)
-{
-	cost->bytes += m->prices->instances[node];
-}
-double lod_prices_point(const struct lod_allocation *m, uint32_t node) { return m->prices->points[node]; }
 
 struct lod_summary_price lod_prices_summary(const struct lod_allocation *m, uint32_t node, double points)
 {

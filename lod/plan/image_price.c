@@ -1,7 +1,6 @@
-/* Prices of textures: see lod/plan/byte_price_state.h. Colours and outlines are prefixes of their own, so
+/* Prices of textures: see lod/plan/byte_price.h. Colours and outlines are prefixes of their own, so
  * levels of each are chosen apart: those of colours that save, over coarser texels, what their bytes cost,
  * and those of an outline that show as much less wrong. */
-#include "lod/plan/byte_price_state.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -136,7 +136,7 @@ static enum eco_code fit_bytes(const struct lod_lambda_search *s, uint64_t budge
 	enum eco_code code = lod_prices_make(m, NULL, 0, error);
 	if (code)
 		return code;
-	size_t ladders = lod_prices_ladders(m), plants = m->p->scene->plant_count;
+	size_t ladders = m->prices->ladder_count, plants = m->p->scene->plant_count;
 	struct lod_arena a = { 0 };
 	uint32_t *limits = lod_arena_try(&a, 2 * ladders, sizeof *limits);
 	bool *off = lod_arena_try(&a, 2 * plants, 1);

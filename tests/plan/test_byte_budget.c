@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "lod/plan/byte_price.h"
-#include "lod/plan/byte_price_state.h"
 #include "tests/support/plan_size.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
@@ -148,7 +147,7 @@ static void find_price(struct relaxed *r, uint32_t *searched, uint32_t *some)
 /* Kinds share bytes that a price leaves: within them less is wrong. Returns whether they do. */
 static bool share_bytes(struct relaxed *r, double octave)
 {
-	struct lod_mix mix = { malloc((lod_prices_ladders(&r->m) + 1) * sizeof *mix.limits),
+	struct lod_mix mix = { malloc((r->m.prices->ladder_count + 1) * sizeof *mix.limits),
 		malloc(r->p.scene->plant_count + 1u), malloc(r->p.scene->plant_count + 1u), false };
 	double bytes = lod_price_relax(&r->m, 1e-3, octave, NULL), target = 2 * bytes,
 		worth = lod_price_wrong(&r->m) + 1e-3 * r->m.cost.vertices,
