@@ -154,7 +154,7 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 	fill->lambda = 0;
 	if (fill->vertices > budget)
 		lod_fill_at(fill, fill->lambda = lambda);
-	for (double more = LOD_LAMBDA_STEP; fill->vertices > budget && fill->lambda < LOD_LAMBDA_MOST; more *= LOD_LAMBDA_FASTER)
+	for (double more = LOD_LAMBDA_STEP; fill->vertices > budget && fill->lambda < LOD_LAMBDA_MOST; more *= 2)
 		lod_fill_at(fill, fill->lambda *= 1 + more);
 	fill->converged = fill->lambda < LOD_LAMBDA_MOST;
 	sum_wrong(fill);

@@ -214,7 +214,6 @@ static enum eco_code fill_level(struct lod_lambda_search *s, struct lod_planner 
 	p->texture_levels = NULL;
 	s->exact = s->allocation->few_plants && !is_enough(s);
 	enum eco_code code = fill_budget(s, budget, error);
-	s->exact = s->exact && (!p->work_most || p->work < p->work_most / LOD_EXACT_PART);
 	if (!code && p->input->sent && p->input->request->bytes != ECO_BYTES_UNBOUNDED)
 		code = lod_bytes_size(p, error);
 	if (!code && p->bytes > p->input->request->bytes)

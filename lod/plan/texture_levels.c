@@ -117,11 +117,6 @@ enum eco_code lod_plan_textures(struct eco_plan *plan, const struct lod_planner 
 
 /* ---- Levels of impostors ---- */
 
-static double worth_least(uint32_t level)
-{
-	return level + 1 < ECO_IMPOSTOR_LEVELS ? LOD_IMPOSTOR_WORTH : LOD_IMPOSTOR_WORTH_LAST;
-}
-
 /* Even small plants look better in more directions, but bytes count (lod/EXPERIMENTS.md, Impostors, Small
  * pictures): a level begins where the one before has fewer texels than pixels. */
 double lod_impostor_from(uint32_t level, double times)
@@ -168,7 +163,7 @@ static struct lod_impostor_use use_of(const struct eco_scene *scene, const struc
 		double less = level_error(scene, ladder, level - 1) - level_error(scene, ladder, level),
 			right = seen * less, bytes = scene->chunks[list->chunk_first + level].size_bytes,
 			from = lod_impostor_from(level, right
-			/ (fmax(price, worth_least(level)) * bytes));
+			/ (fmax(price, LOD_IMPOSTOR_WORTH) * bytes));
 		if (!(from < INFINITY))
 			break;
 		use.from_px[level] = fmax(from, use.from_px[level - 1]);

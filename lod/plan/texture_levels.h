@@ -34,8 +34,7 @@ enum eco_code lod_plan_textures(struct eco_plan *plan, const struct lod_planner 
  * All levels are one vertex, and the larger one is better at every size. But its bytes are paid once for all
  * plants of a kind, and where few of these are seen they buy more elsewhere. So a level is used if a byte of
  * it sets at least 0.1 of a pixel right, whatever the budget is: with a larger one nothing may
- * become worse. The last level takes four times the bytes of the one before and must set
- * 0.15 of a pixel right (lod/EXPERIMENTS.md, Bytes of first visits).
+ * become worse (lod/EXPERIMENTS.md, Bytes of first visits).
  *
  * As a camera moves, a kind must not change its level at once: where a byte is just worth it, only the
  * largest plants have the level, and the others follow, the more a byte sets right, up to twice that. */

@@ -61,7 +61,6 @@
 				* without sun, whose light and shade are smooth on it */
 #define LOD_IMPOSTOR_SIZE 1u  /* of eco_seen: what most plants are that an impostor shows */
 #define LOD_IMPOSTOR_WORTH 0.1  /* pixels that a byte of a level must set right */
-#define LOD_IMPOSTOR_WORTH_LAST 0.15  /* the same of the last level */
 
 /* ---- The ground's image ---- */
 #define LOD_IMAGE_SAMPLES 4  /* along each side of a tile, to count its pixels */
@@ -118,9 +117,8 @@
 #define LOD_KIND_TRIES 5  /* of a mix: tiles that choose others need bytes, too */
 
 /* ---- Fill ---- */
-#define LOD_LAMBDA_STEP 0.02  /* a lambda that fits in the mean may not fit with whole plants: it is raised by
-				* this share, ... */
-#define LOD_LAMBDA_FASTER 1.5  /* ... then by so many times as much */
+#define LOD_LAMBDA_STEP 0.1  /* a lambda that fits in the mean may not fit with whole plants: it is raised by
+				* this share, then by twice as much each time, until it fits */
 
 /* ---- Few plants ---- */
 #define LOD_FEW_BINS 256u  /* into which a budget of vertices is divided; fewer where ... */
@@ -158,8 +156,6 @@
 #define LOD_FINER_TIMES 3  /* levels above 0; the last opens all */
 #define LOD_SMALL_STEPS 4  /* levels below 0 that are one octave apart */
 #define LOD_COARSEST -12  /* level: the last that is tried */
-#define LOD_EXACT_PART 8  /* answers within bytes solve the knapsack of few plants, too, if the plan for the
-				* vertices took less than this part of the work */
 #define LOD_PLACES_MOST 100000u  /* plants that one level walks over */
 #define LOD_CELLS_WORK 64  /* of a plan, for each cell of a plant, where all are drawn */
 #define LOD_PLACES_WALKS 4  /* as large as may be, that the work allows */
