@@ -439,16 +439,13 @@ void lod_allocation_relax(struct lod_allocation *m, double lambda)
 /* ---- The picture ---- */
 
 /* The tile's summary, for all plants in it. */
-static struct lod_splats summary_splats(struct lod_tile_choice *choice)
+static struct lod_splats summary_splats(const struct lod_tile_choice *choice)
 {
 	struct lod_cost cost = { 0 };
 	add_at(&cost, &choice->summary.hull, 1, choice->position);
 	double points = choice->summary.part * cost.vertices;
-	if (choice->scaled != cost.vertices)
-		choice->scale = lod_summary_hull_scale(&choice->summary, (uint64_t)ceil(cost.vertices));
-	choice->scaled = cost.vertices;
-	return (struct lod_splats){ points,
-		points > 0 ? sqrt(choice->summary.view.area * choice->scale / points) : 0 };
+	const double scale = lod_summary_hull_scale(&choice->summary, (uint64_t)ceil(cost.vertices));
+	return (struct lod_splats){ points, points > 0 ? sqrt(choice->summary.view.area * scale / points) : 0 };
 }
 
 /* Sets what tiles draw, and how much of their splats each visibility has. */

@@ -125,8 +125,7 @@ struct lod_tile_choice {
 	struct lod_cost cost;        /* of the blend that is chosen */
 	bool moved;                  /* it is another one since the last relaxation */
 	struct lod_splats splats;    /* of its summary, while a picture is predicted; ... */
-	double leaves;               /* ... pixels of all leaves that it draws; ... */
-	double scaled, scale;        /* ... area factor of so many vertices, the last that were asked for */
+	double leaves;               /* ... pixels of all leaves that it draws */
 };
 
 /* Plants of a slot in an open tile, or in all of them. */

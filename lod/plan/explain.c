@@ -169,12 +169,12 @@ void lod_explain_tiles(const struct lod_fill *fill)
 	count_explaining(m->p, before);
 }
 
-void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut,
-	uint64_t plants)
+void lod_explain_cut(const struct lod_planner *p, struct lod_explanation *why, const struct lod_entry *entry,
+	const struct eco_cut *cut, uint64_t plants)
 {
 	struct lod_explained row = { .cut = *cut, .tile = ECO_NONE, .plant = ECO_NONE, .plants = plants,
 		.reason = entry->reason };
-	if (!p->input->explanation)
+	if (!why)
 		return;
 	if (entry->slot == ECO_NONE)
 		row.tile = p->visible.nodes[entry->ladder].tile;
@@ -182,29 +182,16 @@ void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry,
 		row.plant = p->visible.slots[entry->slot].plant;
 	row.vertices = eco_cut_vertices(cut, &p->scene->lists[cut->list]) * plants;
 	row.expected_px = (double)plants * entry->reason.expected_px;
-	add_row(p->input->explanation, &row);
+	add_row(why, &row);
 }
 
-static void drop_ground(struct lod_explanation *explanation)
+void lod_explain_ground(const struct lod_planner *p, const struct eco_plan *plan)
 {
-	uint32_t kept = 0;
-	for (uint32_t i = 0; i < explanation->count; i++)
-		if (explanation->rows[i].reason.why != LOD_WHY_GROUND)
-			explanation->rows[kept++] = explanation->rows[i];
-	explanation->count = kept;
-}
-
-void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan,
-	const struct eco_scene *scene, double error_px)
-{
-	error_px = error_px > 0 ? error_px : ECO_GROUND_PX;
-	if (explanation)
-		drop_ground(explanation);
-	for (uint32_t i = 0; explanation && i < plan->cut_count; i++) {
+	for (uint32_t i = 0; p->input->explanation && i < plan->cut_count; i++) {
 		struct lod_explained row = { .cut = plan->cuts[i], .tile = ECO_NONE, .plant = ECO_NONE,
-			.reason = { .why = LOD_WHY_GROUND, .margin = error_px } };
-		if (scene->lists[row.cut.list].kind == ECO_LIST_GROUND)
-			add_row(explanation, &row);
+			.reason = { .why = LOD_WHY_GROUND, .margin = p->ground_px } };
+		if (p->scene->lists[row.cut.list].kind == ECO_LIST_GROUND)
+			add_row(p->input->explanation, &row);
 	}
 }
 

@@ -72,11 +72,6 @@ struct lod_explanation {
 };
 void lod_explanation_free(struct lod_explanation *explanation);
 
-/* Makes the rows of ground those of the plan, after lod_plan_ground has changed it. NULL explanation:
- * nothing. */
-void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan,
-	const struct eco_scene *scene, double error_px);
-
 /* One sentence for people without a full stop, such as "more detail would hardly be seen here: elsewhere it
  * improves the picture 2.1 times as much"; at most 120 bytes. */
 void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation,

@@ -104,6 +104,7 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 /* Adds rows of tiles whose plants are drawn though they have a summary. Drops rows of a coarser level. */
 void lod_explain_tiles(const struct lod_fill *fill);
 
-/* Adds the row of a cut that `plants` of an entry draw. */
-void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut,
-	uint64_t plants);
+/* Adds the row of a cut that `plants` of an entry draw; NULL: nowhere. Those of the ground. */
+void lod_explain_cut(const struct lod_planner *p, struct lod_explanation *why, const struct lod_entry *entry,
+	const struct eco_cut *cut, uint64_t plants);
+void lod_explain_ground(const struct lod_planner *p, const struct eco_plan *plan);

@@ -89,7 +89,7 @@ static enum eco_code plan_by_rule(struct lod_planner *p, struct eco_plan *plan, 
 	enum eco_code code = (p->input->rule ? p->input->rule : lod_rule_optimal)(p, error);
 	code = code ? code : lod_planner_check(p, error);
 	if (!code)
-		code = lod_planner_emit(p, plan, error);
+		code = lod_planner_emit(p, p->input->explanation, plan, error);
 	count_cuts(p, plan);
 	if (!code && p->input->explanation)
 		p->input->explanation->sample_distance = p->sample_distance;
@@ -99,8 +99,8 @@ static enum eco_code plan_by_rule(struct lod_planner *p, struct eco_plan *plan, 
 		code = lod_plan_ground(plan, p->scene, &request->view, p->ground_px, error);
 	if (!code && p->input->sent && p->bytes > request->bytes && (knows_bytes(p->input) || !request->vertices))
 		code = plan_smallest(p, plan, error);
-	if (!code && p->input->explanation)
-		lod_explain_ground(p->input->explanation, plan, p->scene, p->ground_px);
+	if (!code)
+		lod_explain_ground(p, plan);
 	return code;
 }
 

@@ -8,25 +8,10 @@
 
 #include "lod/plan/byte_price.h"
 
-/* A trial plan records no reasons. */
-static enum eco_code emit_without_reasons(const struct lod_planner *p, struct eco_plan *plan,
-	struct eco_error *error)
-{
-	struct lod_explanation *why = p->input->explanation, before = why ? *why
-		: (struct lod_explanation){ 0 };
-	*plan = (struct eco_plan){ 0 };
-	enum eco_code code = lod_planner_emit(p, plan, error);
-	if (why) {
-		why->count = before.count;
-		why->omitted = before.omitted;
-	}
-	return code;
-}
-
 enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
 {
-	struct eco_plan plan;
-	enum eco_code code = emit_without_reasons(p, &plan, error);
+	struct eco_plan plan = { 0 };
+	enum eco_code code = lod_planner_emit(p, NULL, &plan, error);
 	p->sized++;
 	lod_planner_work(p, LOD_WORK_CHOICE * (uint64_t)p->entry_count);
 	if (!code)
@@ -123,7 +108,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 				&& !(now->size > most && now->size < most * (1 + LOD_PRICE_SLACK)))
 				|| (i > 0 && lod_planner_spent(p)))
 			break;
-		now->beside = now->size - bytes + LOD_SIZE_MARGIN * most;
+		now->beside = now->size - bytes;
 	}
 	if (!code && !last)
 		code = fill_fitted(s, best, budget, error);
@@ -154,14 +139,13 @@ static enum eco_code fit_bytes(const struct lod_lambda_search *s, uint64_t budge
 	return code;
 }
 
-static enum eco_code needs_of_entries(const struct lod_planner *p, struct eco_holdings *needs,
-	struct eco_error *error)
+static enum eco_code find_wanted(const struct lod_planner *p, struct eco_holdings *wanted, struct eco_error *error)
 {
-	struct eco_plan plan;
-	*needs = (struct eco_holdings){ 0 };
-	enum eco_code code = emit_without_reasons(p, &plan, error);
-	if (!code)
-		code = lod_plan_needs(p->scene, &plan, needs, error);
+	struct eco_plan plan = { 0 };
+	free(wanted->items);
+	*wanted = (struct eco_holdings){ 0 };
+	enum eco_code code = lod_planner_emit(p, NULL, &plan, error);
+	code = code ? code : lod_plan_needs(p->scene, &plan, wanted, error);
 	eco_plan_free(&plan);
 	return code;
 }
@@ -175,8 +159,8 @@ static enum eco_code fill_few(struct lod_lambda_search *s, uint64_t vertices, st
 }
 
 /* Between two prices an answer may fall from too many bytes to nothing. Fewer vertices without a price draw
- * something then, as many as fit. Textures and the image of the ground are as at the highest price. An empty answer that is left keeps
- * the image that it has. */
+ * something then, as many as fit. Textures and the image of the ground are as at the highest price. An empty answer
+ * that is left keeps the image that it has. */
 static enum eco_code fit_few(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -188,7 +172,8 @@ static enum eco_code fit_few(struct lod_lambda_search *s, uint64_t budget, struc
 	p->price = m->price;
 	lod_prices_lift(m);
 	m->price = 0;
-	for (uint64_t middle; !code && (middle = few + (many - few) / (few ? 2 : LOD_FEW_FALL)) > few + few / LOD_FEW_SLACK;) {
+	for (uint64_t middle; !code
+			&& (middle = few + (many - few) / (few ? 2 : LOD_FEW_FALL)) > few + few / LOD_FEW_SLACK;) {
 		code = fill_few(s, middle, error);
 		*(p->bytes <= p->input->request->bytes ? &few : &many) = middle;
 	}
@@ -211,21 +196,14 @@ enum eco_code lod_bytes_fit(struct lod_lambda_search *s, uint64_t budget, struct
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
-	struct eco_holdings kept;
 	bound_work(p);
-	enum eco_code code = needs_of_entries(p, &kept, error);
+	enum eco_code code = p->input->wanted ? find_wanted(p, p->input->wanted, error) : ECO_OK;
 	if (!code)
 		code = fit_bytes(s, budget, error);
 	p->price = m->price;
 	m->limited = false;
 	if (!code && budget && !p->vertices)
 		code = fit_few(s, budget, error);
-	if (p->input->wanted) {
-		free(p->input->wanted->items);
-		*p->input->wanted = kept;
-	} else {
-		free(kept.items);
-	}
 	return code;
 }
 
@@ -244,7 +222,7 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	uint64_t now = 0;
 	*plan = (struct eco_plan){ 0 };
 	if (!code)
-		code = lod_planner_emit(p, plan, error);
+		code = lod_planner_emit(p, NULL, plan, error);
 	if (!code)
 		code = lod_plan_coarsen_ground(p, plan, &now, error);
 	if (code || now >= *missing) {
@@ -256,19 +234,6 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	return ECO_OK;
 }
 
-/* Relaxes at a price. A lambda whose vertices are too many there goes up again. */
-static double relax_within(const struct lod_lambda_search *s, double *lambda, double octave)
-{
-	struct lod_allocation *m = s->allocation;
-	const double budget = (double)m->p->input->request->vertices;
-	double bytes = lod_price_relax(m, *lambda, octave, NULL);
-	while (m->cost.vertices > budget && *lambda < s->lambda) {
-		*lambda = fmin(s->lambda, *lambda / LOD_SWEEP_LAMBDA);
-		bytes = lod_price_relax(m, *lambda, octave, NULL);
-	}
-	return bytes;
-}
-
 /* From the answer's price upwards: an answer comes where so many bytes fewer are left, mostly as far as the last
  * one came. If a price leaves hardly fewer the next one is twice as far. One that leaves far fewer is a bound, and
  * the way to it is halved. */
@@ -277,9 +242,9 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 {
 	struct lod_allocation *m = s->allocation;
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
-	const double price = m->p->price, lowest = LOD_LAMBDA_LEAST;
+	const double price = m->p->price, lambda = fmax(s->lambda, LOD_LAMBDA_LEAST);
 	double octave = price > 0 ? fmax(LOD_PRICE_LOW, 2 * lod_octaves(price)) : LOD_PRICE_LOWEST,
-		lambda = fmax(s->lambda, lowest), before = relax_within(s, &lambda, octave), step = LOD_SWEEP_STEP,
+		before = lod_price_relax(m, lambda, octave, NULL), step = LOD_SWEEP_STEP,
 		bound = INFINITY, left = 0;      /* bytes at the bound */
 	double last = octave = fmax(octave, LOD_PRICE_LOW);
 	enum eco_code code = ECO_OK;
@@ -296,7 +261,7 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 		double next = bound < INFINITY ? bound : octave + fmax(step, least);
 		if (bound < INFINITY && left * steep < before && bound - octave > least)
 			next = (octave + bound) / 2;
-		double bytes = relax_within(s, &lambda, next);
+		double bytes = lod_price_relax(m, lambda, next, NULL);
 		if (next >= bound) {
 			left = bytes;
 		} else if (bytes * steep < before && next - octave > least) {
@@ -312,8 +277,6 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 			before = bytes;
 			step = fmin(octave - last, LOD_SWEEP_STEP_MOST);
 			last = octave;
-			if (m->cost.vertices < LOD_SWEEP_VERTICES * (double)budget)
-				lambda = fmax(lowest, LOD_SWEEP_LAMBDA * lambda);
 		} else {
 			break;
 		}

@@ -100,8 +100,8 @@ static double above_of(const struct lod_slot *slot)
 /* Plants of an entry whose hash lies in [first, end), `count` of them, draw `vertices` each. */
 struct part { uint64_t vertices, count; uint32_t first, end; };
 
-static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry, const struct part *part,
-	struct eco_plan *plan)
+static void add_cuts(const struct lod_planner *p, struct lod_explanation *why, const struct lod_entry *entry,
+	const struct part *part, struct eco_plan *plan)
 {
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
@@ -121,12 +121,12 @@ static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry,
 		cuts[i].band_end = (uint8_t)(slot->band + 1);
 		cuts[i].share_first = part->first;
 		cuts[i].share_end = part->end;
-		lod_explain_cut(p, entry, &cuts[i], part->count);
+		lod_explain_cut(p, why, entry, &cuts[i], part->count);
 		plan->cuts[plan->cut_count++] = cuts[i];
 	}
 }
 
-static void add_summary_cut(const struct lod_planner *p, const struct lod_entry *entry,
+static void add_summary_cut(const struct lod_planner *p, struct lod_explanation *why, const struct lod_entry *entry,
 	const uint32_t *placement_in_plan, double part_px, struct eco_plan *plan)
 {
 	const struct lod_node *node = &p->visible.nodes[entry->ladder];
@@ -139,7 +139,7 @@ static void add_summary_cut(const struct lod_planner *p, const struct lod_entry 
 		.placement = placement_in_plan[node->placement], .anchor = ECO_NONE,
 		.share_end = ECO_SHARE_ONE };
 	plan->vertices += eco_cut_primitives(cut) - entry->vertices;
-	lod_explain_cut(p, entry, cut, 1);
+	lod_explain_cut(p, why, entry, cut, 1);
 }
 
 /* Cuts that differ only in their bands are neighbours. */
@@ -286,7 +286,8 @@ static double color_of(const struct lod_planner *p)
 	return fmax(0, sum);
 }
 
-enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+enum eco_code lod_planner_emit(const struct lod_planner *p, struct lod_explanation *why, struct eco_plan *plan,
+	struct eco_error *error)
 {
 	const struct eco_view *view = &p->input->request->view;
 	uint32_t groups = 0;
@@ -313,13 +314,13 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 	for (uint32_t i = 0; i < p->entry_count; i++) {
 		const struct lod_entry *entry = &p->entries[i];
 		if (entry->slot == ECO_NONE) {
-			add_summary_cut(p, entry, placement_in_plan, part_px, plan);
+			add_summary_cut(p, why, entry, placement_in_plan, part_px, plan);
 			continue;
 		}
 		uint32_t from = entry->share ? entry->share : entry->first;
 		uint64_t ahead = entry->reason.ahead;
-		add_cuts(p, entry, &(struct part){ entry->more, ahead, entry->first, from }, plan);
-		add_cuts(p, entry, &(struct part){ entry->vertices, entry->count - ahead, from, entry->end }, plan);
+		add_cuts(p, why, entry, &(struct part){ entry->more, ahead, entry->first, from }, plan);
+		add_cuts(p, why, entry, &(struct part){ entry->vertices, entry->count - ahead, from, entry->end }, plan);
 	}
 	free(placement_in_plan);
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)

@@ -114,8 +114,9 @@ enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *ent
 /* Opens the scene at a level of lod_planner_stats and plans nothing, so that tests can make an allocation. */
 enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, struct eco_error *error);
 
-/* Makes the plan of the entries, without ground. */
-enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
+/* Makes the plan of the entries, without ground, and records reasons; why = NULL: of a trial. */
+enum eco_code lod_planner_emit(const struct lod_planner *p, struct lod_explanation *why, struct eco_plan *plan,
+	struct eco_error *error);
 
 /* Puts ground below a plan, and finds the bytes of its answer: p->bytes. If these are too many for the first time, the
  * ground gives way as far as it may. */

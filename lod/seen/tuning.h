@@ -177,14 +177,11 @@
 #define LOD_BYTES_WORK 6
 #define LOD_FEW_SLACK 8u  /* of the vertices that fit: 1 / so many may be missed */
 #define LOD_FEW_FALL 4  /* vertices of one try over those of the next, where hardly any fit */
-#define LOD_SIZE_MARGIN 0.002  /* of the bytes, since what is beside differs from one answer to the next */
 #define LOD_SIZE_TRIES 5  /* answers whose bytes are counted */
 #define LOD_TIMES_COARSER 16.0  /* their bytes count chunks of coarser answers that the answer lacks */
 #define LOD_SWEEP_STEP 0.375  /* octaves of the price to the next one tried, at least ... */
 #define LOD_SWEEP_STEP_MOST 3.0  /* ... and at most; half of it at least once that work is done, where bytes do not bind: ... */
 #define LOD_SWEEP_LATE_RATIO 2.5  /* ... answers have so many times fewer bytes then */
-#define LOD_SWEEP_LAMBDA 0.25  /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
-#define LOD_SWEEP_VERTICES 0.5  /* ... where no more than this part of the budget is used */
 
 /* ---- Vertices for a rule that knows no bytes ---- */
 #define LOD_SEARCH_MOST 0.9  /* of the bytes that are allowed, or of the vertices: aim of the next plan */

@@ -307,7 +307,7 @@ static void add_textures(const struct eco_scene *scene, struct eco_plan *plan)
 static void make_plan(struct paper *p, struct eco_plan *plan)
 {
 	count_vertices(p);
-	paper_must(lod_planner_emit(&p->p, plan, paper_error));
+	paper_must(lod_planner_emit(&p->p, NULL, plan, paper_error));
 	/* ground first: it looks cuts up in the pack, which has not all of the rule's lists */
 	paper_must(lod_plan_ground(plan, p->s->scene, &p->request.view, p->request.ground_px, paper_error));
 	plan->cuts = eco_realloc(plan->cuts, (size_t)plan->cut_count + p->cut_count + p->s->scene->list_count,
