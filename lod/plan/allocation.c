@@ -515,9 +515,9 @@ static void set_slot_wrong(struct lod_allocation *m, uint32_t s)
 	struct lod_slot_wrong *wrong = &m->slot_wrong[s];
 	wrong->near_end = lod_near_end(m->p->gates[slot->plant], slot->band);
 	for (int near = 0; near < 2; near++) {
-		const double each = wrong->px[near] > 0 ? 1 / wrong->px[near] : 0, lost = m->scratch[s] / 2;
+		const double each = wrong->px[near] > 0 ? 1 / wrong->px[near] : 0;
 		const struct lod_wrong at = wrong->at[near], above = wrong->above[near];
-		wrong->at[near] = (struct lod_wrong){ each * (at.fp + lost), each * (at.fn + lost) };
+		wrong->at[near] = (struct lod_wrong){ each * at.fp, each * at.fn };
 		wrong->above[near] = (struct lod_wrong){ each * above.fp, each * above.fn };
 	}
 }
@@ -557,7 +557,6 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 	struct eco_error *error)
 {
 	find_drawn_by(m);
-	lod_prices_lost_of(m, m->scratch);
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
 		sum_slot_wrong(m, s);
 	for (uint32_t i = 0; i < m->uses.cell_count; i++)

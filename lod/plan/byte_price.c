@@ -359,20 +359,6 @@ double lod_prices_lost(const struct lod_allocation *m)
 	return sum;
 }
 
-void lod_prices_lost_of(const struct lod_allocation *m, double *lost)
-{
-	memset(lost, 0, m->p->visible.slot_count * sizeof *lost);
-	for (uint32_t i = 0; m->price > 0 && i < m->prices->ladder_count; i++) {
-		const struct ladder_price *l = &m->prices->ladders[i];
-		for (uint32_t k = 0; l->outline_lost > 0 && k < l->count; k++) {
-			uint32_t id = m->prices->choices[l->first + k];
-			const struct lod_ladder_choice *choice = &m->ladder_choices[id];
-			lost[choice->slot] += lod_prices_share(m, id, false) * choice->weight_px
-				* shown_of(m, l, id) * l->outline_lost;
-		}
-	}
-}
-
 static void forget_images(struct lod_allocation *m)
 {
 	for (uint32_t i = 0; i < m->prices->image_count; i++)

@@ -52,7 +52,7 @@ struct ladder_price {
 	double image_part;           /* bytes of the texture that this ladder is asked for */
 	bool shows;                  /* some of it, while organs are judged */
 	double seen_px;              /* of plants that draw the ladder */
-	double image_lost, outline_lost;     /* what each that shows it has wrong: all, and by its outline; ... */
+	double image_lost;           /* what each that shows it has wrong, ... */
 	double bare_lost;            /* ... and each that does not show it */
 	double whole_lost;           /* wrong pixels of plants drawn as a whole, which show none of it */
 };
@@ -124,8 +124,6 @@ void lod_prices_levels(struct lod_allocation *allocation);
 /* Bytes of what the last relaxation chose; wrong pixels for want of textures, or of levels of them. */
 double lod_prices_bytes(struct lod_allocation *allocation);
 double lod_prices_lost(const struct lod_allocation *allocation);
-/* Pixels of one plant, per slot, that are covered wrongly as outlines are coarse. */
-void lod_prices_lost_of(const struct lod_allocation *allocation, double *lost);
 
 /* ---- The price that a number of bytes asks for: prices are log2 ---- */
 

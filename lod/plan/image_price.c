@@ -166,11 +166,9 @@ static void limit_texture(struct lod_allocation *m, uint32_t i)
 	}
 	set_levels(m, image, best, border);
 	for (uint32_t k = 0; k < prices->ladder_count; k++)
-		if (shows(&prices->ladders[k], i)) {
-			struct ladder_price *l = &prices->ladders[k];
-			l->outline_lost = pixels > 0 ? borders[border] / pixels : 0;
-			l->image_lost = pixels > 0 ? (borders[border] + costs[best] - costs[image->most]) / pixels : 0;
-		}
+		if (shows(&prices->ladders[k], i))
+			prices->ladders[k].image_lost = pixels > 0
+				? (borders[border] + costs[best] - costs[image->most]) / pixels : 0;
 }
 
 void lod_images_limit(struct lod_allocation *m)

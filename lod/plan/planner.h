@@ -68,13 +68,9 @@ struct lod_planner_input {
 	uint64_t tiles_max, placements_max;          /* bounds of the walk; 0: 1,000,000 and 100,000 */
 	lod_rule *rule;                              /* NULL: lod_rule_optimal */
 	bool ignore_occlusion;                       /* every plant counts as wholly visible: to measure */
-	/* Work that the plan may take, in units of stats->work; 0: any. It is counted, not timed, so that the
-	 * same request ends the same everywhere. The level of detail is one whose plan it is expected to
-	 * allow; at half of it nothing more is begun that only makes the plan better, at all of it the search
-	 * within bytes takes what it has. Coarser answers have wider steps from three quarters on, where bytes do
-	 * not bind. Whatever this is, within bytes a plan takes at most some six times the work of the plan for the
-	 * vertices alone. A rule that knows no bytes is asked for several plans within them, each with an eighth
-	 * of the work. */
+	/* Work that the plan may take, in units of stats->work; 0: any. It is counted, not timed, so that the same
+	 * request ends the same everywhere; lod/plan/README.md, Work, says what ends first. A rule that knows no
+	 * bytes is asked for several plans within them, each with an eighth of the work. */
 	uint64_t work_max;
 	uint64_t level_work;                         /* the same for the level alone, so that plans of one
 	                                              * request that share work have one; 0: work_max */

@@ -2,15 +2,8 @@
  *
  * The expected error of what is drawn comes from a ladder's measured curve or a summary's computed one, times
  * the pixels seen. Pixels seen are found once, before any budget (lod/seen/visibility.h). So the objective is
- * a sum, and at a lambda each of its terms is minimised by itself (lod/plan/allocation.h). The steps:
- *
- * - on a fixed grid of lambdas, bisect for the one that uses the budget; between it and its neighbour, search
- *   the lambda that does (the dual solution)
- * - fix the gates and open tiles of that lambda, and use the budget to the last vertex for them
- *   (lod/plan/fill_budget.h)
- * - where few plants are in view, solve the knapsack of what all of them draw (fill_few.c), for these gates and
- *   tiles and for those of the next lambda
- * - where the answer has too many bytes, find a price for them and fill once more (lod/plan/byte_price.h)
+ * a sum, and at a lambda each of its terms is minimised by itself (lod/plan/allocation.h). lod/plan/README.md has the
+ * steps, from the search for a lambda to the price of bytes.
  *
  * The prediction is that of the entries: what the screen expects of the positions that the fill has left. */
 #include "lod/plan/planner_state.h"

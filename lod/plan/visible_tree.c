@@ -562,52 +562,32 @@ static enum eco_code want_places(struct lod_visible_tree *visible, struct eco_er
 		: ECO_OK;
 }
 
-/* The walk's changes to existing nodes. */
-struct kept { enum lod_state state; bool expanded; uint32_t left; double points; };
-
-static void keep_nodes(struct lod_visible_tree *visible, struct kept *kept)
-{
-	for (uint32_t i = 0; i < visible->node_count; i++) {
-		struct lod_node *node = &visible->nodes[i];
-		kept[i] = (struct kept){ node->state, node->expanded, node->left, node->points };
-		node->state = LOD_CLOSED;
-		node->left = 0;
-		node->points = 0;
-	}
-}
-
-static void restore_nodes(struct lod_visible_tree *visible, const struct kept *kept, uint32_t count)
-{
-	for (uint32_t i = 0; i < count; i++) {
-		struct lod_node *node = &visible->nodes[i];
-		node->state = kept[i].state;
-		node->left = kept[i].left;
-		node->points = kept[i].points;
-		if (!kept[i].expanded && node->expanded)
-			node->child_first = node->child_count = node->expanded = 0;
-	}
-	visible->node_count = count;
-}
-
 enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance,
 	const uint32_t *gates, struct eco_error *error)
 {
 	const uint32_t nodes = visible->node_count, placements = visible->placement_count;
 	const uint64_t walked = visible->places_walked;
-	struct kept *kept = malloc(nodes * sizeof *kept);
-	if (!kept)
+	struct lod_node *before = malloc(nodes * sizeof *before);
+	if (!before)
 		return no_memory(error);
-	keep_nodes(visible, kept);
+	memcpy(before, visible->nodes, nodes * sizeof *before);
+	for (uint32_t i = 0; i < nodes; i++) {
+		struct lod_node *node = &visible->nodes[i];
+		node->state = LOD_CLOSED;
+		node->left = 0;
+		node->points = 0;
+	}
 	enum eco_code code = open_tiles(visible, sample_distance, error);
 	if (!code)
 		code = count_cells(visible, gates, error);
 	code = code ? code : want_places(visible, error);
 	if (code) {
-		restore_nodes(visible, kept, nodes);
+		memcpy(visible->nodes, before, nodes * sizeof *before);
+		visible->node_count = nodes;
 		visible->placement_count = placements;
 		visible->places_walked = walked;
 	}
-	free(kept);
+	free(before);
 	if (code)
 		return code;
 	forget_counts(visible);
