@@ -233,12 +233,10 @@ void lod_allocation_fix(struct lod_allocation *allocation);
 /* The search for the lambda that uses a budget of vertices, as planner_optimal.c leaves it, and what
  * planner_bytes.c does with it where bytes count. */
 
-struct lod_evaluation { int at; double vertices; };
-
 struct lod_lambda_search {
 	struct lod_allocation *allocation;
 	int index;                           /* the last lambda whose vertices fit the budget */
-	double here, next;                   /* vertices there, and at the next lambda */
+	double here;                         /* vertices there */
 	double lambda;                       /* of the answer */
 	bool exact;                          /* few plants: each fill solves the knapsack */
 };

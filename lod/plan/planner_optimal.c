@@ -40,42 +40,28 @@ static bool is_enough(const struct lod_lambda_search *s)
 
 /* ---- The search for lambda ---- */
 
-/* Relaxes at a lambda. Vertices are clamped between those of the lambdas before and after it. */
-static enum eco_code evaluate(const struct lod_lambda_search *s, int at, const struct lod_evaluation *before,
-	const struct lod_evaluation *after, struct lod_evaluation *result, struct eco_error *error)
-{
-	enum eco_code code = lod_planner_check(s->allocation->p, error);
-	if (code)
-		return code;
-	lod_allocation_relax(s->allocation, lod_lambda_at(at));
-	*result = (struct lod_evaluation){ at, fmin(fmax(s->allocation->cost.vertices, before->vertices), after->vertices) };
-	return ECO_OK;
-}
-
-/* The lambda to evaluate next, the middle. The highest lambda is only a bound, so as long as nothing is
- * chosen there the next one is much lower. */
-static int next_to_evaluate(const struct lod_evaluation *here, const struct lod_evaluation *next)
-{
-	int width = next->at - here->at;
-	bool bound = !(here->vertices > 0) && next->at < LOD_LAMBDA_COUNT;
-	return here->at + (bound ? 3 * width / 4 : width / 2);
-}
-
-/* From nothing to everything. Most lambdas are never evaluated, among them those of much smaller budgets, which take the
- * longest. */
+/* From nothing to everything, by halving. Most lambdas are never tried, among them those of much smaller budgets, which
+ * take the longest: as long as nothing is chosen at a lambda the next one is much lower. */
 enum eco_code lod_search_grid(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
-	struct lod_evaluation here = { 0, 0 }, next = { 0, INFINITY }, middle;
-	enum eco_code code = evaluate(s, LOD_LAMBDA_COUNT, &here, &next, &next, error);
-	if (next.vertices <= (double)budget)
-		here = next;
-	while (!code && next.at - here.at > 1) {
-		code = evaluate(s, next_to_evaluate(&here, &next), &here, &next, &middle, error);
-		*(middle.vertices <= (double)budget ? &here : &next) = middle;
+	struct lod_allocation *m = s->allocation;
+	enum eco_code code = ECO_OK;
+	s->index = 0;
+	s->here = 0;
+	for (int next = LOD_LAMBDA_COUNT + 1, at = LOD_LAMBDA_COUNT; !code && at > s->index;) {
+		code = lod_planner_check(m->p, error);
+		if (code)
+			break;
+		lod_allocation_relax(m, lod_lambda_at(at));
+		if (m->cost.vertices <= (double)budget) {
+			s->index = at;
+			s->here = fmax(s->here, m->cost.vertices);
+		} else {
+			next = at;
+		}
+		const int width = next - s->index;
+		at = s->index + (!(s->here > 0) && next < LOD_LAMBDA_COUNT ? 3 * width / 4 : width / 2);
 	}
-	s->index = here.at;
-	s->here = here.vertices;
-	s->next = next.vertices;
 	return code;
 }
 

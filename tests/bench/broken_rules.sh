@@ -23,14 +23,14 @@ Deussen: importance is 1 @ s,double importance = .*,double importance = 1;,
 @ test_byte_budget lod/plan/byte_kinds.c
 plan: kinds share no bytes @ s,if (bytes >= LOD_KIND_ENOUGH \* target),if (bytes >= 0 * target),
 @ test_byte_budget lod/plan/price_search.c
-plan: a price whose bytes are half of those that fit @ s,if (now > target),if (2 * now > target),
+plan: a price whose bytes are half of those that fit @ s,\*(now > target,*(2 * now > target,
 @ test_byte_budget lod/plan/byte_price.c
 plan: organs are never judged @ s,prices->organs_off\[i\] = true,prices->organs_off[i] = false,
 plan: bytes of lists cost nothing @ s,double net = sum - m->price,double net = sum - 0 * m->price,
 @ test_planner lod/plan/fill_budget.c
 plan: half of the rest of a budget is left @ s,while (count && left),while (count \&\& left > (budget - fill->vertices) / 2),
 @ test_planner lod/plan/planner_optimal.c
-plan: the lambda of half the budget @ s,if (next.vertices <= (double)budget),budget /= 2; if (next.vertices <= (double)budget),
+plan: the lambda of half the budget @ s,if (m->cost.vertices <= (double)budget),if (m->cost.vertices <= (double)budget / 2),
 @ test_steadiness lod/plan/allocation.c
 plan: tiles and gates switch at once @ s,if (m->few_plants || !(width > 0)),if (m->few_plants || width >= 0),
 @ test_image_choice lod/plan/image_choice.c
