@@ -30,7 +30,7 @@ plan: bytes of lists cost nothing @ s,double net = sum - m->price,double net = s
 @ test_planner lod/plan/fill_budget.c
 plan: half of the rest of a budget is left @ s,while (count && left),while (count \&\& left > (budget - fill->vertices) / 2),
 @ test_planner lod/plan/planner_optimal.c
-plan: the lambda of half the budget @ s,if (m->cost.vertices <= (double)budget),if (m->cost.vertices <= (double)budget / 2),
+plan: the lambda of a sixteenth of the budget @ s,if (m->cost.vertices <= (double)budget),if (m->cost.vertices <= (double)budget / 16),
 @ test_steadiness lod/plan/allocation.c
 plan: tiles and gates switch at once @ s,if (m->few_plants || !(width > 0)),if (m->few_plants || width >= 0),
 @ test_image_choice lod/plan/image_choice.c
