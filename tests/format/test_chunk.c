@@ -51,7 +51,7 @@ static size_t bytes_of_places(const uint32_t (*at)[3], bool turned)
 		extra[2 * i] = turned ? (uint16_t)(eco_random(2, i) << 10) : eco_place_turn(position + 3 * (size_t)i);
 		extra[2 * i + 1] = 65536;
 	}
-	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL), ECO_OK);
 	const struct eco_chunk chunk = kind_chunk(&in, 0, PLACES, size);
 	assert_int_equal(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, NULL), ECO_OK);
 	assert_memory_equal(out.position, position, sizeof position);

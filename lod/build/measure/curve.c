@@ -149,7 +149,7 @@ static void sample_levels(struct lod_curve_organ *curve)
 	add_sample(curve, 1, false);
 }
 
-/* Of vertices, from a number of leaves before splats to the next. */
+/* Factor of vertices, from a number of leaves before splats to the next. */
 #define BEFORE_STEP 1.4142135623730951
 #define BEFORE_STEP_DRAFT 2.0
 
