@@ -17,9 +17,13 @@ static enum eco_code put_on_ground(struct lod_planner *p, struct eco_plan *plan,
 	return code;
 }
 
+/* Sets p->bytes; `enough`: payloads alone, where these are too many. */
 static enum eco_code count_bytes(struct lod_planner *p, const struct eco_plan *plan,
-	const struct eco_holdings *needs, struct eco_error *error)
+	const struct eco_holdings *needs, bool enough, struct eco_error *error)
 {
+	p->bytes = lod_plan_missing(p->scene, p->input->holdings, needs, NULL);
+	if (enough && p->bytes > p->input->request->bytes)
+		return ECO_OK;
 	enum eco_code code = p->body.scene ? ECO_OK
 		: eco_wire_body_init(&p->body, p->scene, NULL, NULL, p->input->request->name_from, error);
 	p->body.cancelled = p->input->cancelled;
@@ -53,14 +57,17 @@ static enum eco_code coarsen_ground(struct lod_planner *p, struct eco_plan *plan
 enum eco_code lod_plan_size(struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
 {
 	const uint64_t most = p->input->request->bytes;
+	const bool first = !p->ground_settled;
 	struct eco_holdings needs = { .items = NULL };
 	enum eco_code code = put_on_ground(p, plan, &needs, error);
-	code = code ? code : count_bytes(p, plan, &needs, error);
-	if (!code && !p->ground_settled && p->bytes > most && p->scene->ground_count) {
+	code = code ? code : count_bytes(p, plan, &needs, first, error);
+	if (!code && first && p->bytes > most) {
 		p->ground_settled = true;
-		p->ground_px = fmax(p->ground_px, LOD_GROUND_PX_SCARCE);
-		code = coarsen_ground(p, plan, most, &needs, error);
-		code = code ? code : count_bytes(p, plan, &needs, error);
+		if (p->scene->ground_count) {
+			p->ground_px = fmax(p->ground_px, LOD_GROUND_PX_SCARCE);
+			code = coarsen_ground(p, plan, most, &needs, error);
+			code = code ? code : count_bytes(p, plan, &needs, first, error);
+		}
 	}
 	free(needs.items);
 	return code;
