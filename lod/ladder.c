@@ -447,11 +447,13 @@ static uint32_t forms_cuts(const struct lod_forms *forms, uint64_t vertices, flo
 }
 
 /* The first `triangles` of what stands before splats; of cells an equal share. */
-static uint32_t front_cuts(const struct lod_way *way, uint64_t triangles, struct eco_cut cuts[1 + ECO_FRONT_MAX])
+static uint32_t front_cuts(const struct lod_way *way, uint64_t triangles,
+	struct eco_cut cuts[1 + ECO_FRONT_MAX])
 {
 	const struct eco_ladder *ladder = way->ladder;
 	uint32_t lists[ECO_FRONT_MAX];
-	uint64_t own = primitives(way->scene, ladder->triangles), from = own > ladder->total ? own - ladder->total : 0,
+	uint64_t own = primitives(way->scene, ladder->triangles),
+		from = own > ladder->total ? own - ladder->total : 0,
 		before = 0, all = ladder->total + from - own;
 	uint32_t count = put(cuts, ladder->triangles, from, triangles < own - from ? from + triangles : own, 1);
 	if (triangles <= own - from)

@@ -125,7 +125,8 @@ const char *eco_elements_fault(const struct eco_elements *e, const struct eco_li
 	return NULL;
 }
 
-uint32_t eco_ladder_front(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t lists[ECO_FRONT_MAX])
+uint32_t eco_ladder_front(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	uint32_t lists[ECO_FRONT_MAX])
 {
 	const struct eco_plant *plant = &scene->plants[ladder->plant];
 	const struct eco_ladder *all = scene->ladders + plant->ladder_first;
@@ -133,7 +134,8 @@ uint32_t eco_ladder_front(const struct eco_scene *scene, const struct eco_ladder
 	while (first < plant->ladder_count && all[first].triangles != ladder->triangles)
 		first++;
 	for (uint32_t i = first + 1; i < plant->ladder_count && count < ECO_FRONT_MAX; i++)
-		if (all[i].flags & ECO_LADDER_NEAR && all[i].organ == all[first].organ && all[i].triangles != ECO_NONE
+		if (all[i].flags & ECO_LADDER_NEAR && all[i].organ == all[first].organ
+				&& all[i].triangles != ECO_NONE
 				&& scene->lists[all[i].triangles].image == scene->lists[ladder->triangles].image)
 			lists[count++] = all[i].triangles;
 	return count;

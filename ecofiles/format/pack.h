@@ -278,10 +278,11 @@ static inline bool eco_ladder_has_splats(const struct eco_scene *scene, const st
 	return ladder->points != ECO_NONE && (scene->lists[ladder->points].attributes & ECO_ATTR_SPLAT);
 }
 
-/* The lists of triangles that stand before a ladder's splats when its own are drawn: those of the plant's cells, of the
- * same organ and texture. Returns their number. */
+/* The lists of triangles that stand before a ladder's splats when its own are drawn: those of the plant's cells, of
+ * the same organ and texture. Returns their number. */
 #define ECO_FRONT_MAX 64u
-uint32_t eco_ladder_front(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t lists[ECO_FRONT_MAX]);
+uint32_t eco_ladder_front(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	uint32_t lists[ECO_FRONT_MAX]);
 
 /* The needs that a list gives a scene; cells, cut-outs and placements come from elsewhere. */
 uint32_t eco_list_needs(const struct eco_list *list);

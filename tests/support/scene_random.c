@@ -151,8 +151,8 @@ static void add_impostor(struct scene_builder *b, struct eco_ladder *l, uint32_t
 	l->curve_count += levels;
 }
 
-/* A few levels, some with leaves before them, those of cells too, and a curve that ends with an error, a small one or a large one. With
- * more splats some miss more and cover less that is wrong. */
+/* A few levels, some with leaves before them, those of cells too, and a curve that ends with an error, a small one or a
+ * large one. With more splats some miss more and cover less that is wrong. */
 static void add_splats(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor, uint32_t leaves)
 {
 	struct eco_ladder l = scene_ladder(b->scene.plant_count - 1, anchor, ECO_ORGAN_FOLIAGE);

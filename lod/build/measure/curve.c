@@ -158,7 +158,8 @@ static void sample_splats(struct lod_curve_organ *curve)
 {
 	struct lod_way way;
 	lod_way_begin(&way, &curve->probe->scene, lod_curve_member(curve, 0));
-	double splats = (double)lod_way_stage_end(&way), step = curve->draft ? BEFORE_STEP_DRAFT : BEFORE_STEP;
+	double splats = (double)lod_way_stage_end(&way),
+		step = curve->draft ? BEFORE_STEP_DRAFT : BEFORE_STEP;
 	sample_geometrically(curve, splats, 1 / curve->full);
 	add_sample(curve, splats / curve->full, false);
 	for (double v = step * splats; v < curve->full; v *= step)

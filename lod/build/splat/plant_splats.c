@@ -256,8 +256,9 @@ static void add_front(const struct lod_plant *plant, struct eco_ladder *whole)
 	}
 	for (uint32_t i = 0; i < plant->ladder_count; i++) {
 		const struct eco_ladder *l = &plant->ladders[i];
-		if (front && l->flags & ECO_LADDER_NEAR && l->organ == front->organ && l->triangles != ECO_NONE
-				&& plant->lists[l->triangles].list.image == plant->lists[front->triangles].list.image)
+		if (front && l->flags & ECO_LADDER_NEAR && l->organ == front->organ
+				&& l->triangles != ECO_NONE && plant->lists[l->triangles].list.image
+				== plant->lists[front->triangles].list.image)
 			whole->total += plant->lists[l->triangles].list.primitive_count;
 	}
 }
