@@ -103,7 +103,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 			*best = *now;
 			now->mix = spare;
 		}
-		if (now->size == before || (now->size <= most && now->size >= most * (1 - LOD_PRICE_SLACK))
+		if ((now->size == before && fits) || (now->size <= most && now->size >= most * (1 - LOD_PRICE_SLACK))
 				|| (best->size <= most && lod_planner_over(p, 4)
 				&& !(now->size > most && now->size < most * (1 + LOD_PRICE_SLACK)))
 				|| (i > 0 && lod_planner_spent(p)))
@@ -158,9 +158,9 @@ static enum eco_code fill_few(struct lod_lambda_search *s, uint64_t vertices, st
 	return code ? code : lod_bytes_size(s->allocation->p, error);
 }
 
-/* Between two prices an answer may fall from too many bytes to nothing. Fewer vertices without a price draw
- * something then, as many as fit. Textures and the image of the ground are as at the highest price. An empty answer
- * that is left keeps the image that it has. */
+/* Between two prices an answer may fall from too many bytes to nothing, and no price that was tried may fit. Fewer
+ * vertices without a price draw something then, as many as fit. Textures and the image of the ground are as at the
+ * highest price. An empty answer that is left keeps the image that it has. */
 static enum eco_code fit_few(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -202,7 +202,7 @@ enum eco_code lod_bytes_fit(struct lod_lambda_search *s, uint64_t budget, struct
 		code = fit_bytes(s, budget, error);
 	p->price = m->price;
 	m->limited = false;
-	if (!code && budget && !p->vertices)
+	if (!code && budget && (!p->vertices || p->bytes > p->input->request->bytes))
 		code = fit_few(s, budget, error);
 	return code;
 }
