@@ -35,6 +35,16 @@ double lod_price_wrong(const struct lod_allocation *m)
 	return m->cost.alike + m->cost.open + lod_prices_lost(m);
 }
 
+/* Did a lower price need fewer bytes? Limits are no optimum, so bytes may rise with the price. */
+static bool is_risen(const struct lod_price_tries *tries, uint32_t i)
+{
+	for (uint32_t k = 0; k < tries->count; k++)
+		if (tries->at[k].lambda == tries->at[i].lambda && tries->at[k].octave < tries->at[i].octave
+				&& tries->at[k].bytes < tries->at[i].bytes)
+			return true;
+	return false;
+}
+
 /* A price for all bytes alike, which is remembered. */
 static double relax_alike(struct lod_allocation *m, double lambda, double octave)
 {
@@ -87,15 +97,15 @@ static void seek(struct lod_allocation *m, double lambda, double target, double 
 	}
 }
 
-/* The highest price tried at which there are too many bytes, and the next one tried above it, at which there
- * are not. False where one of both is not known. */
-static bool recall(const struct lod_allocation *m, double lambda, double target, double *low, double *high)
+/* The highest price tried at which there are too many bytes, without those where they have risen if only `falls` count,
+ * and the next one tried above it. False where one of both is not known. */
+static bool recall(const struct lod_allocation *m, double lambda, double target, bool falls, double *low, double *high)
 {
 	const struct lod_price_tries *tries = &m->tries;
 	*low = -INFINITY;
 	*high = INFINITY;
 	for (uint32_t i = 0; i < tries->count; i++)
-		if (tries->at[i].lambda == lambda && tries->at[i].bytes > target)
+		if (tries->at[i].lambda == lambda && tries->at[i].bytes > target && !(falls && is_risen(tries, i)))
 			*low = fmax(*low, tries->at[i].octave);
 	for (uint32_t i = 0; i < tries->count; i++)
 		if (tries->at[i].lambda == lambda && tries->at[i].octave > *low)
@@ -103,11 +113,18 @@ static bool recall(const struct lod_allocation *m, double lambda, double target,
 	return *low > -INFINITY && *high < INFINITY;
 }
 
+/* Where bytes have risen with the price, a lower one may fit, too. */
 double lod_price_find(struct lod_allocation *m, double lambda, double target, double near, double *octave)
 {
+	const struct lod_price_tries *tries = &m->tries;
 	double low, high;
-	if (!recall(m, lambda, target, &low, &high))
+	if (!recall(m, lambda, target, false, &low, &high))
 		seek(m, lambda, target, near, &low, &high);
 	*octave = high > low ? search_price(m, lambda, target, low, high) : low;
+	if (recall(m, lambda, target, true, &low, &high) && high < *octave)
+		search_price(m, lambda, target, low, high);
+	for (uint32_t i = 0; i < tries->count; i++)
+		if (tries->at[i].lambda == lambda && tries->at[i].bytes <= target)
+			*octave = fmin(*octave, tries->at[i].octave);
 	return lod_price_relax(m, lambda, *octave, NULL);
 }

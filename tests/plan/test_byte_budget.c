@@ -163,6 +163,29 @@ static bool share_bytes(struct relaxed *r, double octave)
 	return used;
 }
 
+UNIT_TEST(a_lower_price_fits_where_bytes_rise_with_the_price)
+{
+	static const double tried[][2] = { { 0, 1000 }, { .05, 500 }, { .1, 2000 }, { .15, 400 } };
+	struct random_pack *pack = random_pack_make(1, 0, 2);
+	const struct eco_request request = { .view = random_view(&pack->r), .vertices = 10000 };
+	const struct lod_planner_input input = { .scene = &pack->pack.scene, .request = &request };
+	struct relaxed r;
+	double octave;
+	begin(&r, &input);
+	for (size_t i = 0; i < sizeof tried / sizeof *tried; i++) {
+		r.m.tries.at[i].lambda = 1e-9;
+		r.m.tries.at[i].octave = tried[i][0];
+		r.m.tries.at[i].bytes = tried[i][1];
+	}
+	r.m.tries.count = sizeof tried / sizeof *tried;
+	lod_price_find(&r.m, 1e-9, 600, NAN, &octave);
+	assert_true(octave == .05);
+	lod_price_find(&r.m, 1e-9, 450, NAN, &octave);
+	assert_true(octave == .15);
+	end(&r);
+	random_pack_free(pack);
+}
+
 UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none_and_a_price_is_found)
 {
 	uint32_t shared = 0, searched = 0, some = 0;
