@@ -166,6 +166,7 @@ static enum eco_code fit_few(struct lod_lambda_search *s, uint64_t budget, struc
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	const double image_price = p->image_price;
+	const bool fits = p->bytes <= p->input->request->bytes;
 	uint64_t few = 0, many = budget;
 	enum eco_code code = ECO_OK;
 	lod_price_relax(m, lod_lambda_at(0), LOD_PRICE_HIGHEST, NULL);
@@ -177,11 +178,12 @@ static enum eco_code fit_few(struct lod_lambda_search *s, uint64_t budget, struc
 		code = fill_few(s, middle, error);
 		*(p->bytes <= p->input->request->bytes ? &few : &many) = middle;
 	}
-	if (!code && few)
-		return fill_few(s, few, error);
+	code = !code && few ? fill_few(s, few, error) : code;
+	if (code || (few && (p->vertices || !fits)))
+		return code;
 	lod_price_relax(m, lod_lambda_at(0), LOD_PRICE_HIGHEST, NULL);
 	p->image_price = image_price;
-	code = code ? code : lod_search_fill(s, lod_lambda_at(0), budget, error);
+	code = lod_search_fill(s, lod_lambda_at(0), budget, error);
 	return code ? code : lod_bytes_size(p, error);
 }
 

@@ -163,6 +163,29 @@ static bool share_bytes(struct relaxed *r, double octave)
 	return used;
 }
 
+/* Where a few vertices were tried in vain the image is that of the price all the same, not the coarsest. */
+UNIT_TEST(an_answer_without_plants_has_the_image_that_its_bytes_allow)
+{
+	uint32_t empty = 0, levels = 0;
+	for (uint64_t seed = 1; seed <= 2 * SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, 0, 1 + seed % 5);
+		const struct eco_scene *scene = &pack->pack.scene;
+		const struct eco_view view = random_view(&pack->r);
+		const uint64_t least = bytes_of(scene, &view, 1000000, 0, NULL, NULL);
+		for (uint64_t part = 2; part <= 64; part *= 2) {
+			struct eco_plan plan;
+			plan_it(&plan, scene, &view, 1000000, least + 65536 / part, NULL);
+			empty += !plan.vertices;
+			for (uint32_t i = 0; !plan.vertices && i < plan.cut_count; i++)
+				levels += scene->lists[plan.cuts[i].list].kind == ECO_LIST_GROUND_IMAGE ? plan.cuts[i].end : 0;
+			eco_plan_free(&plan);
+		}
+		random_pack_free(pack);
+	}
+	print_message("%u levels in %u answers\n", levels, empty);
+	assert_true(2 * levels > 17 * empty);
+}
+
 UNIT_TEST(a_lower_price_fits_where_bytes_rise_with_the_price)
 {
 	static const double tried[][2] = { { 0, 1000 }, { .05, 500 }, { .1, 2000 }, { .15, 400 } };
