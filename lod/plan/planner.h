@@ -22,7 +22,7 @@ lod_rule lod_rule_deussen;           /* one sample distance d' (Deussen 2002, se
 struct lod_planner_stats {
 	uint64_t looks;              /* hulls searched for a lambda: choices in view x lambdas tried */
 	uint64_t places;             /* plants looked at one by one */
-	uint64_t work;               /* all of it, in units of about 6 ns */
+	uint64_t work;               /* all of it, in units of about 7 ns */
 	uint64_t cheapest;           /* vertices of the cheapest step of a hull; UINT64_MAX: none is left */
 	uint32_t level;              /* level of detail: finer where every curve of a coarser one had ended */
 	bool converged;              /* the search ended by its tolerance, not by its bound of tries */

@@ -72,8 +72,7 @@ static double search_price(struct lod_allocation *m, double lambda, double targe
 	return high;
 }
 
-/* Two such prices, by trying, from one that nearly fits. *high <= *low: everything fits at *low, the lowest.
- */
+/* Two such prices, by trying, from one that nearly fits. *high <= *low: everything fits at *low, the lowest. */
 static void seek(struct lod_allocation *m, double lambda, double target, double near, double *low,
 	double *high)
 {

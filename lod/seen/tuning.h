@@ -1,5 +1,5 @@
 /* Every number that steers a plan. Each has its unit and meaning beside it. Shares are 0 to 1, octaves are log2,
- * prices are wrong pixels a byte, work is counted in units of about 6 ns (struct lod_planner_stats). "..." goes on
+ * prices are wrong pixels a byte, work is counted in units of about 7 ns (struct lod_planner_stats). "..." goes on
  * in the next line. Experiments that chose them: lod/EXPERIMENTS.md, What a plan costs, Bytes of first visits,
  * Weight of the wrong owner, Larger leaves among other plants, Ties of splats, Textures, Impostors, Scattered
  * points. Tolerances of arithmetic and bounds of arrays are with the code that has them. */
