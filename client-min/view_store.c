@@ -142,8 +142,10 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 		return ECO_OK;
 	if (plant->anchor_count == 0 || plant->anchor_first > UINT32_MAX - plant->anchor_count)
 		return BAD("plant %u has no anchors, or too many", id);
-	size_t anchor_bytes = (size_t)anchor_count * sizeof *anchors;
-	ECO_PASS(describe(store, sizeof(struct view_plant) + anchor_bytes, error));
+	size_t anchor_bytes = (size_t)anchor_count * sizeof *anchors,
+		before = known ? sizeof *known + known->anchor_count * sizeof *anchors : 0,
+		more = sizeof *known + anchor_bytes - before;
+	ECO_PASS(describe(store, more, error));
 	struct view_plant *copy = known ? known : calloc(1, sizeof *copy);
 	struct eco_anchor *moved = copy ? realloc(copy->anchors, anchor_bytes) : NULL;
 	if (moved) {
@@ -151,7 +153,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 		memcpy(copy->anchors, anchors, anchor_bytes);
 		copy->anchor_count = anchor_count;
 		copy->plant = *plant;
-		view_cache_charge_bytes(&store->cache, sizeof *copy + anchor_bytes);
+		view_cache_charge_bytes(&store->cache, more);
 	}
 	if (moved && known)
 		return ECO_OK;

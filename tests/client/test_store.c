@@ -160,6 +160,8 @@ UNIT_TEST(cells_are_known_once_they_are_described)
 		assert_memory_equal(plant->anchors, grove.scene.anchors, all * sizeof *plant->anchors);
 	}
 	assert_int_equal(view_store_plant(store, 0)->anchor_count, 3);
+	assert_int_equal(view_store_stats(store).memory_bytes,
+		sizeof(struct view_plant) + 3 * sizeof(struct eco_anchor));
 	eco_wire_parser_free(parser);
 }
 

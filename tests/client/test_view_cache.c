@@ -156,7 +156,7 @@ static void check_bytes(const struct client *c)
 		bytes += list_bytes(view_store_list_at(c->store, i));
 	for (uint32_t i = 0; i < scene->pack->scene.plant_count; i++) {
 		const struct view_plant *plant = view_store_plant(c->store, i);
-		bytes += plant ? sizeof *plant + plant->plant.anchor_count * sizeof *plant->anchors : 0;
+		bytes += plant ? sizeof *plant + plant->anchor_count * sizeof *plant->anchors : 0;
 	}
 	struct view_store_stats stats = view_store_stats(c->store);
 	assert_true(bytes == stats.memory_bytes);
