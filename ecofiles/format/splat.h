@@ -7,8 +7,8 @@
  *   6     opacity: (code % 16 + 1) / 16, code in [0, 32); 15 is opaque. From 16 on it is wood: no leaf is drawn on it
  *
  * Axes may be swapped and reversed without changing an ellipsoid, so the writer takes the smallest of the
- * 24 turns: then the vector part is below 0.53 and takes 5 bits: about 2 degrees
- * an axis, where lengths are known to 5 %. */
+ * 24 turns: then the vector part is below 0.53 and takes 5 bits: about 2 degrees an axis, where lengths are
+ * known to 5 %. */
 #pragma once
 
 #include <stdbool.h>

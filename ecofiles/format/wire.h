@@ -27,7 +27,7 @@
  * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
  * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A
  * client that holds a chunk of a list knows its record; one that holds a chunk of any list of a plant
- * (not of its instances) knows the plant.
+ * (not of its instances) knows the plant, and the anchors of its cells if the list is of a cell.
  *
  * PLAN. Varints, and f64 where so said. A plan has one encoding: arrays are in the order of eco_plan_sort, a
  * field that is said differs from what is expected of it. Everything else is refused. Figures that only a server

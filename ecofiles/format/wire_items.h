@@ -10,8 +10,9 @@
  *
  * Item: 2 bits, modelled by the kind of the item before: END 0, PLANT 1, LIST 2, CHUNK 3. Then
  *   PLANT  id - (last plant + 1), name: number of bytes, 8 bits each; height (real, against the last
- *          one's), anchor first - end of the last one's, anchor count; leaf width (16 bits) and tone (8
- *          bits); its anchors: x, y, z, radius (reals without `same`, against the anchor before)
+ *          one's), anchor first - end of the last one's, anchor count; of more than 1 anchor: 1 bit,
+ *          modelled: 0: the first follows, 1: all; leaf width (16 bits) and tone (8 bits); these anchors:
+ *          x, y, z, radius (reals without `same`, against the anchor before)
  *   LIST   id - (last item's list + 1); kind: 4 bits, modelled by the last list's; coder (3 bits),
  *          attributes (8 bits), modelled by the kind; then the fields of enum eco_wire_field, each against
  *          the last list of the kind; the grid: 2 bits: 0: that of the last list of the kind, 1: of the
