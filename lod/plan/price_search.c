@@ -112,7 +112,7 @@ static bool recall(const struct lod_allocation *m, double lambda, double target,
 	return *low > -INFINITY && *high < INFINITY;
 }
 
-/* Where bytes have risen with the price, a lower one may fit, too. */
+/* A lower price may fit, too, where bytes have risen with the price. */
 double lod_price_find(struct lod_allocation *m, double lambda, double target, double near, double *octave)
 {
 	const struct lod_price_tries *tries = &m->tries;

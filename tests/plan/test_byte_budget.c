@@ -163,7 +163,7 @@ static bool share_bytes(struct relaxed *r, double octave)
 	return used;
 }
 
-/* Where a few vertices were tried in vain the image is that of the price all the same, not the coarsest. */
+/* The image is that of the price also where a few vertices were tried in vain, not the coarsest. */
 UNIT_TEST(an_answer_without_plants_has_the_image_that_its_bytes_allow)
 {
 	uint32_t empty = 0, levels = 0;
