@@ -160,7 +160,7 @@ static enum eco_code fill_few(struct lod_lambda_search *s, uint64_t vertices, st
 
 /* Between two prices an answer may fall from too many bytes to nothing, and no price that was tried may fit. Fewer
  * vertices without a price draw something then, as many as fit. Textures and the image of the ground are as at the
- * highest price. An empty answer that is left keeps the image that it has. */
+ * highest price. An empty answer that fits keeps the image that it has. */
 static enum eco_code fit_few(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -179,10 +179,10 @@ static enum eco_code fit_few(struct lod_lambda_search *s, uint64_t budget, struc
 		*(p->bytes <= p->input->request->bytes ? &few : &many) = middle;
 	}
 	code = !code && few ? fill_few(s, few, error) : code;
-	if (code || (few && (p->vertices || !fits)))
+	if (code || (few && p->vertices))
 		return code;
 	lod_price_relax(m, lod_lambda_at(0), LOD_PRICE_HIGHEST, NULL);
-	p->image_price = image_price;
+	p->image_price = fits ? image_price : p->image_price;
 	code = lod_search_fill(s, lod_lambda_at(0), budget, error);
 	return code ? code : lod_bytes_size(p, error);
 }
